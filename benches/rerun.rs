@@ -11,7 +11,7 @@ use std::process::{Command, Stdio};
 use std::time::Instant;
 
 /// What is changed, and the key that does it.
-const CHANGES: [(&str, &str); 10] = [
+const CHANGES: [(&str, &str); 11] = [
     ("exhaust's pitch", "exhaust.pitch = \"25 mm\""),
     ("exhaust's muffler", MUFFLER),
     ("background noise", "acoustics.background_level = 70"),
@@ -23,6 +23,8 @@ const CHANGES: [(&str, &str); 10] = [
     ("wood's density", "wood.density = \"440 kg/m3\""),
     ("wood's loss factor", "wood.loss_factor = 0.03"),
     ("nail's length", "nail.length = \"76 mm\""),
+    // New modes of the tool on the same mesh.
+    ("tool's mass", "tool.mass = \"4.0 kg\"\nstudy.screening = 0"),
 ];
 
 /// A muffler by its measured loss; the area of its end acts on the flow, so that it is another shot.

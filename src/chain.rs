@@ -101,7 +101,9 @@ impl BodyStages {
             loss_factor,
             top_hz,
         } = inputs::bodies::body(design, kind, driven)?;
-        let meshed = graph.add(geometry);
+        let mesh = graph.add(geometry.meshing());
+        let order = graph.add(geometry.elimination(mesh.clone()));
+        let meshed = graph.add(geometry.attachment(mesh));
         let model = graph.add(Discretisation {
             kind,
             meshed: meshed.clone(),
@@ -110,6 +112,7 @@ impl BodyStages {
         let modes = graph.add(Modes {
             kind,
             model: model.clone(),
+            order,
             below_hz,
             residual_limit,
         });
@@ -882,6 +885,27 @@ mod tests {
         let [before, after] = [keys(&base), keys(&denser)];
         assert_ne!(before[0], after[0]);
         assert_eq!(before[1..], after[1..]);
+    }
+
+    /// Key of the tool's order of elimination.
+    fn order(design: &Design) -> Digest {
+        let geometry = inputs::bodies::geometry(design, BodyKind::Tool, false).unwrap();
+        let graph = Graph::default();
+        let mesh = graph.add(geometry.meshing());
+        *graph.add(geometry.elimination(mesh)).key()
+    }
+
+    #[test]
+    fn masses_and_materials_leave_the_order_of_elimination_and_dimensions_change_it() {
+        let base = Design::load(concat!(env!("CARGO_MANIFEST_DIR"), "/designs/n80cb.toml")).unwrap();
+        let mut other = base.clone();
+        other.tool.mass *= 1.1;
+        other.body.lumped_nose *= 1.1;
+        other.body.housing.density *= 1.01;
+        assert_eq!(order(&base), order(&other));
+        assert_ne!(keys(&base), keys(&other));
+        other.piston.bore *= 1.01;
+        assert_ne!(order(&base), order(&other));
     }
 
     /// Keys of the radiation matrices depend on surfaces and modes alone.

@@ -1,17 +1,21 @@
 //! From a mesh to K and M.
 
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
 use nailnoise_meshes::Mesh;
 use nalgebra::{DMatrix, Vector3};
 use nalgebra_sparse::CscMatrix;
+use nalgebra_sparse::pattern::SparsityPattern;
 
+use crate::factor::Symbolic;
 use crate::layout::{Cliques, Layout};
 use crate::reduction::Reduction;
 use crate::symmetry::Mirror;
-use crate::{Attachments, Constraints, FemError, Material};
+use crate::{Attachments, Constraints, FemError, Material, order};
 
-/// The free degrees of freedom of a model, numbered node by node as the mesh has them.
+/// The free degrees of freedom of a model, numbered node by node as the mesh has them, or in an order of elimination
+/// ([`assemble_in_order`]).
 ///
 /// The degrees of freedom u of the mesh follow from the unknowns q of the equations as u = T q: a free one is an unknown
 /// itself, a held one is zero, and one of a tied node is a combination of unknowns.
@@ -42,6 +46,8 @@ pub struct System {
     pub stiffness: CscMatrix<f64>,
     /// M \[kg\].
     pub mass: CscMatrix<f64>,
+    /// The pattern of factors, where the equations stand in an order of elimination.
+    pub(crate) symbolic: Option<Arc<Symbolic>>,
 }
 
 impl Equations {
@@ -161,64 +167,184 @@ pub fn assemble_with(
     constraints: &Constraints,
     attachments: &Attachments,
 ) -> Result<System, FemError> {
-    if materials.len() != mesh.part_names.len() {
-        return Err(FemError::Materials {
-            parts: mesh.part_names.len(),
-            materials: materials.len(),
-        });
+    let nodes = Nodes::new(mesh, constraints, attachments)?;
+    nodes.assemble(mesh, materials, None)
+}
+
+/// The same with the nodes in the order of elimination that [`elimination_order`] returned for this mesh, these constraints
+/// and attachments of the same kind on the same groups. [`crate::modes`] then needs neither to find an order nor to copy K and
+/// M into it.
+///
+/// # Errors
+/// Those of [`assemble_with`]; [`FemError::Order`] for an order of other nodes.
+pub fn assemble_in_order(
+    mesh: &Mesh,
+    materials: &[Material],
+    constraints: &Constraints,
+    attachments: &Attachments,
+    order: &[u32],
+) -> Result<System, FemError> {
+    let nodes = Nodes::new(mesh, constraints, attachments)?;
+    nodes.assemble(mesh, materials, Some(order))
+}
+
+/// The nodes of a model that have unknowns, in an order of elimination of their graph; none for a body with planes that may
+/// divide it, where each sector has an order of its own. The order does not depend on materials, nor on the sizes of masses and
+/// stiffnesses.
+///
+/// # Errors
+/// Those of [`assemble_with`], but for materials and elements.
+pub fn elimination_order(
+    mesh: &Mesh,
+    constraints: &Constraints,
+    attachments: &Attachments,
+) -> Result<Option<Vec<u32>>, FemError> {
+    let nodes = Nodes::new(mesh, constraints, attachments)?;
+    if !nodes.mirrors(mesh).is_empty() {
+        return Ok(None);
     }
-    let reduction = Reduction::new(mesh, attachments, constraints)?;
-    let mut free = vec![[true; 3]; reduction.nodes];
-    for (node, axis) in constraints.iter() {
-        if node >= mesh.nodes.len() {
-            let nodes = mesh.nodes.len();
-            return Err(FemError::Node { node, nodes });
+    let index = nodes.index(&nodes.active);
+    let order = order::elimination_order(&nodes.cliques.graph(&index, nodes.active.len()))?;
+    let dofs = 3 * nodes.reduction.nodes;
+    let node = |place: usize| u32::try_from(nodes.active[place]).map_err(|_| FemError::TooLarge { dofs });
+    order.into_iter().map(node).collect::<Result<_, _>>().map(Some)
+}
+
+/// The nodes of a model and what joins them.
+struct Nodes {
+    reduction: Reduction,
+    /// Free axes of every node.
+    free: Vec<[bool; 3]>,
+    cliques: Cliques,
+    /// Those with unknowns, ascending.
+    active: Vec<usize>,
+}
+
+impl Nodes {
+    fn new(mesh: &Mesh, constraints: &Constraints, attachments: &Attachments) -> Result<Self, FemError> {
+        let reduction = Reduction::new(mesh, attachments, constraints)?;
+        let mut free = vec![[true; 3]; reduction.nodes];
+        for (node, axis) in constraints.iter() {
+            if node >= mesh.nodes.len() {
+                let nodes = mesh.nodes.len();
+                return Err(FemError::Node { node, nodes });
+            }
+            free[node][axis.min(2)] = false;
         }
-        free[node][axis.min(2)] = false;
-    }
-    let cliques = Cliques::new(mesh, &reduction);
-    // Nodes with nothing free, those of no element and the dependent ones have no place in the graph.
-    let mut used = vec![false; reduction.nodes];
-    cliques.nodes().for_each(|node| used[node] = true);
-    let active: Vec<usize> = (0..reduction.nodes)
-        .filter(|&i| used[i] && free[i].contains(&true))
-        .collect();
-    if active.is_empty() {
-        return Err(FemError::NothingFree {
-            dofs: 3 * mesh.nodes.len(),
-        });
-    }
-    let mut index = vec![None; reduction.nodes];
-    active.iter().enumerate().for_each(|(k, &node)| index[node] = Some(k));
-    let layout = Layout::new(&cliques.graph(&index, active.len()), &active, &free, &reduction);
-    let (stiffness, mass) = layout.scatter(mesh, materials, &index, &reduction)?;
-    let mut equation_of = vec![None; 3 * reduction.nodes];
-    layout
-        .dof_of
-        .iter()
-        .enumerate()
-        .for_each(|(e, &dof)| equation_of[dof] = Some(e));
-    let mut tied = BTreeMap::new();
-    for (node, terms) in reduction.dependent() {
-        for axis in 0..3 {
-            let row = terms
-                .iter()
-                .flat_map(|&(p, w)| (0..3).map(move |k| (3 * p + k, w[(axis, k)])));
-            let row = row.filter_map(|(dof, w)| equation_of[dof].filter(|_| w != 0.0).map(|e| (e, w)));
-            tied.insert(3 * node + axis, row.collect());
+        let cliques = Cliques::new(mesh, &reduction);
+        // Nodes with nothing free, those of no element and the dependent ones have no place in the graph.
+        let mut used = vec![false; reduction.nodes];
+        cliques.nodes().for_each(|node| used[node] = true);
+        let active: Vec<usize> = (0..reduction.nodes)
+            .filter(|&i| used[i] && free[i].contains(&true))
+            .collect();
+        if active.is_empty() {
+            return Err(FemError::NothingFree {
+                dofs: 3 * mesh.nodes.len(),
+            });
         }
+        Ok(Self {
+            reduction,
+            free,
+            cliques,
+            active,
+        })
     }
-    let mirrors = Mirror::candidates(mesh, &equation_of, &layout.dof_of);
-    Ok(System {
-        equations: Equations {
-            dofs: 3 * mesh.nodes.len(),
-            equation_of,
-            dof_of: layout.dof_of,
-            tied,
-            rotations: reduction.rotations.iter().flat_map(|&r| 3 * r..3 * r + 3).collect(),
-            mirrors,
-        },
-        stiffness,
-        mass,
-    })
+
+    /// The place of every node in an order of those with unknowns.
+    fn index(&self, order: &[usize]) -> Vec<Option<usize>> {
+        let mut index = vec![None; self.reduction.nodes];
+        order.iter().enumerate().for_each(|(k, &node)| index[node] = Some(k));
+        index
+    }
+
+    /// Planes that may divide the body, with the equations as the mesh has them.
+    fn mirrors(&self, mesh: &Mesh) -> Vec<Mirror> {
+        let mut equation_of = vec![None; 3 * self.reduction.nodes];
+        let free = self.active.iter().flat_map(|&node| {
+            let axes = (0..3).filter(move |&axis| self.free[node][axis]);
+            axes.map(move |axis| 3 * node + axis)
+        });
+        let dof_of: Vec<usize> = free.collect();
+        dof_of
+            .iter()
+            .enumerate()
+            .for_each(|(e, &dof)| equation_of[dof] = Some(e));
+        Mirror::candidates(mesh, &equation_of, &dof_of)
+    }
+
+    /// The nodes with unknowns as an order of elimination names them.
+    fn ordered(&self, order: &[u32]) -> Result<Vec<usize>, FemError> {
+        let order: Vec<usize> = order.iter().map(|&node| node as usize).collect();
+        let mut ascending = order.clone();
+        ascending.sort_unstable();
+        if ascending != self.active {
+            return Err(FemError::Order {
+                reason: "the order of elimination is that of other nodes".to_owned(),
+            });
+        }
+        Ok(order)
+    }
+
+    fn assemble(self, mesh: &Mesh, materials: &[Material], order: Option<&[u32]>) -> Result<System, FemError> {
+        if materials.len() != mesh.part_names.len() {
+            return Err(FemError::Materials {
+                parts: mesh.part_names.len(),
+                materials: materials.len(),
+            });
+        }
+        let active = order.map_or_else(|| Ok(self.active.clone()), |order| self.ordered(order))?;
+        let index = self.index(&active);
+        let Self {
+            reduction,
+            free,
+            cliques,
+            ..
+        } = self;
+        let layout = Layout::new(&cliques.graph(&index, active.len()), &active, &free, &reduction)?;
+        drop(cliques);
+        let (values, symbolic) = rayon::join(
+            || layout.scatter(mesh, materials, &index, &reduction),
+            || order.map(|_| Symbolic::of_pattern(&layout.stiffness)).transpose(),
+        );
+        let (values, symbolic) = (values?, symbolic?);
+        let mut equation_of = vec![None; 3 * reduction.nodes];
+        layout
+            .dof_of
+            .iter()
+            .enumerate()
+            .for_each(|(e, &dof)| equation_of[dof] = Some(e));
+        let mut tied = BTreeMap::new();
+        for (node, terms) in reduction.dependent() {
+            for axis in 0..3 {
+                let row = terms
+                    .iter()
+                    .flat_map(|&(p, w)| (0..3).map(move |k| (3 * p + k, w[(axis, k)])));
+                let row = row.filter_map(|(dof, w)| equation_of[dof].filter(|_| w != 0.0).map(|e| (e, w)));
+                tied.insert(3 * node + axis, row.collect());
+            }
+        }
+        let mirrors = match order {
+            Some(_) => Vec::new(),
+            None => Mirror::candidates(mesh, &equation_of, &layout.dof_of),
+        };
+        Ok(System {
+            equations: Equations {
+                dofs: 3 * mesh.nodes.len(),
+                equation_of,
+                dof_of: layout.dof_of,
+                tied,
+                rotations: reduction.rotations.iter().flat_map(|&r| 3 * r..3 * r + 3).collect(),
+                mirrors,
+            },
+            stiffness: matrix(layout.stiffness, values.stiffness)?,
+            mass: matrix(layout.mass, values.mass)?,
+            symbolic: symbolic.map(Arc::new),
+        })
+    }
+}
+
+/// The symmetric matrix with these values in its lower triangle.
+fn matrix(pattern: SparsityPattern, values: Vec<f64>) -> Result<CscMatrix<f64>, FemError> {
+    CscMatrix::try_from_pattern_and_values(pattern, values).map_err(|e| FemError::Order { reason: e.to_string() })
 }

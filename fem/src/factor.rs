@@ -10,6 +10,7 @@ use faer::sparse::linalg::solvers::Lu;
 use faer::sparse::{SparseColMat, SymbolicSparseColMatRef, Triplet};
 use faer::{Mat, MatMut};
 use nalgebra_sparse::CscMatrix;
+use nalgebra_sparse::pattern::SparsityPattern;
 
 use crate::FemError;
 use crate::numeric::{Descendants, Numeric};
@@ -22,6 +23,7 @@ use crate::subtrees::{PartRows, Subtrees};
 const PROBE_LIMIT: f64 = 1e-7;
 
 /// The pattern of the factor, shared by all shifts.
+#[derive(Debug)]
 pub(crate) struct Symbolic {
     supernodal: SymbolicSupernodalCholesky<usize>,
     descendants: Descendants,
@@ -31,9 +33,14 @@ pub(crate) struct Symbolic {
 impl Symbolic {
     /// Analyses the pattern of a symmetric matrix given by its lower triangle, already in the order of elimination.
     pub(crate) fn new(a: &CscMatrix<f64>) -> Result<Self, FemError> {
-        let n = a.nrows();
+        Self::of_pattern(a.pattern())
+    }
+
+    /// The same given the pattern of the lower triangle by columns.
+    pub(crate) fn of_pattern(lower: &SparsityPattern) -> Result<Self, FemError> {
+        let n = lower.major_dim();
         let large = FemError::TooLarge { dofs: n };
-        let upper = a.pattern().transpose();
+        let upper = lower.transpose();
         let upper = SymbolicSparseColMatRef::new_checked(n, n, upper.major_offsets(), None, upper.minor_indices());
         let mut etree = vec![0isize; n];
         let mut counts = vec![0usize; n];

@@ -2,7 +2,7 @@
 
 use nailnoise_meshes::Mesh;
 use nalgebra::Matrix3;
-use nalgebra_sparse::CscMatrix;
+use nalgebra_sparse::pattern::SparsityPattern;
 use rayon::prelude::*;
 
 use crate::element::{ElementMaterial, ElementMatrices, Rule, integrate};
@@ -87,8 +87,9 @@ pub(crate) struct Layout {
     before: Vec<[usize; 4]>,
     /// How the mass of a node couples with others across axes.
     mixing: Vec<Mixing>,
-    stiffness: CscPattern,
-    mass: CscPattern,
+    /// The lower triangles of K and M by columns.
+    pub(crate) stiffness: SparsityPattern,
+    pub(crate) mass: SparsityPattern,
 }
 
 /// Elements couple like axes only; attachments may couple all.
@@ -112,7 +113,15 @@ fn mixes(a: Mixing, b: Mixing) -> bool {
 
 impl Layout {
     /// `order` names the node at each place of `graph`, `free` its free axes.
-    pub(crate) fn new(graph: &Graph, order: &[usize], free: &[[bool; 3]], reduction: &Reduction) -> Self {
+    ///
+    /// # Errors
+    /// [`FemError::Order`], never for the graph of a mesh.
+    pub(crate) fn new(
+        graph: &Graph,
+        order: &[usize],
+        free: &[[bool; 3]],
+        reduction: &Reduction,
+    ) -> Result<Self, FemError> {
         let mut mixing_of = vec![Mixing::Never; reduction.nodes];
         for added in &reduction.added {
             added.nodes.iter().for_each(|&n| mixing_of[n] = Mixing::Among);
@@ -166,25 +175,26 @@ impl Layout {
             }
             offsets.push(targets.len());
         }
-        Self {
+        let equations = dof_of.len();
+        Ok(Self {
             dof_of,
             equation,
             later: Graph { offsets, targets },
             before,
             mixing,
-            stiffness,
-            mass,
-        }
+            stiffness: stiffness.checked(equations)?,
+            mass: mass.checked(equations)?,
+        })
     }
 
-    /// K and M of the elements and the attachments; `index` gives the place of each node.
+    /// The values of K and M of the elements and the attachments; `index` gives the place of each node.
     pub(crate) fn scatter(
         &self,
         mesh: &Mesh,
         materials: &[Material],
         index: &[Option<usize>],
         reduction: &Reduction,
-    ) -> Result<(CscMatrix<f64>, CscMatrix<f64>), FemError> {
+    ) -> Result<Values, FemError> {
         let materials: Vec<ElementMaterial> = materials.iter().map(ElementMaterial::from).collect();
         let mut rules = Vec::new();
         for &kind in &mesh.kinds {
@@ -193,26 +203,27 @@ impl Layout {
             }
         }
         let mut values = Values {
-            stiffness: vec![0.0; self.stiffness.rows.len()],
-            mass: vec![0.0; self.mass.rows.len()],
+            stiffness: vec![0.0; self.stiffness.nnz()],
+            mass: vec![0.0; self.mass.nnz()],
         };
-        // Elements are integrated in parallel and added up in their order, so the sums do not depend on the threads.
+        // Elements are integrated in parallel and added up in their order, so the sums do not depend on the threads. One batch
+        // is integrated while the one before it is added.
         let elements: Vec<usize> = (0..mesh.element_count()).collect();
-        for batch in elements.chunks(BATCH) {
-            let matrices: Vec<Result<ElementMatrices, FemError>> = batch
-                .par_iter()
-                .map(|&e| {
-                    let element = mesh.element(e);
-                    let rule = rules
-                        .iter()
-                        .find(|(kind, _)| *kind == element.kind)
-                        .map(|(_, rule)| rule);
-                    rule.map_or_else(
-                        || Ok(ElementMatrices::default()),
-                        |rule| integrate(mesh, e, element, rule, &materials[element.part]),
-                    )
-                })
-                .collect();
+        let integrated = |batch: &[usize]| -> Vec<Result<ElementMatrices, FemError>> {
+            let of_element = |&e: &usize| {
+                let element = mesh.element(e);
+                let rule = rules
+                    .iter()
+                    .find(|(kind, _)| *kind == element.kind)
+                    .map(|(_, rule)| rule);
+                rule.map_or_else(
+                    || Ok(ElementMatrices::default()),
+                    |rule| integrate(mesh, e, element, rule, &materials[element.part]),
+                )
+            };
+            batch.par_iter().map(of_element).collect()
+        };
+        let mut add = |batch: &[usize], matrices: Vec<Result<ElementMatrices, FemError>>| -> Result<(), FemError> {
             for (&e, matrices) in batch.iter().zip(matrices) {
                 let nodes = mesh.element(e).nodes;
                 if nodes.iter().any(|&n| reduction.expansion(n).is_some()) {
@@ -221,6 +232,15 @@ impl Layout {
                     self.add(nodes, &matrices?, index, &mut values);
                 }
             }
+            Ok(())
+        };
+        let mut batches = elements.chunks(BATCH);
+        let mut ready = batches.next().map(|batch| (batch, integrated(batch)));
+        while let Some((batch, matrices)) = ready {
+            let next = || batches.next().map(|batch| (batch, integrated(batch)));
+            let (added, following) = rayon::join(|| add(batch, matrices), next);
+            added?;
+            ready = following;
         }
         for added in &reduction.added {
             for (a, b, k, m) in &added.blocks {
@@ -229,10 +249,7 @@ impl Layout {
                 }
             }
         }
-        Ok((
-            self.stiffness.matrix(values.stiffness, self.dof_of.len())?,
-            self.mass.matrix(values.mass, self.dof_of.len())?,
-        ))
+        Ok(values)
     }
 
     /// Adds an element all of whose nodes are independent.
@@ -245,29 +262,48 @@ impl Layout {
                 let (Some(p), Some(q)) = (index[node_a], index[node_b]) else {
                     continue;
                 };
+                let mass = |i, j| if i == j { m } else { 0.0 };
                 // The column belongs to the node that comes first; K_ab = K_ba^T.
-                let (column, row, transposed) = if p <= q { (p, q, true) } else { (q, p, false) };
-                let later = self.later.neighbours(column);
-                let Ok(r) = later.binary_search(&row) else { continue };
-                let before = self.before[self.later.offsets[column] + r];
-                let mixed = mixes(self.mixing[column], self.mixing[row]);
-                // Columns of a node lose one row each: the triangle of its own block.
-                let mut skipped = 0;
-                for j in 0..3 {
-                    let Some(c) = self.equation[column][j] else { continue };
-                    if self.equation[row][j].is_some() {
-                        let ahead = |i: &usize| self.equation[row][*i].is_some_and(|e| e >= c);
-                        let rank = if mixed { (0..j).filter(ahead).count() } else { 0 };
-                        values.mass[self.mass.offsets[c] + before[j] + rank] += m;
-                    }
-                    let start = self.stiffness.offsets[c] + before[3];
-                    let rows = (0..3).filter_map(|i| self.equation[row][i].map(|e| (i, e)));
-                    for (rank, (i, _)) in rows.enumerate().filter(|(_, (_, e))| *e >= c) {
-                        values.stiffness[start + rank - skipped] += if transposed { block[j][i] } else { block[i][j] };
-                    }
-                    skipped += 1;
+                if p <= q {
+                    self.add_pair((q, p), |i, j| block[j][i], mass, values);
+                } else {
+                    self.add_pair((p, q), |i, j| block[i][j], mass, values);
                 }
             }
+        }
+    }
+
+    /// Adds the stiffness and the mass between the axes i of node `row` and j of node `column`, which does not come after it:
+    /// all of them, or where both are one node those of the lower triangle. The mass of a pair that does not mix the axes is
+    /// zero between different ones.
+    #[inline(always)]
+    fn add_pair(
+        &self,
+        (row, column): (usize, usize),
+        stiffness: impl Fn(usize, usize) -> f64,
+        mass: impl Fn(usize, usize) -> f64,
+        values: &mut Values,
+    ) {
+        let later = self.later.neighbours(column);
+        let Ok(r) = later.binary_search(&row) else { return };
+        let before = self.before[self.later.offsets[column] + r];
+        let mixed = mixes(self.mixing[column], self.mixing[row]);
+        // Columns of a node lose one row each: the triangle of its own block.
+        let mut skipped = 0;
+        for j in 0..3 {
+            let Some(c) = self.equation[column][j] else { continue };
+            let of_stiffness = self.stiffness.major_offsets()[c] + before[3];
+            let of_mass = self.mass.major_offsets()[c] + before[j];
+            let rows = (0..3).filter_map(|i| self.equation[row][i].map(|e| (i, e)));
+            let mut rank_of_mass = 0;
+            for (rank, (i, _)) in rows.enumerate().filter(|(_, (_, e))| *e >= c) {
+                values.stiffness[of_stiffness + rank - skipped] += stiffness(i, j);
+                if mixed || i == j {
+                    values.mass[of_mass + rank_of_mass] += mass(i, j);
+                    rank_of_mass += 1;
+                }
+            }
+            skipped += 1;
         }
     }
 
@@ -311,29 +347,16 @@ impl Layout {
 
     /// Adds the part of a block between the nodes p and q that lies in the lower triangle.
     fn add_block(&self, p: usize, q: usize, k: &Matrix3<f64>, m: &Matrix3<f64>, values: &mut Values) {
-        for i in 0..3 {
-            for j in 0..3 {
-                let (Some(row), Some(column)) = (self.equation[p][i], self.equation[q][j]) else {
-                    continue;
-                };
-                if row < column {
-                    continue;
-                }
-                if let Some(at) = self.stiffness.find(row, column) {
-                    values.stiffness[at] += k[(i, j)];
-                }
-                // Of a pair that does not mix the axes these entries are zero.
-                if let Some(at) = self.mass.find(row, column) {
-                    values.mass[at] += m[(i, j)];
-                }
-            }
+        if p >= q {
+            self.add_pair((p, q), |i, j| k[(i, j)], |i, j| m[(i, j)], values);
         }
     }
 }
 
-struct Values {
-    stiffness: Vec<f64>,
-    mass: Vec<f64>,
+/// Values in the places of the pattern.
+pub(crate) struct Values {
+    pub(crate) stiffness: Vec<f64>,
+    pub(crate) mass: Vec<f64>,
 }
 
 impl CscPattern {
@@ -344,13 +367,8 @@ impl CscPattern {
         }
     }
 
-    fn find(&self, row: usize, column: usize) -> Option<usize> {
-        let (start, end) = (self.offsets[column], self.offsets[column + 1]);
-        self.rows[start..end].binary_search(&row).ok().map(|at| start + at)
-    }
-
-    fn matrix(&self, values: Vec<f64>, n: usize) -> Result<CscMatrix<f64>, FemError> {
-        CscMatrix::try_from_csc_data(n, n, self.offsets.clone(), self.rows.clone(), values)
+    fn checked(self, n: usize) -> Result<SparsityPattern, FemError> {
+        SparsityPattern::try_from_offsets_and_indices(n, n, self.offsets, self.rows)
             .map_err(|e| FemError::Order { reason: e.to_string() })
     }
 }

@@ -37,7 +37,7 @@ pub mod supports;
 mod symmetry;
 pub mod transient;
 
-pub use assembly::{Equations, System, assemble, assemble_with};
+pub use assembly::{Equations, System, assemble, assemble_in_order, assemble_with, elimination_order};
 pub use assurance::{Correlation, ModePair, correlate};
 pub use attachments::{Attachments, Coupling, GroundSpring, LumpedMass, Place, Tie};
 pub use constraints::Constraints;

@@ -30,6 +30,7 @@ const HEIGHT: usize = 256;
 const WORTHWHILE: usize = 100_000;
 
 /// The supernodes below each that change it, ascending.
+#[derive(Debug)]
 pub(crate) struct Descendants {
     offsets: Vec<usize>,
     below: Vec<u32>,

@@ -1,6 +1,7 @@
 //! All modes below a frequency, with the proof that none is missing.
 
 use std::f64::consts::TAU;
+use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use faer::prelude::ReborrowMut;
@@ -56,7 +57,7 @@ pub fn modes(system: &System, settings: &ModalSettings, progress: &Progress<'_>)
     } else {
         whole(system)?
     };
-    let solve = |sectors: &[Sector]| Problem::new(system, sectors, settings, loads.as_ref(), progress)?.solve();
+    let solve = |sectors: &[Sector<'_>]| Problem::new(system, sectors, settings, loads.as_ref(), progress)?.solve();
     match solve(&sectors) {
         // A symmetry that almost holds.
         Err(FemError::Residual { .. }) if sectors.len() > 1 => solve(&whole(system)?),
@@ -67,8 +68,8 @@ pub fn modes(system: &System, settings: &ModalSettings, progress: &Progress<'_>)
 /// A body in its sectors and what is wanted of it.
 struct Problem<'a> {
     system: &'a System,
-    sectors: &'a [Sector],
-    symbolic: Vec<Symbolic>,
+    sectors: &'a [Sector<'a>],
+    symbolic: Vec<Arc<Symbolic>>,
     settings: &'a ModalSettings,
     /// On the equations.
     loads: Option<&'a Mat<f64>>,
@@ -99,7 +100,7 @@ struct Solution<'a> {
 impl<'a> Problem<'a> {
     fn new(
         system: &'a System,
-        sectors: &'a [Sector],
+        sectors: &'a [Sector<'a>],
         settings: &'a ModalSettings,
         loads: Option<&'a Mat<f64>>,
         progress: &'a Progress<'a>,
@@ -118,7 +119,7 @@ impl<'a> Problem<'a> {
     fn solve(&self) -> Result<ModalBasis, FemError> {
         let mut work = ModalWork {
             sectors: self.sectors.len(),
-            factor_values: self.symbolic.iter().map(Symbolic::values).sum(),
+            factor_values: self.symbolic.iter().map(|symbolic| symbolic.values()).sum(),
             ..ModalWork::default()
         };
         let mut upper_hz = self.settings.top_hz;
@@ -201,13 +202,13 @@ impl<'a> Problem<'a> {
         Ok(Some(solutions))
     }
 
-    fn refine(&self, sector: &Sector, pairs: &mut Eigenpairs, factor: &Factor<'_>) -> usize {
+    fn refine(&self, sector: &Sector<'_>, pairs: &mut Eigenpairs, factor: &Factor<'_>) -> usize {
         pairs.refine(sector.pencil(self.system), self.settings, |x| sector.solve(factor, x))
     }
 
     fn sector_below<'s>(
         &self,
-        sector: &Sector,
+        sector: &Sector<'_>,
         symbolic: &'s Symbolic,
         edge: f64,
         counter: &Counter<'_>,
@@ -221,7 +222,7 @@ impl<'a> Problem<'a> {
         counter.count.fetch_add(count, Ordering::Relaxed);
         let vectors = self.find(sector, &factor, (edge, count), counter, work)?;
         Ok(vectors.map(|vectors| {
-            let vectors = if sector.is_whole() {
+            let vectors = if sector.reorders() {
                 sector.expand(vectors.as_ref())
             } else {
                 vectors
@@ -230,9 +231,10 @@ impl<'a> Problem<'a> {
                 let vectors = vectors.subcols(start, count).to_owned();
                 Eigenpairs::new(sector.pencil(self.system), vectors, edge, edge)
             };
-            let mut pairs = part(0, count);
             let above = vectors.ncols() - count;
-            pairs.above = (above > 0).then(|| Box::new(part(count, above)));
+            let (mut pairs, above) =
+                rayon::join(|| part(0, count), || (above > 0).then(|| Box::new(part(count, above))));
+            pairs.above = above;
             Solution { pairs, count, factor }
         }))
     }
@@ -241,7 +243,7 @@ impl<'a> Problem<'a> {
     /// none when the edge falls on a mode.
     fn find(
         &self,
-        sector: &Sector,
+        sector: &Sector<'_>,
         factor: &Factor<'_>,
         (edge, count): (f64, usize),
         counter: &Counter<'_>,
@@ -295,12 +297,13 @@ impl<'a> Problem<'a> {
             .map(|(sector, symbolic, solution)| {
                 let (mut pairs, storage) = (solution.pairs, solution.factor.into_storage());
                 let factor = symbolic.best(&sector.shifted(self.system, shift)?, shift, storage)?;
-                let refined = self.refine(sector, &mut pairs, &factor);
-                let response = self.loads.map(|loads| {
+                let of_loads = |loads: &Mat<f64>| {
                     let mut x = sector.restrict(loads.as_ref());
                     factor.solve(x.as_mut());
                     x
-                });
+                };
+                let (refined, response) =
+                    rayon::join(|| self.refine(sector, &mut pairs, &factor), || self.loads.map(of_loads));
                 Ok((pairs, refined, response))
             })
             .collect::<Result<_, FemError>>()?;
@@ -380,8 +383,7 @@ fn corrections(system: &System, pairs: &Eigenpairs, mut x: Mat<f64>) -> Result<C
         .map(|i| (i, dot(x.as_ref(), m_x.as_ref(), i)))
         .filter(|&(i, norm)| norm > 1e-20 * before[i] && norm > 0.0)
         .collect();
-    let x = Mat::from_fn(x.nrows(), kept.len(), |i, j| x[(i, kept[j].0)] / kept[j].1.sqrt());
-    let m_x = product(&system.mass, x.as_ref());
+    let [x, m_x] = [x, m_x].map(|x| Mat::from_fn(x.nrows(), kept.len(), |i, j| x[(i, kept[j].0)] / kept[j].1.sqrt()));
     let x = independent(&x, transpose_product(x.as_ref(), m_x.as_ref()).as_ref())?;
     let stiffness = product(&system.stiffness, x.as_ref());
     let reduced = transpose_product(x.as_ref(), stiffness.as_ref());

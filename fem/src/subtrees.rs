@@ -21,6 +21,7 @@ const WORTHWHILE: usize = 200_000;
 
 /// Supernodes whose rows stand together while they are worked on: its own, and behind them those of the top that they
 /// reach.
+#[derive(Debug)]
 pub(crate) struct Part {
     /// Ascending.
     pub(crate) supernodes: Vec<Member>,
@@ -35,6 +36,7 @@ pub(crate) struct Part {
 }
 
 /// A supernode of a part.
+#[derive(Debug)]
 pub(crate) struct Member {
     /// Its number.
     pub(crate) supernode: usize,
@@ -65,6 +67,7 @@ impl PartRows {
 }
 
 /// The subtrees and the top.
+#[derive(Debug)]
 pub(crate) struct Subtrees {
     /// In ascending order of their rows.
     pub(crate) subtrees: Vec<Part>,

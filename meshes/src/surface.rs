@@ -55,7 +55,6 @@ pub struct QuadraturePoint {
 impl Surface {
     /// The skin of `mesh`: faces that belong to one element only, in the order of the elements.
     pub fn of(mesh: &Mesh) -> Self {
-        let mut seen: HashMap<[usize; 4], usize> = HashMap::new();
         let every = |visit: &mut dyn FnMut(FaceRef, [usize; 4])| {
             for (element, view) in mesh.elements().enumerate() {
                 for (face, local) in view.kind.faces().iter().enumerate() {
@@ -70,7 +69,18 @@ impl Surface {
                 }
             }
         };
-        every(&mut |_, corners| *seen.entry(corners).or_insert(0) += 1);
+        // Faces of two elements stand side by side once sorted.
+        let mut all = Vec::new();
+        every(&mut |_, corners| all.push((corners, all.len())));
+        let mut is_outer = vec![false; all.len()];
+        all.sort_unstable();
+        for same in all.chunk_by(|a, b| a.0 == b.0) {
+            if let [(_, number)] = same {
+                is_outer[*number] = true;
+            }
+        }
+        drop(all);
+        let mut is_outer = is_outer.into_iter();
         let mut patches: Vec<String> = mesh.groups.iter().map(|g| g.name.clone()).collect();
         let patch_of: HashMap<FaceRef, usize> = mesh
             .groups
@@ -84,14 +94,14 @@ impl Surface {
             faces: Vec::new(),
             patches: Vec::new(),
         };
-        let mut point_of: HashMap<usize, usize> = HashMap::new();
-        every(&mut |of, corners| {
-            if seen[&corners] != 1 {
+        let mut point_of = vec![None; mesh.nodes.len()];
+        every(&mut |of, _| {
+            if is_outer.next() != Some(true) {
                 return;
             }
             let patch = patch_of.get(&of).copied().unwrap_or(mesh.groups.len());
             let nodes = mesh.face_nodes(of).map(|node| {
-                *point_of.entry(node).or_insert_with(|| {
+                *point_of[node].get_or_insert_with(|| {
                     surface.points.push(mesh.nodes[node]);
                     surface.volume_nodes.push(node);
                     surface.points.len() - 1

@@ -46,7 +46,7 @@ pub(super) fn modes(design: &Design, kind: BodyKind) -> Result<StageCost, Error>
         MeshSource::Tool(tool, _) => of_tool(tool),
         MeshSource::File(file) => file_of(kind, file.element_size(), file.path()),
     };
-    let materials: Vec<&Material> = match &geometry.materials {
+    let materials: Vec<&Material> = match &geometry.properties.materials {
         PartMaterials::Same(material) => vec![material],
         PartMaterials::Named(named) => named.iter().map(|(_, material)| material).collect(),
     };

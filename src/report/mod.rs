@@ -26,6 +26,7 @@ mod surface;
 mod tables;
 
 use maud::{Markup, PreEscaped, html};
+use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use crate::comparison::Comparison;
@@ -118,11 +119,15 @@ impl Stage for BodyPictures {
     fn compute(&self, _: &Progress) -> Result<Pictures, Error> {
         let moving: Vec<Driven> = self.moving.iter().map(MovingBody::get).collect::<Result<_, _>>()?;
         let paint = |driven| Painted::new(&self.surroundings, driven);
-        let bodies: Vec<Painted<'_>> = moving.iter().map(paint).collect();
+        let bodies: Vec<Painted<'_>> = moving.par_iter().map(paint).collect();
+        let (scene, modes) = rayon::join(
+            || scene::figure(&bodies).map(Markup::into_string),
+            || modes::section(&bodies).into_string(),
+        );
         Ok(Pictures {
-            scene: scene::figure(&bodies).map(Markup::into_string),
+            scene,
             sources: bodies.iter().map(|painted| painted.source().to_owned()).collect(),
-            modes: modes::section(&bodies).into_string(),
+            modes,
         })
     }
 }

@@ -1,6 +1,7 @@
 //! The loudest modes: table and pictures.
 
 use maud::{Markup, html};
+use rayon::prelude::*;
 
 use super::picture;
 use super::surface::{Painted, level};
@@ -22,14 +23,19 @@ pub(super) fn section(bodies: &[Painted<'_>]) -> Markup {
             format!("{:.0} Hz", painted.body.basis.hz[mode])
         }
     };
+    let drawn = &modes[..DRAWN.min(modes.len())];
+    let pictures: Vec<String> = drawn
+        .par_iter()
+        .map(|(painted, mode)| picture::mode(painted.body, *mode))
+        .collect();
     html! {
         p.quiet {
             "What each mode alone would radiate at radiation efficiency 1, A-weighted, from its motion in this shot. Modes act \
              together, so that these levels do not sum to the source\u{2019}s."
         }
-        div.pictures { @for (painted, mode) in modes.iter().take(DRAWN) {
+        div.pictures { @for ((painted, mode), picture) in drawn.iter().zip(&pictures) {
             figure {
-                img src=(picture::mode(painted.body, *mode)) width="480" height="330"
+                img src=(picture) width="480" height="330"
                     alt={ "deflection of the " (painted.body.name) " in mode " (mode + 1) ", " (name(painted, *mode)) };
                 figcaption {
                     (painted.body.name) ", mode " (mode + 1) ", " b { (name(painted, *mode)) } br;

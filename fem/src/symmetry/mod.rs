@@ -15,7 +15,7 @@
 mod mirror;
 
 use std::borrow::Cow;
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Arc, Mutex, PoisonError};
 
 use faer::{Mat, MatRef};
 use nalgebra_sparse::CscMatrix;
@@ -35,43 +35,55 @@ pub use mirror::mirror_planes;
 const ASYMMETRY: f64 = 1e-11;
 
 /// One of the independent problems K_c, M_c, with its own order of elimination.
-pub(crate) struct Sector {
-    /// None where the sector is the whole: K is then that of the body in another order, and as large.
+pub(crate) struct Sector<'a> {
+    /// None where the sector is the whole: K is then that of the body, or as large in another order.
     stiffness: Option<CscMatrix<f64>>,
     /// K of the whole in its own order, from the analysis of its pattern to the first factorisation.
     whole: Mutex<Option<CscMatrix<f64>>>,
-    pub(crate) mass: CscMatrix<f64>,
-    /// For each unknown of the whole its row of T_c, which has one entry at most: column and value.
-    rows: Vec<Option<(usize, f64)>>,
+    pub(crate) mass: Cow<'a, CscMatrix<f64>>,
+    /// For each unknown of the whole its row of T_c, which has one entry at most: column and value. None where T_c is the
+    /// identity.
+    rows: Option<Vec<Option<(usize, f64)>>>,
 }
 
-impl Sector {
-    /// Whether it is the body in another order.
+impl Sector<'_> {
+    /// Whether it is the body, in its own order or another.
     pub(crate) fn is_whole(&self) -> bool {
         self.stiffness.is_none()
     }
 
+    /// Whether it is the body in another order.
+    pub(crate) fn reorders(&self) -> bool {
+        self.is_whole() && self.rows.is_some()
+    }
+
     /// K_c.
-    pub(crate) fn stiffness(&self, system: &System) -> Result<Cow<'_, CscMatrix<f64>>, FemError> {
+    pub(crate) fn stiffness<'s>(&'s self, system: &'s System) -> Result<Cow<'s, CscMatrix<f64>>, FemError> {
         if let Some(stiffness) = &self.stiffness {
             return Ok(Cow::Borrowed(stiffness));
         }
+        let Some(rows) = &self.rows else {
+            return Ok(Cow::Borrowed(&system.stiffness));
+        };
         let kept = self.whole.lock().unwrap_or_else(PoisonError::into_inner).take();
         if let Some(stiffness) = kept {
             return Ok(Cow::Owned(stiffness));
         }
-        let place = |e: usize| self.rows[e].map_or(e, |(at, _)| at);
+        let place = |e: usize| rows[e].map_or(e, |(at, _)| at);
         reordered(&system.stiffness, place).map(Cow::Owned)
     }
 
     /// Analyses the pattern of K_c.
-    pub(crate) fn analyse(&self, system: &System) -> Result<Symbolic, FemError> {
+    pub(crate) fn analyse(&self, system: &System) -> Result<Arc<Symbolic>, FemError> {
+        if let (None, None, Some(known)) = (&self.stiffness, &self.rows, &system.symbolic) {
+            return Ok(Arc::clone(known));
+        }
         let stiffness = self.stiffness(system)?;
         let symbolic = Symbolic::new(&stiffness)?;
         if let Cow::Owned(stiffness) = stiffness {
             *self.whole.lock().unwrap_or_else(PoisonError::into_inner) = Some(stiffness);
         }
-        Ok(symbolic)
+        Ok(Arc::new(symbolic))
     }
 
     /// K_c - sigma M_c.
@@ -97,7 +109,7 @@ impl Sector {
 
     /// Overwrites x, in the order of [`Self::pencil`], by (K - sigma M)^-1 x.
     pub(crate) fn solve(&self, factor: &Factor<'_>, x: &mut Mat<f64>) {
-        if self.is_whole() {
+        if self.reorders() {
             let mut part = self.restrict(x.as_ref());
             factor.solve(part.as_mut());
             *x = self.expand(part.as_ref());
@@ -113,10 +125,13 @@ impl Sector {
 
     /// T_c x.
     pub(crate) fn expand(&self, x: MatRef<'_, f64>) -> Mat<f64> {
-        let mut all = Mat::zeros(self.rows.len(), x.ncols());
+        let Some(rows) = &self.rows else {
+            return x.to_owned();
+        };
+        let mut all = Mat::zeros(rows.len(), x.ncols());
         for j in 0..x.ncols() {
             let from = x.col(j);
-            for (value, row) in all.col_mut(j).iter_mut().zip(&self.rows) {
+            for (value, row) in all.col_mut(j).iter_mut().zip(rows) {
                 *value = row.map_or(0.0, |(at, weight)| weight * from[at]);
             }
         }
@@ -125,9 +140,12 @@ impl Sector {
 
     /// T_c^T f.
     pub(crate) fn restrict(&self, f: MatRef<'_, f64>) -> Mat<f64> {
+        let Some(rows) = &self.rows else {
+            return f.to_owned();
+        };
         let mut part = Mat::zeros(self.len(), f.ncols());
         for j in 0..f.ncols() {
-            for (value, row) in f.col(j).iter().zip(&self.rows) {
+            for (value, row) in f.col(j).iter().zip(rows) {
                 if let Some((at, weight)) = *row {
                     part[(at, j)] += weight * value;
                 }
@@ -138,16 +156,24 @@ impl Sector {
 }
 
 /// The independent problems that the mirror planes of K and M leave; the whole alone where there are none.
-pub(crate) fn sectors(system: &System) -> Result<Vec<Sector>, FemError> {
+pub(crate) fn sectors(system: &System) -> Result<Vec<Sector<'_>>, FemError> {
     divided(system, &respected(system))
 }
 
 /// The whole, in an order of elimination.
-pub(crate) fn whole(system: &System) -> Result<Vec<Sector>, FemError> {
+pub(crate) fn whole(system: &System) -> Result<Vec<Sector<'_>>, FemError> {
     divided(system, &[])
 }
 
-fn divided(system: &System, mirrors: &[&Mirror]) -> Result<Vec<Sector>, FemError> {
+fn divided<'a>(system: &'a System, mirrors: &[&Mirror]) -> Result<Vec<Sector<'a>>, FemError> {
+    if mirrors.is_empty() && system.symbolic.is_some() {
+        return Ok(vec![Sector {
+            stiffness: None,
+            whole: Mutex::new(None),
+            mass: Cow::Borrowed(&system.mass),
+            rows: None,
+        }]);
+    }
     let orbits = Orbits::new(mirrors, system.equations.len());
     let nodes = orbits.in_order_of_elimination(system)?;
     if mirrors.is_empty() {
@@ -158,8 +184,8 @@ fn divided(system: &System, mirrors: &[&Mirror]) -> Result<Vec<Sector>, FemError
         return Ok(vec![Sector {
             stiffness: None,
             whole: Mutex::new(Some(stiffness?)),
-            mass: mass?,
-            rows: place.into_iter().map(|at| Some((at, 1.0))).collect(),
+            mass: Cow::Owned(mass?),
+            rows: Some(place.into_iter().map(|at| Some((at, 1.0))).collect()),
         }]);
     }
     let columns = [&system.stiffness, &system.mass].map(|a| Columns::of(a, &orbits));
@@ -261,7 +287,7 @@ impl Orbits {
         parities: usize,
         nodes: &[Vec<usize>],
         columns: &[Columns; 2],
-    ) -> Result<Sector, FemError> {
+    ) -> Result<Sector<'static>, FemError> {
         let mut rows = vec![None; self.first.len()];
         let mut unknowns = Vec::new();
         for &e in nodes.iter().flatten() {
@@ -285,8 +311,8 @@ impl Orbits {
         Ok(Sector {
             stiffness: Some(stiffness.reduced(&unknowns, &rows)?),
             whole: Mutex::new(None),
-            mass: mass.reduced(&unknowns, &rows)?,
-            rows,
+            mass: Cow::Owned(mass.reduced(&unknowns, &rows)?),
+            rows: Some(rows),
         })
     }
 }

@@ -9,6 +9,7 @@ mod kinds;
 mod assembly;
 mod attachments;
 mod elements;
+mod elimination;
 mod material;
 mod modes;
 mod spheres;

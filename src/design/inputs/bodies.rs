@@ -14,7 +14,7 @@ use crate::design::{
 use crate::error::Error;
 use crate::stages::bodies::{
     AddedSand, BodyKind, ContactCells, Extent, Geometry, Joint, JointSpring, LoadPlaces, MeshFile, MeshSource,
-    NailPlace, Naming, PartMaterials, Remainder, SideSand, SpringFoot, SurfacePlace, ToolPlaces, ToolShape,
+    NailPlace, Naming, PartMaterials, Properties, Remainder, SideSand, SpringFoot, SurfacePlace, ToolPlaces, ToolShape,
 };
 
 /// Inputs of a body's stages.
@@ -110,10 +110,12 @@ fn workpiece(design: &Design) -> Result<Geometry, Error> {
             joint: joint(design).map(|joint| joint.height),
         }),
         naming: naming(design, BodyKind::Workpiece),
-        materials: PartMaterials::Same(Box::new(material)),
-        clamped: (support.kind == SupportKind::Clamped).then_some("bottom"),
-        sand,
-        remainder: None,
+        properties: Properties {
+            materials: PartMaterials::Same(Box::new(material)),
+            clamped: (support.kind == SupportKind::Clamped).then_some("bottom"),
+            sand,
+            remainder: None,
+        },
     })
 }
 
@@ -168,10 +170,12 @@ fn worktable(design: &Design) -> Result<Geometry, Error> {
         kind: BodyKind::Worktable,
         mesh: own.unwrap_or_else(built_in),
         naming: naming(design, BodyKind::Worktable),
-        materials: PartMaterials::Named(vec![("top", top), ("leg", legs.clone()), ("legs", legs)]),
-        clamped: (table.foot == TableFoot::Clamped).then_some("floor"),
-        sand: None,
-        remainder: None,
+        properties: Properties {
+            materials: PartMaterials::Named(vec![("top", top), ("leg", legs.clone()), ("legs", legs)]),
+            clamped: (table.foot == TableFoot::Clamped).then_some("floor"),
+            sand: None,
+            remainder: None,
+        },
     })
 }
 
@@ -194,10 +198,12 @@ fn tool(design: &Design, remesh: bool) -> Result<Geometry, Error> {
         kind: BodyKind::Tool,
         mesh: own.unwrap_or_else(|| MeshSource::Tool(Box::new(tool_dimensions(design)), remesh)),
         naming: naming(design, BodyKind::Tool),
-        materials: PartMaterials::Named(vec![("housing", housing), ("nose", nose), ("sleeve", sleeve)]),
-        clamped: None,
-        sand: None,
-        remainder: b.lumped.then(remainder),
+        properties: Properties {
+            materials: PartMaterials::Named(vec![("housing", housing), ("nose", nose), ("sleeve", sleeve)]),
+            clamped: None,
+            sand: None,
+            remainder: b.lumped.then(remainder),
+        },
     })
 }
 

@@ -7,7 +7,8 @@ use nalgebra::{DMatrix, DVector};
 use serde::de::Error as _;
 use serde::{Deserialize, Deserializer, Serialize};
 
-use super::geometry::{BodyKind, Meshed};
+use super::attachment::Meshed;
+use super::geometry::BodyKind;
 use super::load_places::Model;
 use super::modes::WholeModes;
 use crate::error::Error;
@@ -153,11 +154,21 @@ impl Stage for ModalModel {
     fn compute(&self, _: &Progress) -> Result<Body, Error> {
         let (modes, model) = (self.modes.get()?, self.model.get()?);
         let (mesh, shapes) = (&model.meshed.imported.mesh, &modes.shapes);
-        let surface = Surface::of(mesh);
+        let on_surface = || {
+            let surface = Surface::of(mesh);
+            let skin = skin(&surface, shapes);
+            (surface, skin)
+        };
+        let of_elements = || {
+            let resolution = Resolution::new(&model.meshed, self.top_hz, self.below_hz);
+            let lift = shapes.tr_mul(&DVector::from_column_slice(&modes.momentum));
+            (resolution, lift, participation(&model.loads, shapes))
+        };
+        let ((surface, skin), (resolution, lift, loads)) = rayon::join(on_surface, of_elements);
         Ok(Body {
             name: self.kind.name(),
-            resolution: Resolution::new(&model.meshed, self.top_hz, self.below_hz)?,
-            skin: skin(&surface, shapes),
+            resolution: resolution?,
+            skin,
             omega: modes
                 .basis
                 .all_hz()
@@ -165,8 +176,8 @@ impl Stage for ModalModel {
                 .map(|hz| std::f64::consts::TAU * hz)
                 .collect(),
             basis: modes.basis.clone(),
-            lift: shapes.tr_mul(&DVector::from_column_slice(&modes.momentum)),
-            loads: participation(&model.loads, shapes),
+            lift,
+            loads,
             contacts: participation(&model.contacts, shapes),
             mesh: mesh.clone(),
             surface,

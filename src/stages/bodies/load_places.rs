@@ -9,8 +9,9 @@ use nailnoise_meshes::{Mesh, MeshError, Surface};
 use nalgebra::{Point3, Vector3};
 use serde::Serialize;
 
+use super::attachment::Meshed;
 use super::contact_cells::ContactCells;
-use super::geometry::{BodyKind, Meshed};
+use super::geometry::BodyKind;
 use super::joint::Joint;
 use super::nail_stations::NailPlace;
 use super::tool_loads::{self, ToolPlaces};

@@ -2,15 +2,19 @@
 //!
 //! Workpiece and worktable meet in the plane z = 0, z up; the workpiece's centre is at x = y = 0, x along the grain.
 //!
-//! [`Geometry`] makes the mesh with materials, [`Discretisation`] adds load vectors, [`Modes`] solves for the whole shapes, [`ModalModel`]
+//! [`Meshing`] makes the mesh, [`Attachment`] adds materials, supports and masses, [`Discretisation`] load vectors. [`Modes`]
+//! solves for the whole shapes in the order that [`Elimination`] finds, [`ModalModel`]
 //! reduces them to what a shot reads: a run whose bodies have not changed needs neither mesh nor whole shapes.
 
+mod attachment;
 mod body;
 mod contact_cells;
+mod elimination;
 mod geometry;
 mod joint;
 mod load_places;
 mod mesh_file;
+mod meshing;
 mod modes;
 mod nail_stations;
 mod pieces;
@@ -19,12 +23,15 @@ mod surfaces;
 pub(crate) mod tool_loads;
 mod tool_surfaces;
 
+pub use attachment::{Attachment, Meshed};
 pub use body::{Body, ModalModel, MovingSurface, Resolution, SIDES_PER_WAVE};
 pub use contact_cells::ContactCells;
-pub use geometry::{AddedSand, BodyKind, Geometry, MeshSource, Meshed, PartMaterials, Remainder};
+pub use elimination::Elimination;
+pub use geometry::{AddedSand, BodyKind, Geometry, MeshSource, PartMaterials, Properties, Remainder};
 pub use joint::{Joint, JointSpring};
 pub use load_places::{Discretisation, LoadPlaces, Model, SideSand, SpringFoot};
 pub use mesh_file::{Extent, MeshFile};
+pub use meshing::{Meshing, NamedMesh};
 pub use modes::{Modes, WholeModes};
 pub use nail_stations::NailPlace;
 pub(crate) use nail_stations::STATIONS;

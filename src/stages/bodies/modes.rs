@@ -1,6 +1,6 @@
 //! Whole modes of a body: their shapes on every node, in double precision.
 
-use nailnoise_fem::{ModalBasis, ModalSettings, System, assemble_with, modes};
+use nailnoise_fem::{ModalBasis, ModalSettings, System, assemble_in_order, assemble_with, modes};
 use nalgebra::{DMatrix, Vector3};
 use serde::{Deserialize, Serialize};
 
@@ -16,6 +16,8 @@ pub struct Modes {
     pub kind: BodyKind,
     /// Its finite elements.
     pub model: Stored<Model>,
+    /// An order of elimination for its matrices; none where each sector of a body with mirror planes has its own.
+    pub order: Stored<Option<Vec<u32>>>,
     /// Frequency below which all modes are wanted \[Hz\].
     pub below_hz: f64,
     /// Largest residual accepted for any mode.
@@ -53,7 +55,7 @@ impl Stage for Modes {
     const CODE: Code = code!(meshes, fem, stages_bodies);
 
     fn inputs(&self) -> Vec<&dyn Input> {
-        vec![&self.model]
+        vec![&self.model, &self.order]
     }
 
     fn compute(&self, progress: &Progress) -> Result<WholeModes, Error> {
@@ -74,7 +76,11 @@ impl Stage for Modes {
         } else {
             settings.with_loads(DMatrix::from_columns(&loads))
         };
-        let system = assemble_with(mesh, &meshed.materials, &meshed.constraints, &meshed.attachments)?;
+        let (constraints, attachments) = (&meshed.constraints, &meshed.attachments);
+        let system = match &*self.order.get()? {
+            Some(order) => assemble_in_order(mesh, &meshed.materials, constraints, attachments, order),
+            None => assemble_with(mesh, &meshed.materials, constraints, attachments),
+        }?;
         let basis = progress.count((self.kind.modes(), "modes"), |report| {
             modes(&system, &settings, &|found, of| report(found as u64, of as u64))
         })?;
@@ -106,7 +112,7 @@ fn upward_momentum(system: &System) -> Vec<f64> {
 mod tests {
     #![allow(clippy::unwrap_used)]
 
-    use super::super::geometry::Meshed;
+    use super::super::attachment::Meshed;
     use super::*;
     use nailnoise_fem::{Attachments, Constraints, LoadVector, Material, Tie};
     use nailnoise_meshes::msh::Imported;
@@ -142,6 +148,7 @@ mod tests {
         let modes = Modes {
             kind: BodyKind::Tool,
             model: Stored::ready([0; 32], model),
+            order: Stored::ready([0; 32], None),
             below_hz: 3000.0,
             residual_limit: 1e-8,
         };

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use nailnoise_meshes::JOINT;
 use nalgebra::Vector3;
 
-use super::geometry::Meshed;
+use super::attachment::Meshed;
 use crate::error::Error;
 
 impl Meshed {

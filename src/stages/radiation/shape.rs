@@ -119,7 +119,8 @@ impl Stage for ShapeFit {
     fn compute(&self, _: &Progress) -> Result<Fitted, Error> {
         let (standard, bodies) = (self.standard.get()?, all(&self.bodies)?);
         let own: Vec<_> = bodies.iter().map(|body| body.moving_surface()).collect();
-        let both = self.shape.finest(&standard.surfaces())?.zip(self.shape.finest(&own)?);
+        let (known, own) = rayon::join(|| self.shape.finest(&standard.surfaces()), || self.shape.finest(&own));
+        let both = known?.zip(own?);
         let fit = both.and_then(|(known, own)| SurfaceFit::new(&known, &own));
         let bodies: Vec<&Body> = bodies.iter().map(|body| &**body).collect();
         let lacking = fit.as_ref().map(|fit| lacking(fit, &bodies, self.shape.top_hz()));

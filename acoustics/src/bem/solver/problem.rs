@@ -53,7 +53,8 @@ pub struct Exterior {
     boundary: Boundary,
     air: Air,
     blocks: Vec<Block>,
-    near: NearField,
+    /// Found when it is first read: a surface that is only described has no use for it.
+    near: OnceLock<NearField>,
     coupling: f64,
     per_wavelength: f64,
     images: Vec<Image>,
@@ -105,10 +106,9 @@ pub struct SurfacePressure {
 }
 
 impl Exterior {
-    /// Sets the problem up: blocks, close pairs and the tables of their rules.
+    /// Sets the problem up; close pairs and the tables of their rules are found with the first use.
     pub fn new(mut boundary: Boundary, air: &Air) -> Self {
         let blocks = blocks(&mut boundary);
-        let near = NearField::new(&boundary, &blocks);
         let mesh = boundary.mesh();
         let masses = (0..mesh.panels.len())
             .map(|p| {
@@ -133,7 +133,7 @@ impl Exterior {
             boundary,
             air: *air,
             blocks,
-            near,
+            near: OnceLock::new(),
             masses,
             equations: EquationSolver::default(),
             compressed: OnceLock::new(),
@@ -169,13 +169,15 @@ impl Exterior {
     /// interpolates over frequency with an error of about 1e-5. This saves time and costs memory if many frequencies
     /// are solved.
     pub fn with_near_field_cache(mut self, highest_hz: f64) -> Self {
-        self.near
-            .keep(&self.boundary, 2.0 * PI * highest_hz / self.air.sound_speed);
+        self.near();
+        if let Some(near) = self.near.get_mut() {
+            near.keep(&self.boundary, 2.0 * PI * highest_hz / self.air.sound_speed);
+        }
         self
     }
 
     pub(crate) fn near(&self) -> &NearField {
-        &self.near
+        self.near.get_or_init(|| NearField::new(&self.boundary, &self.blocks))
     }
 
     /// Panels per wavelength below which frequencies are refused.
@@ -231,12 +233,12 @@ impl Exterior {
 
     /// Pairs of panels too close for the far rule.
     pub fn close_pairs(&self) -> usize {
-        self.near.len()
+        self.near().len()
     }
 
     /// Shapes of those pairs: congruent pairs are integrated once.
     pub fn close_shapes(&self) -> usize {
-        self.near.shapes()
+        self.near().shapes()
     }
 
     /// Pressure on the surface at the frequency `hz` for normal velocities (corner values of every panel x patterns,
@@ -318,7 +320,7 @@ impl Exterior {
             boundary: &self.boundary,
             images: &self.images,
             blocks: &self.blocks,
-            near: &self.near,
+            near: self.near(),
             masses: &self.masses,
             wave,
         };
@@ -360,7 +362,7 @@ impl Exterior {
         let empty = |p: &Patterns| Sums::zeros(n, p.velocities.ncols());
         let mut sums: Vec<Sums> = all.iter().map(empty).collect();
         let mut tile = Tile::default();
-        let near = self.near.at(&self.boundary, wave.k);
+        let near = self.near().at(&self.boundary, wave.k);
         for i in 0..self.blocks.len() {
             for j in i..self.blocks.len() {
                 tile.add(

@@ -1,0 +1,66 @@
+//! The mesh of a body, whose surfaces have names.
+
+use nailnoise_meshes::msh::Imported;
+use serde::Serialize;
+
+use super::geometry::{BodyKind, Geometry, MeshSource};
+use super::surfaces::{FoundSurface, Naming};
+use crate::error::Error;
+use crate::stages::{Code, NotKept, Progress, Stage, code};
+
+/// Makes the mesh of a body and names its surfaces.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Meshing {
+    /// Which body it is.
+    pub kind: BodyKind,
+    /// Where the mesh comes from.
+    pub source: MeshSource,
+    /// Names of the surfaces of a mesh from a file.
+    pub naming: Naming,
+}
+
+/// A mesh whose surfaces have names.
+#[derive(Debug, Clone)]
+pub struct NamedMesh {
+    /// The mesh, with the numbers of the file it comes from.
+    pub imported: Imported,
+    /// Surfaces that its file does not name.
+    pub surfaces: Vec<FoundSurface>,
+}
+
+impl Stage for Meshing {
+    type Output = NamedMesh;
+    type Codec = NotKept;
+    const NAME: &'static str = "mesh";
+    const CODE: Code = code!(meshes, fem, stages_bodies);
+
+    fn compute(&self, _: &Progress) -> Result<NamedMesh, Error> {
+        let mut imported = self.source.import()?;
+        let mesh = &mut imported.mesh;
+        let mut surfaces = match self.source {
+            MeshSource::File(_) => self.naming.apply(mesh)?,
+            _ => Vec::new(),
+        };
+        // The lowest surface of a table without names stands on the floor.
+        if self.kind == BodyKind::Worktable && mesh.group("floor").is_err() {
+            for group in mesh.groups.iter_mut().filter(|group| group.name == "bottom") {
+                "floor".clone_into(&mut group.name);
+            }
+            for found in surfaces.iter_mut().filter(|found| found.name == "bottom") {
+                "floor".clone_into(&mut found.name);
+            }
+        }
+        Ok(NamedMesh { imported, surfaces })
+    }
+}
+
+impl Geometry {
+    /// The stage that makes the mesh.
+    pub fn meshing(&self) -> Meshing {
+        Meshing {
+            kind: self.kind,
+            source: self.mesh.clone(),
+            naming: self.naming.clone(),
+        }
+    }
+}
