@@ -115,7 +115,8 @@ pub(crate) fn sample<T: Send + Sync>(
             let found = misfit(&interval, &samples);
             let estimate = extrapolated(found, before);
             let rounds = MOST.saturating_sub(*count) / plan.round;
-            let promising = 2 * count < MOST
+            let promising = before.is_none()
+                || 2 * count < MOST
                 || piece.complete.is_some()
                 || estimate * (estimate / found).powi(rounds as i32) <= tolerance;
             (
@@ -141,7 +142,10 @@ pub(crate) fn sample<T: Send + Sync>(
                 }
                 .into());
             } else if count + plan.round <= MOST && promising {
-                next.push((piece, count + plan.round, Some(found)));
+                // The first round of a half lies near its new end: its misfit is not yet that of the interval.
+                let first_of_half = !piece.known.is_empty() && count <= piece.known.len() + plan.round;
+                let before = (!first_of_half || piece.complete.is_some()).then_some(found);
+                next.push((piece, count + plan.round, before));
             } else {
                 let halves = [[low, 0.5 * (low + high)], [0.5 * (low + high), high]];
                 let half = |range: Range| {

@@ -183,6 +183,11 @@ impl Grid {
     }
 }
 
+/// A misfit, infinite where it is not a number: where the interpolant through few samples has no value.
+pub(crate) fn or_infinite(misfit: f64) -> f64 {
+    if misfit.is_nan() { f64::INFINITY } else { misfit }
+}
+
 /// Misfit of a field's test samples, relative to its largest entry in the interval. A row may be zero up to rounding,
 /// for example in a mirror plane about which a mode is odd.
 pub(crate) fn field_misfit<'a>(interval: &Interval, sample: impl Fn(usize) -> &'a DMatrix<Complex<f64>>) -> f64 {
@@ -200,7 +205,13 @@ pub(crate) fn field_misfit<'a>(interval: &Interval, sample: impl Fn(usize) -> &'
         size(&sum)
     };
     if largest > 0.0 {
-        interval.defects().into_iter().map(defect).fold(0.0, f64::max) / largest
+        interval
+            .defects()
+            .into_iter()
+            .map(defect)
+            .map(or_infinite)
+            .fold(0.0, f64::max)
+            / largest
     } else {
         0.0
     }

@@ -7,10 +7,13 @@ use std::sync::LazyLock;
 /// Points among which Leja's sequence chooses.
 const CANDIDATES: usize = 2048;
 
+/// Logarithms of products of distances that differ by less are equal up to rounding.
+const TIE: f64 = 1e-9;
+
 /// Smallest factor by which a round of samples is assumed to reduce the error.
 const GAIN: f64 = 0.1;
 
-/// An interval of the frequency axis with samples at the first points of a sequence of Leja's.
+/// An interval of the frequency axis with samples at the first points of a Leja sequence.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub(crate) struct Interval {
     pub(crate) low: f64,
@@ -78,6 +81,32 @@ impl Interval {
         &self.hz
     }
 
+    /// Frequencies of the samples in Leja's order among themselves \[Hz\], which begins with both ends: the first few of
+    /// them serve an interpolant of their own.
+    pub(crate) fn samples_in_leja_order(&self) -> Vec<f64> {
+        let x: Vec<f64> = self.hz.iter().map(|&hz| scaled([self.low, self.high], hz)).collect();
+        let mut left: Vec<usize> = (0..x.len()).collect();
+        let mut order: Vec<usize> = Vec::with_capacity(x.len());
+        while !left.is_empty() {
+            let merit = |i: usize| match order.len() {
+                0 => -x[i],
+                1 => x[i],
+                _ => order.iter().map(|&j| (x[i] - x[j]).abs().ln()).sum(),
+            };
+            // The earlier one of two that differ by rounding.
+            let better = |best: usize, place: usize| {
+                if merit(left[place]) > merit(left[best]) + TIE {
+                    place
+                } else {
+                    best
+                }
+            };
+            let best = (1..left.len()).fold(0, better);
+            order.push(left.remove(best));
+        }
+        order.into_iter().map(|i| self.hz[i]).collect()
+    }
+
     /// Samples that test the others.
     pub(crate) fn test_nodes(&self) -> &[usize] {
         &self.nodes[self.nodes.len() - self.tests..]
@@ -137,7 +166,6 @@ fn leja_from(mut points: Vec<f64>, count: usize) -> Vec<f64> {
     while points.len() < count {
         let best = match points.len() {
             0 => 0,
-            1 => CANDIDATES,
             _ => (0..=CANDIDATES).fold(0, |best, i| if product[i] > product[best] { i } else { best }),
         };
         let x = at(best);
@@ -165,10 +193,63 @@ pub(super) fn leja_hz([low, high]: [f64; 2], known: &[f64], count: usize) -> Vec
         return leja()[..count].iter().map(place).collect();
     }
     let first = &known[..count.min(known.len())];
+    if first.len() == count {
+        return first.to_vec();
+    }
     let points = leja_from(first.iter().map(|&hz| scaled([low, high], hz)).collect(), count);
     first
         .iter()
         .copied()
         .chain(points[first.len()..].iter().map(place))
         .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The right half of an interval with 48 samples, and four more.
+    fn half() -> Interval {
+        let (low, middle, high) = (100.0, 150.0, 200.0);
+        let parent = leja_hz([low, high], &[], 48);
+        let known: Vec<f64> = parent.into_iter().filter(|hz| *hz >= middle).collect();
+        let hz = leja_hz([middle, high], &known, known.len() + 4);
+        assert_eq!(hz[..known.len()], known);
+        Interval::new([middle, high], (0..hz.len()).collect(), hz, 4)
+    }
+
+    #[test]
+    fn the_first_samples_in_leja_order_are_the_ends_and_the_middle() {
+        let half = half();
+        let first = &half.samples_in_leja_order()[..3];
+        for (hz, expected) in first.iter().zip([150.0, 200.0, 175.0]) {
+            assert!((hz - expected).abs() < 3.0, "{hz} Hz instead of {expected} Hz");
+        }
+    }
+
+    #[test]
+    fn the_sequence_of_a_whole_interval_is_in_leja_order() {
+        let hz = leja_hz([40.0, 143.0], &[], 24);
+        let whole = Interval::new([40.0, 143.0], (0..24).collect(), hz.clone(), 4);
+        assert_eq!(whole.samples_in_leja_order(), hz);
+    }
+
+    #[test]
+    fn a_half_with_known_samples_reproduces_a_polynomial_of_its_order() {
+        let half = half();
+        let polynomial = |hz: f64| {
+            (0..half.hz.len())
+                .map(|n| scaled([150.0, 200.0], hz).powi(n as i32))
+                .sum::<f64>()
+        };
+        for hz in [150.3, 163.0, 187.7, 199.9] {
+            let found: f64 = half
+                .weights(hz)
+                .iter()
+                .zip(&half.hz)
+                .map(|(w, &x)| w * polynomial(x))
+                .sum();
+            assert!((found / polynomial(hz) - 1.0).abs() < 1e-6, "{hz} Hz: {found}");
+        }
+    }
 }

@@ -15,5 +15,5 @@ mod interval;
 
 pub(crate) use adaptive::{Piece, Plan, WIDEST, pieces, sample};
 pub use error::SamplingError;
-pub(crate) use grid::{Grid, Run, field_misfit};
+pub(crate) use grid::{Grid, Run, field_misfit, or_infinite};
 pub(crate) use interval::Interval;

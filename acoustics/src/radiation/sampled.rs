@@ -6,7 +6,7 @@ use super::hermitian_root::hermitian_root;
 use super::packed::{self, PackedHermitian};
 use super::resistance::Resistance;
 use crate::error::AcousticsError;
-use crate::interpolation::{Grid, Interval, Piece, Plan, Run, WIDEST, pieces, sample};
+use crate::interpolation::{Grid, Interval, Piece, Plan, Run, WIDEST, or_infinite, pieces, sample};
 use nalgebra::{Complex, DMatrix};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
@@ -205,7 +205,7 @@ impl SampledRadiation {
         let modes: Vec<usize> = found.iter().map(|f| f.modes).collect();
         let piece = |cheap: &Interval| Piece {
             range: [cheap.low, cheap.high],
-            known: cheap.samples_hz().to_vec(),
+            known: cheap.samples_in_leja_order(),
             complete: Some(cheap.nodes.len()),
         };
         let pieces: Vec<Piece> = first.grid.intervals().iter().map(piece).collect();
@@ -418,5 +418,5 @@ fn misfit<'a>(
     };
     let defects: Vec<Vec<f64>> = interval.defects();
     let tests: Vec<(Vec<f64>, &usize)> = defects.into_iter().zip(interval.test_nodes()).collect();
-    tests.into_par_iter().map(at).reduce(|| 0.0, f64::max)
+    tests.into_par_iter().map(at).map(or_infinite).reduce(|| 0.0, f64::max)
 }

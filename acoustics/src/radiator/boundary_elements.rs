@@ -88,6 +88,9 @@ impl Radiator for ModalBem {
     }
 
     fn pressures(&self, motions: &[&ModalSpectra]) -> Result<Option<Pressures>, AcousticsError> {
+        if self.receivers() == 0 {
+            return Ok(None);
+        }
         let together = ModalSpectra::side_by_side(motions);
         let to = self.solved_hz()[1];
         let from = to * 2f64.powf(-FADE_OCTAVES);

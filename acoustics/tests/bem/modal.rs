@@ -6,8 +6,8 @@ use std::sync::{Arc, LazyLock};
 use nailnoise_acoustics::Air;
 use nailnoise_acoustics::bem::BemError;
 use nailnoise_acoustics::bem::{
-    BandFields, Boundary, BoundaryMesh, Exterior, MeanRanges, MeshRange, ModalBem, MovingPart, Parity, Patterns,
-    Receivers, SolidBox,
+    BandFields, Boundary, BoundaryMesh, Exterior, MeanRanges, MeshRange, ModalBem, ModalPressures, MovingPart, Parity,
+    Patterns, Receivers, SolidBox,
 };
 use nailnoise_acoustics::fluid_loading::Impedance;
 use nailnoise_acoustics::levels::{Band, Weighting, energy_weights};
@@ -214,6 +214,7 @@ struct Sampled {
 fn with_pressures(levels: impl Fn() -> Vec<MeshRange>, sampling: &Sampling, receivers: &Receivers) -> ModalBem {
     let (bem, surface) = ModalBem::solve(levels(), MeanRanges::default(), sampling, &|| ()).unwrap();
     bem.with_pressures(Arc::new(surface.at(receivers, &levels()).unwrap()))
+        .unwrap()
 }
 
 static SAMPLED: LazyLock<Sampled> = LazyLock::new(|| {
@@ -505,6 +506,12 @@ fn a_matrix_is_read_back_bit_by_bit() {
         back.pressures(frequency, a).unwrap(),
         bem.pressures(frequency, a).unwrap()
     );
+}
+
+#[test]
+fn pressures_of_another_solution_are_refused() {
+    let other = Arc::new(ModalPressures::default());
+    assert!(SAMPLED.bem.with_pressures(other).is_none());
 }
 
 #[test]

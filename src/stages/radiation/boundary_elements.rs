@@ -168,7 +168,13 @@ impl MeshRanges {
             let values = |patterns: &Patterns| 8.0 * patterns.velocities.len() as f64;
             mesh.patterns.iter().map(values).sum::<f64>()
         };
-        1e-9 * (self.all(few).map(of_mesh).fold(0.0, f64::max) + self.all(few).map(velocities).sum::<f64>())
+        // Pressures on the surface are kept in 4 bytes.
+        let pressures = |(mesh, solves): (&MeshRange, &f64)| {
+            let modes = mesh.patterns.first().map_or(0, |patterns| patterns.velocities.ncols());
+            4.0 * solves * mesh.problem.estimate().unknowns as f64 * modes as f64
+        };
+        let kept = self.levels.iter().zip(&self.solves).map(pressures).sum::<f64>();
+        1e-9 * (self.all(few).map(of_mesh).fold(0.0, f64::max) + self.all(few).map(velocities).sum::<f64>() + kept)
     }
 
     /// The thin gap of the largest error on any of the meshes.

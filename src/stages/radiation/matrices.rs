@@ -201,7 +201,8 @@ impl Stage for MatrixWithMicrophones {
     }
 
     fn compute(&self, _: &Progress) -> Result<ModalBem, Error> {
-        Ok(self.matrix.get()?.with_pressures(self.pressures.get()?))
+        let with = self.matrix.get()?.with_pressures(self.pressures.get()?);
+        with.ok_or(Error::OtherModes { body: "bodies" })
     }
 }
 

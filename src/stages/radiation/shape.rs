@@ -2,9 +2,10 @@
 //!
 //! The radiation matrix is solved for the modes of standard bodies, which have the shape of the design's bodies and fixed
 //! materials. The velocities of the design's own modes are fitted by theirs on the finest mesh ([`ShapeFit`]), and the
-//! matrix follows by products ([`ShapeMatrix`]), the pressure at the microphones likewise ([`ShapePressures`]). A body of another material, loss factor or nail thus needs no boundary
-//! elements, as long as the fit holds its motion. Otherwise the modes of further standard bodies are added, and where these do
-//! not hold it either, the matrix is solved for the body's own modes.
+//! matrix follows by products ([`ShapeMatrix`]), the pressure at the microphones likewise ([`ShapePressures`]). A body of
+//! another material, loss factor, nail or place of the nail thus needs no boundary elements, as long as the fit holds its
+//! motion. Otherwise the modes of further standard bodies are added, and where these do not hold it either, the matrix is
+//! solved for the body's own modes.
 
 use std::f64::consts::TAU;
 
@@ -214,10 +215,9 @@ impl Stage for ShapeMatrix {
                 continue;
             }
             progress.note(&format!("radiation: that of {name}; their modes lack at most {lack}"));
-            return known
-                .get()?
-                .of_modes(combinations)
-                .ok_or(Error::OtherModes { body: name });
+            return known.get()?.of_modes(combinations).ok_or(Error::OtherModes {
+                body: "standard bodies",
+            });
         }
         progress.note("radiation: solved for the modes of these bodies");
         Ok(ModalBem::clone(&*self.own.get()?))

@@ -154,8 +154,11 @@ impl ToolRadiation {
             surface,
             modes: &modes,
         };
-        let mesh = self.finest(&body, cap, &Air::default())?;
-        Ok(places.receivers().check(&mesh.problem).map_err(AcousticsError::from)?)
+        let receivers = places.receivers();
+        for mesh in self.levels(&body, cap, &Air::default())? {
+            receivers.check(&mesh.problem).map_err(AcousticsError::from)?;
+        }
+        Ok(())
     }
 
     /// The housing's own mesh, its nose closed, up to the frequency that it resolves.

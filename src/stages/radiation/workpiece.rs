@@ -535,6 +535,21 @@ mod tests {
         assert!(decibels.abs() < 0.3, "{b} against {a}");
     }
 
+    #[test]
+    fn a_microphone_within_the_block_is_refused_before_there_are_modes() {
+        let design = small("support.kind = \"floor\"");
+        let block = block(&design);
+        let radiation = WorkpieceRadiation::BoundaryElements(boundary_elements(&design));
+        let check = |z: f64| {
+            let places = Places::new([Point3::new(0.0, 0.0, z)].into_iter(), None, 0.0);
+            radiation.check(std::slice::from_ref(&block.surface), &places)
+        };
+        check(1.0).unwrap();
+        let error = check(0.02).unwrap_err();
+        assert!(error.to_string().contains("surface"), "{error}");
+        assert_eq!(error.exit_status(), 2);
+    }
+
     /// Their meshes are those of the boxes alone, and of the housing's file.
     #[test]
     fn shipped_designs_have_no_gap_that_needs_other_panels() {

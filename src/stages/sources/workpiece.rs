@@ -72,7 +72,7 @@ impl WorkpieceSound {
 pub struct WorkpieceSource {
     /// What it is computed from.
     pub sound: WorkpieceSound,
-    /// How it reaches the microphones.
+    /// How it radiates, with pressures at the microphones.
     pub at_microphones: Stored<Box<dyn Radiator>>,
     /// Frequency up to which the motion of each body is part of the result \[Hz\].
     pub top_hz: Vec<f64>,

@@ -11,6 +11,7 @@ pub(crate) mod packed_pressure;
 pub(crate) mod range_solver;
 pub(crate) mod receivers;
 mod shared;
+pub(crate) mod solution_id;
 pub(crate) mod summary;
 pub(crate) mod surface_fit;
 pub(crate) mod surface_pressures;

@@ -11,6 +11,7 @@ use crate::bem::modes::mesh_range::MeshRange;
 use crate::bem::modes::range_solver::RangeSolver;
 use crate::bem::modes::receivers::ModalPressures;
 use crate::bem::modes::shared;
+use crate::bem::modes::solution_id::SolutionId;
 use crate::bem::modes::summary::Summary;
 use crate::bem::modes::surface_fit::SurfaceFit;
 use crate::bem::modes::surface_pressures::SurfacePressures;
@@ -52,6 +53,7 @@ pub struct ModalBem {
     // Shared, so that conversion to another air needs no memory.
     #[serde(with = "shared")]
     parities: Arc<Vec<CompositeRadiation>>,
+    solution: SolutionId,
     /// At no receivers unless added.
     #[serde(with = "shared")]
     pressures: Arc<ModalPressures>,
@@ -233,7 +235,8 @@ impl ModalBem {
             alike = coarser.replace(solver).filter(|_| follows);
         }
         let mut nodes: Vec<Vec<(f64, Vec<Resistance>)>> = vec![Vec::new(); chosen.len()];
-        if let Some(solver) = coarser {
+        if let Some(solver) = coarser.map(RangeSolver::without_pressures) {
+            let alike = alike.map(RangeSolver::without_pressures);
             let mut own = bands.all();
             own.truncate(bands.on_same_mesh());
             let mut found = match &alike {
@@ -271,7 +274,8 @@ impl ModalBem {
             modes,
             combinations,
             parities: Arc::new(parities),
-            pressures: Arc::default(),
+            pressures: Arc::new(ModalPressures::none(surface.solution())),
+            solution: surface.solution(),
             masses: Arc::new(masses),
             mean_octaves: bands.octaves(),
             summary,
@@ -282,13 +286,18 @@ impl ModalBem {
         Ok((radiation, surface))
     }
 
-    /// The same radiation with pressures at receivers, as [`SurfacePressures::at`] gives them for it.
-    #[must_use]
-    pub fn with_pressures(&self, pressures: Arc<ModalPressures>) -> Self {
-        Self {
+    /// The same radiation with pressures at receivers, as [`SurfacePressures::at`] gives them; none where they are of another
+    /// solution.
+    pub fn with_pressures(&self, pressures: Arc<ModalPressures>) -> Option<Self> {
+        (pressures.solution() == self.solution).then(|| Self {
             pressures,
             ..self.clone()
-        }
+        })
+    }
+
+    /// Number of receivers at which pressures are known.
+    pub(crate) fn receivers(&self) -> usize {
+        self.pressures.receivers()
     }
 
     /// Interpolation error of the pressures at the receivers over frequency, relative to the loudest mode at any of them.

@@ -4,13 +4,13 @@ use nalgebra::{Complex, DMatrix};
 use serde::{Deserialize, Serialize};
 
 /// The pressure of one parity on a surface, unknowns x modes, in 16 bits a number: its rounding, 1.5e-5 of the mode's largest
-/// pressure, is far below the error of the equations, and hundreds of frequencies are held and kept.
+/// part, is far below the error of the equations, and hundreds of frequencies are held and kept.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub(crate) struct PackedPressure {
     unknowns: usize,
     /// Largest part of each mode, over [`i16::MAX`].
     scales: Vec<f32>,
-    /// Real and imaginary parts by turns, over the scale of the mode.
+    /// Real and imaginary parts, interleaved, over the scale of the mode.
     #[serde(with = "crate::blocks")]
     parts: Vec<i16>,
 }

@@ -80,6 +80,15 @@ impl<'a> RangeSolver<'a> {
         }
     }
 
+    /// Keeps no more pressures.
+    #[must_use]
+    pub(crate) fn without_pressures(self) -> Self {
+        Self {
+            keeps_pressures: false,
+            ..self
+        }
+    }
+
     /// The independent modes' velocities by parity.
     pub(crate) fn patterns(&self) -> &[Patterns] {
         &self.patterns

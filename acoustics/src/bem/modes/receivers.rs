@@ -1,4 +1,5 @@
 use crate::bem::high_frequencies::composite::CompositeRadiation;
+use crate::bem::modes::solution_id::SolutionId;
 use crate::bem::solver::far_field::Radiated;
 use crate::bem::solver::problem::Exterior;
 use crate::checks::ReceiverError;
@@ -77,18 +78,33 @@ pub struct ModalPressures {
     distances: [Vec<f64>; 2],
     parities: Vec<ParityPressures>,
     error: f64,
+    solution: SolutionId,
 }
 
 impl ModalPressures {
+    /// At no receivers.
+    pub(crate) fn none(solution: SolutionId) -> Self {
+        Self {
+            solution,
+            ..Self::default()
+        }
+    }
+
     /// Without any range; `parities` is their number.
-    pub(crate) fn new(receivers: &Receivers, problem: &Exterior, parities: usize) -> Self {
+    pub(crate) fn new(receivers: &Receivers, problem: &Exterior, parities: usize, solution: SolutionId) -> Self {
         Self {
             receivers: receivers.points.len(),
             sound_speed: problem.air().sound_speed,
             distances: receivers.distances(problem.boundary().floor()),
             parities: vec![ParityPressures::default(); parities],
             error: 0.0,
+            solution,
         }
+    }
+
+    /// Which solution they are of.
+    pub(crate) fn solution(&self) -> SolutionId {
+        self.solution
     }
 
     /// Adds the next range of a parity with the samples of its radiation matrix.

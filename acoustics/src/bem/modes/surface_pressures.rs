@@ -6,6 +6,7 @@ use crate::bem::modes::packed_pressure::PackedPressure;
 use crate::bem::modes::range_solver::RangeSolver;
 use crate::bem::modes::receivers::{ModalPressures, ReceiverPressures, Receivers, receiver_pressures};
 use crate::bem::modes::shared;
+use crate::bem::modes::solution_id::SolutionId;
 use crate::bem::solver::far_field::Radiated;
 use crate::bem::solver::problem::{Exterior, Patterns, SurfacePressure};
 use crate::checks::same_length;
@@ -103,9 +104,16 @@ pub struct SurfacePressures {
     meshes: Vec<SolvedMesh>,
     /// Ranges of frequencies, rising.
     ranges: Vec<SolvedRange>,
+    /// Which solution it is of.
+    solution: SolutionId,
 }
 
 impl SurfacePressures {
+    /// Which solution it is of.
+    pub(crate) fn solution(&self) -> SolutionId {
+        self.solution
+    }
+
     /// Adds the next range: the solver of the mesh that predicts it, and that of its own mesh.
     pub(crate) fn add(
         &mut self,
@@ -114,7 +122,12 @@ impl SurfacePressures {
         correction: Option<Grid>,
     ) -> Result<(), AcousticsError> {
         let number = self.ranges.len();
-        self.meshes.push(SolvedMesh::new(own));
+        let mesh = SolvedMesh::new(own);
+        self.solution.add(grid.hz());
+        mesh.velocities
+            .iter()
+            .for_each(|of| self.solution.add(of.values.as_slice()));
+        self.meshes.push(mesh);
         let below = number.saturating_sub(1);
         self.meshes[below].add(grid.hz(), predictor)?;
         if let Some(correction) = &correction {
@@ -136,17 +149,18 @@ impl SurfacePressures {
     /// # Errors
     /// Other meshes than those; receivers below the floor or too close to the surface.
     pub fn at(&self, receivers: &Receivers, levels: &[MeshRange]) -> Result<ModalPressures, AcousticsError> {
-        same_length("meshes of the boundary", levels.len(), self.meshes.len())?;
-        let (Some(finest), Some(velocities)) = (levels.last(), self.meshes.last().map(|mesh| &mesh.velocities)) else {
-            return Ok(ModalPressures::default());
+        let known = (levels.last(), self.meshes.last().map(|mesh| &mesh.velocities));
+        let (Some(finest), Some(velocities), false) = (known.0, known.1, receivers.points.is_empty()) else {
+            return Ok(ModalPressures::none(self.solution));
         };
+        same_length("meshes of the boundary", levels.len(), self.meshes.len())?;
         let meshes = self.meshes.iter().zip(levels);
         let at_samples: Vec<Samples> = meshes
             .map(|(mesh, level)| mesh.at(receivers, &level.problem))
             .collect::<Result<_, _>>()?;
         let present = velocities.iter().enumerate().filter(|(_, v)| v.values.ncols() > 0);
         let present: Vec<usize> = present.map(|(parity, _)| parity).collect();
-        let mut pressures = ModalPressures::new(receivers, &finest.problem, present.len());
+        let mut pressures = ModalPressures::new(receivers, &finest.problem, present.len(), self.solution);
         for range in &self.ranges {
             for (place, &parity) in present.iter().enumerate() {
                 let known = |mesh: usize, hz: f64| &at_samples[mesh][&hz.to_bits()][parity];
