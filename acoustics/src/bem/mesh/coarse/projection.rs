@@ -42,6 +42,9 @@ impl Boundary {
         )?;
         let panels = self.mesh().panels.len();
         same_length("corners of triangles", self.velocity_values(), 3 * panels)?;
+        if velocities.is_empty() {
+            return Ok(DMatrix::zeros(3 * panels, velocities.ncols()));
+        }
         let surface = Nearest::new(
             (0..panels)
                 .flat_map(|p| Curved::of(self.mesh(), p))
