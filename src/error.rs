@@ -416,6 +416,17 @@ pub enum Error {
         #[source]
         cause: nailnoise_acoustics::AcousticsError,
     },
+    /// A microphone or the operator's ear that is too close to a body for the pressure there.
+    #[error("a microphone or the operator's ear is too close to a body")]
+    #[diagnostic(help(
+        "move the ear (`acoustics.ear_along`, `acoustics.ear_across`, `acoustics.ear_height`); the other microphones follow the \
+         nail's place and the tool's height"
+    ))]
+    MicrophoneNearSurface {
+        /// Where it is, and how close.
+        #[source]
+        cause: nailnoise_acoustics::ReceiverError,
+    },
     /// Modes that the cache lost came out otherwise when they were computed once more.
     #[error("the modes of the {body} are not those to which the cache keeps motions and radiation")]
     #[diagnostic(help(

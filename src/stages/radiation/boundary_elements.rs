@@ -93,6 +93,16 @@ impl Places {
         }
     }
 
+    /// Checks that they keep away from the surfaces of meshes.
+    ///
+    /// # Errors
+    /// [`Error::MicrophoneNearSurface`].
+    pub(super) fn check(&self, meshes: &[MeshRange]) -> Result<(), Error> {
+        let receivers = self.receivers();
+        let checked = meshes.iter().try_for_each(|mesh| receivers.check(&mesh.problem));
+        checked.map_err(|cause| Error::MicrophoneNearSurface { cause })
+    }
+
     pub(super) fn receivers(&self) -> Receivers {
         Receivers {
             points: self.points.iter().map(|&point| point.into()).collect(),

@@ -7,11 +7,11 @@
 //! source at the height h by sin(2 k h)/(2 k h), ripples of 170 Hz below a table that would require three times as many
 //! frequencies and cancel in every band that is wider; its reflection at a microphone is the sound at the microphone's image.
 
+use nailnoise_acoustics::Air;
 use nailnoise_acoustics::bem::{
     BemError, Boundary, BoundaryMesh, ClosedOutline, Exterior, Gaps, MeanBands, MeanRanges, MeshRange, Panel, Parity,
     Patterns, Rim,
 };
-use nailnoise_acoustics::{AcousticsError, Air};
 use nailnoise_meshes::Surface;
 use nalgebra::DMatrix;
 use serde::Serialize;
@@ -154,11 +154,7 @@ impl ToolRadiation {
             surface,
             modes: &modes,
         };
-        let receivers = places.receivers();
-        for mesh in self.levels(&body, cap, &Air::default())? {
-            receivers.check(&mesh.problem).map_err(AcousticsError::from)?;
-        }
-        Ok(())
+        places.check(&self.levels(&body, cap, &Air::default())?)
     }
 
     /// The housing's own mesh, its nose closed, up to the frequency that it resolves.
