@@ -11,7 +11,7 @@ use std::process::{Command, Stdio};
 use std::time::Instant;
 
 /// What is changed, and the key that does it.
-const CHANGES: [(&str, &str); 11] = [
+const CHANGES: [(&str, &str); 14] = [
     ("exhaust's pitch", "exhaust.pitch = \"25 mm\""),
     ("exhaust's muffler", MUFFLER),
     ("background noise", "acoustics.background_level = 70"),
@@ -23,6 +23,14 @@ const CHANGES: [(&str, &str); 11] = [
     ("wood's density", "wood.density = \"440 kg/m3\""),
     ("wood's loss factor", "wood.loss_factor = 0.03"),
     ("nail's length", "nail.length = \"76 mm\""),
+    // The same surfaces, sounding at other places.
+    ("ear", "acoustics.ear_across = \"0.53 m\"\nstudy.screening = 0"),
+    ("nail's place", "nail.offset_along = \"30 mm\"\nstudy.screening = 0"),
+    // Boundary elements of the table alone.
+    (
+        "table's height",
+        "support.worktable.height = \"700 mm\"\nstudy.screening = 0",
+    ),
     // New modes of the tool on the same mesh.
     ("tool's mass", "tool.mass = \"4.0 kg\"\nstudy.screening = 0"),
 ];
