@@ -90,12 +90,12 @@ pub(crate) fn tool_places(design: &Design) -> Places {
     Places::new(microphones, image_in, 0.5 * tool_height(design))
 }
 
-/// Height of the reflecting plane over the tip of the tool's nose \[m\]; it is not above it.
+/// Height of the reflecting plane relative to the tip of the tool's nose \[m\], zero or negative.
 fn plane_below_nose(design: &Design) -> f64 {
     reflecting_plane(design) - design.workpiece.thickness
 }
 
-/// The same if the plane is part of the tool's equations.
+/// That height if the plane is part of the tool's equations.
 fn tool_floor(design: &Design) -> Option<f64> {
     let plane = plane_below_nose(design);
     (-plane < tool_height(design)).then_some(plane)

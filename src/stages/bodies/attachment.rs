@@ -56,7 +56,7 @@ impl Stage for Attachment {
 }
 
 impl Geometry {
-    /// The stage that gives a mesh what belongs to it.
+    /// The stage that adds materials, supports and attachments to a mesh.
     pub fn attachment(&self, mesh: Stored<NamedMesh>) -> Attachment {
         Attachment {
             mesh,
@@ -65,7 +65,7 @@ impl Geometry {
         }
     }
 
-    /// Makes the mesh with what belongs to it.
+    /// Makes the mesh with its materials, supports and attachments.
     ///
     /// # Errors
     /// Those of mesh, gmsh and parts; [`Error::TooHeavy`] for lumped masses.
@@ -76,7 +76,7 @@ impl Geometry {
 }
 
 impl Properties {
-    /// Gives a mesh what belongs to it; `fit` is the gap that ties bridge by design \[m\].
+    /// Adds materials, supports and attachments to a mesh; `fit` is the gap that ties bridge by design \[m\].
     fn attached(&self, named: NamedMesh, fit: f64) -> Result<Meshed, Error> {
         let NamedMesh { imported, surfaces } = named;
         let mesh = &imported.mesh;
@@ -109,7 +109,7 @@ impl Properties {
     }
 }
 
-/// The nodes of a face group held; a group that is missing is a fault of the mesh, not of the solution.
+/// Constraints that hold the nodes of a face group. A missing group is a fault of the mesh, not of the solution.
 pub(super) fn constraints(mesh: &Mesh, clamped: Option<&'static str>) -> Result<Constraints, Error> {
     let Some(group) = clamped else {
         return Ok(Constraints::free());
@@ -136,7 +136,7 @@ fn meshed_mass(mesh: &Mesh, materials: &[Material]) -> Result<f64, MeshError> {
     Ok(masses.map(|(volume, material)| volume * material.density()).sum())
 }
 
-/// Interfaces between bodies meshed apart: the nodes of every group `NAME_slave` follow the faces of `NAME_master`, across a
+/// Interfaces between bodies that are meshed separately: the nodes of every group `NAME_slave` follow the faces of `NAME_master`, across a
 /// gap of `fit` \[m\] and the chords of both meshes.
 pub(super) fn ties(mesh: &Mesh, fit: f64) -> Vec<Tie> {
     let longest = mesh.longest_edges().into_iter().fold(0.0, f64::max);

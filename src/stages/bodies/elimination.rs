@@ -10,8 +10,8 @@ use super::meshing::NamedMesh;
 use crate::error::Error;
 use crate::stages::{Code, Input, Postcard, Progress, Stage, Stored, code};
 
-/// Finds an order of elimination for the matrices of a body. It is kept: of what changes between designs of one shape, masses
-/// and materials, it does not depend on any.
+/// Finds an order of elimination for the matrices of a body. The order is kept, because it does not depend on masses and
+/// materials, which are all that changes between designs of one shape.
 #[derive(Serialize)]
 pub struct Elimination {
     /// The mesh.

@@ -4,7 +4,7 @@
 //! WorkpieceSolution, ToolSolution, ToolCapSolution     boundary elements for the modes of bodies
 //!   -> RadiationMatrix                                 powers
 //!   -> PressureOnSurface                               pressures on the surface
-//!      -> PressureAtMicrophones                        and from them those at the microphones
+//!      -> PressureAtMicrophones                        pressures at the microphones, their surface integral
 //! both -> MatrixWithMicrophones                        powers and pressures at the microphones
 //! ```
 //!

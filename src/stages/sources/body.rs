@@ -258,7 +258,7 @@ fn rigid_modes(body: &Body) -> usize {
 pub struct BodySource {
     /// What it is computed from.
     pub sound: BodySound,
-    /// Radiation of its housing with pressures at the microphones, where it is elastic and has boundary elements.
+    /// Its housing as a radiator with pressures at the microphones, if it is elastic and solved by boundary elements.
     pub at_microphones: Option<HousingAtMicrophones>,
     /// End of all records \[s\].
     pub end: Stored<f64>,

@@ -2,14 +2,14 @@
 
 use serde::{Deserialize, Serialize};
 
-/// Distinguishes solutions by a hash of frequencies and velocities: of the same body, the modes of another computation may have
+/// Identifies a solution by a hash of its frequencies and velocities: another computation of the same body may give modes of
 /// other signs.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) struct SolutionId(u64);
 
 impl SolutionId {
-    /// FNV-1a (Fowler, Noll and Vo) over whole numbers; the hasher of the standard library may differ between its releases,
-    /// and this one is kept.
+    /// FNV-1a (Fowler, Noll and Vo) over 64-bit words. By hand, because the value is kept and the hasher of the standard
+    /// library may change between its releases.
     pub(crate) fn add(&mut self, numbers: &[f64]) {
         for number in numbers {
             self.0 = (self.0 ^ number.to_bits()).wrapping_mul(0x0100_0000_01b3);

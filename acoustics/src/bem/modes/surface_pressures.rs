@@ -27,7 +27,7 @@ struct SolvedFrequency {
     parities: Arc<Vec<PackedPressure>>,
 }
 
-/// The normal velocities of the independent modes of one parity on a mesh.
+/// Normal velocities on a mesh: the independent modes of one parity.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 struct Velocities {
     parity: Parity,
