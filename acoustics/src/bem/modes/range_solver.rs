@@ -4,6 +4,7 @@ use crate::bem::modes::independent::Independent;
 use crate::bem::modes::mesh_range::MeshRange;
 use crate::bem::modes::packed_pressure::PackedPressure;
 use crate::bem::modes::summary::Summary;
+use crate::bem::solver::neumann::NeumannData;
 use crate::bem::solver::problem::{Exterior, Patterns};
 use crate::error::AcousticsError;
 use crate::radiation::{PackedHermitian, Resistance};
@@ -34,7 +35,7 @@ pub(crate) struct RangeSolver<'a> {
     problem: Exterior,
     /// Highest frequency at which the mesh has as many panels per wavelength as are asked for \[Hz\].
     resolved_hz: f64,
-    patterns: Vec<Patterns>,
+    data: Vec<NeumannData>,
     /// Whether solutions contain the pressure on the surface.
     keeps_pressures: bool,
     /// Called after every frequency solved.
@@ -53,10 +54,15 @@ impl<'a> RangeSolver<'a> {
     ) -> Result<Self, AcousticsError> {
         let per_wavelength = level.problem.panels_per_wavelength() * (level.top_hz / highest_hz).min(1.0);
         let resolved_hz = level.resolved_hz();
+        let problem = level.problem.with_panels_per_wavelength(per_wavelength)?;
+        let data = chosen
+            .iter()
+            .zip(&level.patterns)
+            .map(|(pick, p)| problem.neumann_data(&pick.of(p)));
         Ok(Self {
-            problem: level.problem.with_panels_per_wavelength(per_wavelength)?,
+            data: data.collect::<Result<_, _>>()?,
+            problem,
             resolved_hz,
-            patterns: chosen.iter().zip(&level.patterns).map(|(pick, p)| pick.of(p)).collect(),
             keeps_pressures: false,
             progress,
             solved: Mutex::default(),
@@ -90,8 +96,8 @@ impl<'a> RangeSolver<'a> {
     }
 
     /// The independent modes' velocities by parity.
-    pub(crate) fn patterns(&self) -> &[Patterns] {
-        &self.patterns
+    pub(crate) fn patterns(&self) -> impl Iterator<Item = &Patterns> {
+        self.data.iter().map(NeumannData::patterns)
     }
 
     /// Whether the mesh resolves a range up to `top_hz` as well as the mesh of that range, so that the results differ
@@ -111,8 +117,8 @@ impl<'a> RangeSolver<'a> {
         if let Some(known) = known {
             return Ok(known);
         }
-        let solutions = self.problem.solve_parities(hz, &self.patterns)?;
-        let two = self.problem.two_evaluations(&self.patterns, &solutions)?;
+        let solutions = self.problem.solve_prepared(hz, &self.data)?;
+        let two = self.problem.two_evaluations(&self.data, &solutions)?;
         {
             let mut worst = self.worst.lock().unwrap_or_else(PoisonError::into_inner);
             let loudest = two.iter().map(|t| t.far_field.amax()).fold(0.0, f64::max);

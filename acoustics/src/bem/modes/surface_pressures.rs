@@ -51,7 +51,7 @@ impl SolvedMesh {
             values: patterns.velocities.clone(),
         };
         Self {
-            velocities: Arc::new(solver.patterns().iter().map(of_parity).collect()),
+            velocities: Arc::new(solver.patterns().map(of_parity).collect()),
             pressures: Vec::new(),
         }
     }

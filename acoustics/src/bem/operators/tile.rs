@@ -9,22 +9,18 @@ use crate::bem::operators::near::{NearAt, NearPair, PairMatrices};
 use crate::bem::operators::wave::{Buffer, Operators, Wave};
 use faer::linalg::matmul::matmul;
 use faer::{Accum, Mat, MatMut, MatRef, Par};
-use nalgebra::DMatrix;
 use pulp::Arch;
 use rustfft::num_complex::Complex;
 
-/// The right-hand sides of one parity: its velocity patterns, and the product of B with them.
+/// The velocity patterns of one parity at the points of all blocks.
 ///
 /// Patterns are in the order of the first block that they move, so that those of one body of several follow each other,
 /// and a block multiplies only a range of them.
 #[derive(Debug)]
-pub(crate) struct RightHandSide {
+pub(crate) struct PatternsOnBlocks {
     parity: Parity,
     order: Vec<usize>,
     on_blocks: Vec<OnBlock>,
-    /// (S + alpha K') v at the nodes of each block, patterns x nodes, real parts before imaginary parts. Blocks add up their
-    /// own nodes, so that matrix products accumulate in place.
-    sums: Vec<Mat<f32>>,
 }
 
 /// The patterns that move a block: the first of them, and their values at the points of its panels, patterns x points,
@@ -35,14 +31,13 @@ struct OnBlock {
     patterns: Mat<f32>,
 }
 
-impl RightHandSide {
-    /// For velocities given by the corner values of every panel.
-    pub(crate) fn new(blocks: &[Block], parity: Parity, velocities: &DMatrix<f64>) -> Self {
-        let count = velocities.ncols();
-        let all: Vec<Mat<f32>> = blocks.iter().map(|b| b.patterns(velocities)).collect();
+impl PatternsOnBlocks {
+    /// For patterns of a parity at the points of each block, patterns x points, see [`Block::patterns`].
+    pub(crate) fn new(parity: Parity, all: &[Mat<f32>]) -> Self {
+        let count = all.first().map_or(0, Mat::nrows);
         let moves = |block: usize, m: usize| all[block].row(m).iter().any(|v| *v != 0.0);
         let mut order: Vec<usize> = (0..count).collect();
-        order.sort_by_cached_key(|&m| (0..blocks.len()).find(|&block| moves(block, m)));
+        order.sort_by_cached_key(|&m| (0..all.len()).find(|&block| moves(block, m)));
         let on_block = |(block, all): (usize, &Mat<f32>)| {
             let moved = |place: &usize| moves(block, order[*place]);
             let first = (0..count).find(moved).unwrap_or(count);
@@ -55,14 +50,33 @@ impl RightHandSide {
         Self {
             parity,
             on_blocks: all.iter().enumerate().map(on_block).collect(),
-            sums: blocks.iter().map(|b| Mat::zeros(count, 2 * b.nodes.len())).collect(),
             order,
+        }
+    }
+}
+
+/// The right-hand sides of one parity: the product of B with its velocity patterns.
+#[derive(Debug)]
+pub(crate) struct RightHandSide<'a> {
+    patterns: &'a PatternsOnBlocks,
+    /// (S + alpha K') v at the nodes of each block, patterns x nodes, real parts before imaginary parts. Blocks add up their
+    /// own nodes, so that matrix products accumulate in place.
+    sums: Vec<Mat<f32>>,
+}
+
+impl<'a> RightHandSide<'a> {
+    /// Zero, to be summed up.
+    pub(crate) fn zeros(blocks: &[Block], patterns: &'a PatternsOnBlocks) -> Self {
+        let zeros = |b: &Block| Mat::zeros(patterns.order.len(), 2 * b.nodes.len());
+        Self {
+            patterns,
+            sums: blocks.iter().map(zeros).collect(),
         }
     }
 
     /// Adds the contribution of the patterns on one block to the sums at the nodes of another.
     fn add(&mut self, from: usize, to: usize, add: impl FnOnce(MatRef<'_, f32>, MatMut<'_, f32>)) {
-        let OnBlock { first, patterns } = &self.on_blocks[from];
+        let OnBlock { first, patterns } = &self.patterns.on_blocks[from];
         if patterns.nrows() > 0 {
             let sums = self.sums[to].as_mut().subrows_mut(*first, patterns.nrows());
             add(patterns.as_ref(), sums);
@@ -72,7 +86,7 @@ impl RightHandSide {
     /// Adds the sums of all blocks to the right-hand sides.
     pub(crate) fn spread(&self, blocks: &[Block], to: &mut [Mat<f64>; 2]) {
         for (block, sums) in blocks.iter().zip(&self.sums) {
-            spread(&block.nodes, &self.order, sums.as_ref(), to);
+            spread(&block.nodes, &self.patterns.order, sums.as_ref(), to);
         }
     }
 }
@@ -82,7 +96,7 @@ impl RightHandSide {
 pub(crate) struct Tile {
     parities: Vec<Operators>,
     mask: Vec<f32>,
-    to_points: [Mat<f64>; 2],
+    to_points: [[[f64; 4]; 4]; 2],
 }
 
 impl Default for Tile {
@@ -97,10 +111,17 @@ impl Default for Tile {
 
 /// Inverse of the corner functions at the points of the far rule, corners x points: it converts an operator on corner
 /// values to one on point values.
-fn inverse<const E: usize>() -> Mat<f64> {
+fn inverse<const E: usize>() -> [[f64; 4]; 4] {
     use faer::linalg::solvers::DenseSolveCore;
     let phi = corner_values::<E>();
-    Mat::from_fn(E, E, |b, j| phi[b][j]).partial_piv_lu().inverse()
+    let inverse = Mat::from_fn(E, E, |b, j| phi[b][j]).partial_piv_lu().inverse();
+    let mut all = [[0.0; 4]; 4];
+    for (j, row) in all.iter_mut().enumerate().take(E) {
+        for (point, value) in row.iter_mut().enumerate().take(E) {
+            *value = inverse[(j, point)];
+        }
+    }
+    all
 }
 
 impl Tile {
@@ -113,14 +134,11 @@ impl Tile {
         wave: Wave,
         (blocks, [i, j]): (&[Block], [usize; 2]),
         near: &NearAt<'_>,
-        right_hand_sides: &mut [RightHandSide],
+        right_hand_sides: &mut [RightHandSide<'_>],
         sums: &mut [Sums],
     ) {
         let [e, f] = [&blocks[i], &blocks[j]];
-        let parities: Vec<Parity> = right_hand_sides
-            .iter()
-            .map(|right_hand_side| right_hand_side.parity)
-            .collect();
+        let parities: Vec<Parity> = right_hand_sides.iter().map(|right| right.patterns.parity).collect();
         let near = (near, near.pairs(i, j));
         let operators = self.evaluate(planes, images, wave, [e, f], &parities, near).iter();
         for ((operators, right_hand_side), sums) in operators.zip(right_hand_sides).zip(sums) {
@@ -195,7 +213,13 @@ struct Close<'a> {
 }
 
 impl<'a> Close<'a> {
-    fn new(pair: &'a NearPair, wave: Wave, [e, f]: [&Block; 2], to_points: &[Mat<f64>; 2], m: &PairMatrices) -> Self {
+    fn new(
+        pair: &'a NearPair,
+        wave: Wave,
+        [e, f]: [&Block; 2],
+        to_points: &[[[f64; 4]; 4]; 2],
+        m: &PairMatrices,
+    ) -> Self {
         let mut close = Self {
             pair,
             a: Default::default(),
@@ -211,10 +235,10 @@ impl<'a> Close<'a> {
                 close.a_back[i][j] = w - kp;
                 let (b, b_back) = (s + alpha * kp, s + alpha * k);
                 for point in 0..f.corners {
-                    close.b[i][point] += b * to_points[f.corners - 3][(j, point)];
+                    close.b[i][point] += b * to_points[f.corners - 3][j][point];
                 }
                 for point in 0..e.corners {
-                    close.b_back[point][j] += b_back * to_points[e.corners - 3][(i, point)];
+                    close.b_back[point][j] += b_back * to_points[e.corners - 3][i][point];
                 }
             }
         }

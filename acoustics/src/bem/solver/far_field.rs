@@ -52,16 +52,19 @@ impl Exterior {
         velocities: &DMatrix<f64>,
         solution: &SurfacePressure,
     ) -> Result<DMatrix<f64>, BemError> {
-        let mut all = self.far_field_resistances(&[(velocities, solution)])?;
+        self.check_velocities(velocities)?;
+        let mut all = self.far_field_resistances(&[(&self.at_points(velocities), solution)])?;
         Ok(all.pop().unwrap_or_default())
     }
 
-    /// The same for several solutions at one frequency, whose waves are evaluated once.
-    pub(crate) fn far_field_resistances(&self, all: &[Radiated<'_>]) -> Result<Vec<DMatrix<f64>>, BemError> {
+    /// The same for several solutions at one frequency, whose waves are evaluated once, with the velocities at the points of
+    /// all blocks, see [`Exterior::at_points`].
+    pub(crate) fn far_field_resistances(
+        &self,
+        all: &[(&Mat<f32>, &SurfacePressure)],
+    ) -> Result<Vec<DMatrix<f64>>, BemError> {
         let boundary = self.boundary();
-        for (velocities, solution) in all {
-            let values = boundary.velocity_values();
-            same_length("rows of the normal velocities", velocities.nrows(), values)?;
+        for (_, solution) in all {
             same_length("rows of the pressure", solution.pressure.nrows(), boundary.nodes())?;
         }
         let hz = all.first().map_or(0.0, |(_, solution)| solution.hz);
@@ -70,7 +73,7 @@ impl Exterior {
         let across = sources.iter().map(|s| s.position.xy().norm()).fold(0.0, f64::max);
         let planes = boundary.planes().map(|plane| plane.is_some());
         let directions = directions([k * radius, k * across], planes);
-        let mut totals: Vec<Mat<f64>> = all.iter().map(|(v, _)| Mat::zeros(v.ncols(), v.ncols())).collect();
+        let mut totals: Vec<Mat<f64>> = all.iter().map(|(v, _)| Mat::zeros(v.nrows(), v.nrows())).collect();
         self.in_directions(all, k, &directions, |chunk, parts| {
             for (part, total) in parts.iter().zip(&mut totals) {
                 part.add_power(chunk, k, self.air().impedance(), total);
@@ -82,10 +85,10 @@ impl Exterior {
     /// Evaluates the waves of chunks of directions at all points; `each` receives the far field of every part.
     fn in_directions(
         &self,
-        all: &[Radiated<'_>],
+        all: &[(&Mat<f32>, &SurfacePressure)],
         k: f64,
         directions: &[(Vector3<f64>, f64)],
-        mut each: impl FnMut(&[(Vector3<f64>, f64)], &[Radiating]),
+        mut each: impl FnMut(&[(Vector3<f64>, f64)], &[Radiating<'_>]),
     ) {
         let boundary = self.boundary();
         let (_, origin, _) = self.quadrature();
@@ -94,7 +97,10 @@ impl Exterior {
             boundary.nodes(),
             self.blocks().iter().map(|b| b.corners * b.width).sum(),
         );
-        let mut parts: Vec<Radiating> = all.iter().map(|a| Radiating::new(self, a, planes, points)).collect();
+        let mut parts: Vec<Radiating<'_>> = all
+            .iter()
+            .map(|(v, solution)| Radiating::new(v, solution, planes))
+            .collect();
         let odd: Vec<[bool; 3]> = all
             .iter()
             .map(|(_, s)| [0, 1, 2].map(|axis| s.parity.is_odd(axis)))
@@ -139,7 +145,9 @@ impl Exterior {
         let mut fields: Vec<Mat<Complex<f64>>> = all.iter().map(|a| Mat::zeros(directions.len(), count(a))).collect();
         let directions: Vec<(Vector3<f64>, f64)> = directions.iter().map(|d| (*d, 1.0)).collect();
         let mut first = 0;
-        self.in_directions(all, k, &directions, |chunk, parts| {
+        let at_points: Vec<Mat<f32>> = all.iter().map(|a| self.at_points(a.0)).collect();
+        let all: Vec<(&Mat<f32>, &SurfacePressure)> = at_points.iter().zip(all).map(|(v, a)| (v, a.1)).collect();
+        self.in_directions(&all, k, &directions, |chunk, parts| {
             for (part, to) in parts.iter().zip(&mut fields) {
                 let field = part.field(chunk.len(), k, self.air().impedance());
                 for row in 0..chunk.len() {
@@ -201,11 +209,11 @@ impl Exterior {
 
 /// The far field of the patterns of one parity. With both mirrors and a floor, waves are real up to a power of j, and
 /// only their real or imaginary part is stored. In single precision, as the pressure that radiates was solved.
-struct Radiating {
+struct Radiating<'a> {
     /// Real and imaginary part of the pressure side by side, unknowns x 2 patterns.
     pressure: Mat<f32>,
     /// Velocities at the points of the far rule, patterns x points.
-    velocities: Mat<f32>,
+    velocities: &'a Mat<f32>,
     /// Whether waves have a real and an imaginary part.
     parts: Vec<usize>,
     /// Unknowns x directions and points x directions, for each part.
@@ -213,23 +221,16 @@ struct Radiating {
     on_v: [Vec<f32>; 2],
 }
 
-impl Radiating {
-    fn new(problem: &Exterior, (velocities, solution): &Radiated<'_>, planes: [bool; 3], points: usize) -> Self {
-        let (n, modes) = (solution.pressure.nrows(), velocities.ncols());
-        let at_points: Vec<Mat<f32>> = problem.blocks().iter().map(|b| b.patterns(velocities)).collect();
-        let mut all = Mat::zeros(modes, points);
-        let mut first = 0;
-        for block in at_points {
-            all.as_mut().subcols_mut(first, block.ncols()).copy_from(&block);
-            first += block.ncols();
-        }
+impl<'a> Radiating<'a> {
+    fn new(velocities: &'a Mat<f32>, solution: &SurfacePressure, planes: [bool; 3]) -> Self {
+        let (n, modes) = (solution.pressure.nrows(), velocities.nrows());
         let odd = (0..3).filter(|&axis| solution.parity.is_odd(axis)).count();
         Self {
             pressure: Mat::from_fn(n, 2 * modes, |node, column| {
                 let p = solution.pressure[(node, column % modes)];
                 (if column < modes { p.re } else { p.im }) as f32
             }),
-            velocities: all,
+            velocities,
             parts: if planes == [true; 3] { vec![odd % 2] } else { vec![0, 1] },
             on_p: [Mat::new(), Mat::new()],
             on_v: [Vec::new(), Vec::new()],

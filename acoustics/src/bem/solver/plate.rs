@@ -17,7 +17,7 @@ use crate::bem::error::BemError;
 use crate::bem::mesh::boundary::Boundary;
 use crate::bem::operators::wave::Wave;
 use crate::bem::solver::problem::{Exterior, Patterns, SurfacePressure};
-use crate::checks::{positive, same_length};
+use crate::checks::positive;
 use nalgebra::{Complex, DMatrix};
 use std::f64::consts::PI;
 
@@ -60,12 +60,7 @@ impl Plate {
     pub fn impedance(&self, hz: f64, patterns: &Patterns) -> Result<DMatrix<Complex<f64>>, BemError> {
         positive("frequency [Hz]", hz)?;
         self.surface.check_resolution(hz)?;
-        let velocities = &patterns.velocities;
-        same_length(
-            "rows of the normal velocities",
-            velocities.nrows(),
-            self.boundary().velocity_values(),
-        )?;
+        let data = self.surface.neumann_data(patterns)?;
         let omega = 2.0 * PI * hz;
         let k = omega / self.surface.air().sound_speed;
         // alpha W = -j coupling W; with the length 1/k of the coupling both operators have the size of the unit matrix.
@@ -74,17 +69,17 @@ impl Plate {
             Wetted::Both => self.boundary().half_width().min(1.0 / k),
         };
         let mut factor = Complex::new(0.0, omega * self.surface.air().density);
-        let mut pressure = DMatrix::zeros(self.boundary().nodes(), velocities.ncols());
+        let mut pressure = DMatrix::zeros(self.boundary().nodes(), data.count());
         for mut sums in self
             .surface
-            .integrals(Wave { k, coupling }, std::slice::from_ref(patterns))
+            .integrals(Wave { k, coupling }, std::slice::from_ref(&data))
         {
             match self.wetted {
                 Wetted::OneInBaffle => self.surface.add_mass(&mut sums.matrix, 0.5),
                 Wetted::Both => {
                     // What K and S leave: rounding in the matrix, all of S v on the right.
                     sums.right.iter_mut().for_each(|right| right.fill(0.0));
-                    self.surface.add_moments(velocities, 1.0, &mut sums.right[0]);
+                    data.moments().add_to(1.0, &mut sums.right[0]);
                     factor *= Complex::new(0.0, -coupling);
                     for node in 0..self.boundary().nodes() {
                         if self.boundary().on_free_edge(node) {
@@ -101,10 +96,9 @@ impl Plate {
             parity: patterns.parity,
             pressure,
         };
-        let parts = self.surface.impedance(velocities, &solution)?;
-        let whole = parts
-            .into_iter()
-            .fold(DMatrix::zeros(velocities.ncols(), velocities.ncols()), |sum, z| sum + z);
+        let parts = self.surface.impedances(data.by_patch(), &solution)?;
+        let zeros = DMatrix::zeros(data.count(), data.count());
+        let whole = parts.into_iter().fold(zeros, |sum, z| sum + z);
         Ok((&whole + whole.transpose()) * Complex::from(0.5))
     }
 }

@@ -10,9 +10,9 @@ use crate::bem::operators::equations::Sums;
 use crate::bem::operators::near::NearField;
 use crate::bem::operators::tile::{RightHandSide, Tile};
 use crate::bem::operators::wave::Wave;
-use crate::checks::{InputError, positive, same_length};
-use faer::linalg::matmul::matmul;
-use faer::{Accum, Mat, MatRef, Par};
+use crate::bem::solver::neumann::NeumannData;
+use crate::checks::{InputError, positive};
+use faer::Mat;
 use nalgebra::{Complex, DMatrix};
 use serde::Serialize;
 use std::f64::consts::PI;
@@ -92,6 +92,16 @@ pub struct Patterns {
     pub parity: Parity,
     /// Corner values of every panel x patterns, see [`Boundary::project`].
     pub velocities: DMatrix<f64>,
+}
+
+impl Patterns {
+    /// Patterns that continue evenly across the mirror planes.
+    pub(crate) fn even(velocities: &DMatrix<f64>) -> Self {
+        Self {
+            parity: Parity::default(),
+            velocities: velocities.clone(),
+        }
+    }
 }
 
 /// The pressure on a surface for a set of velocity patterns.
@@ -247,19 +257,7 @@ impl Exterior {
     /// # Errors
     /// A frequency that is not positive or above what the mesh resolves, patterns of another length.
     pub fn solve(&self, hz: f64, velocities: &DMatrix<f64>) -> Result<SurfacePressure, BemError> {
-        let even = Patterns {
-            parity: Parity::default(),
-            velocities: velocities.clone(),
-        };
-        let [pressure] = self
-            .solve_parities(hz, &[even])?
-            .try_into()
-            .map_err(|all: Vec<_>| InputError::Length {
-                what: "solutions of one parity",
-                found: all.len(),
-                expected: 1,
-            })?;
-        Ok(pressure)
+        only(self.solve_parities(hz, &[Patterns::even(velocities)])?)
     }
 
     /// Pressure on the surface for patterns of several parities: the kernels are evaluated once, every parity has one
@@ -270,10 +268,16 @@ impl Exterior {
     pub fn solve_parities(&self, hz: f64, patterns: &[Patterns]) -> Result<Vec<SurfacePressure>, BemError> {
         positive("frequency [Hz]", hz)?;
         self.check_resolution(hz)?;
-        for p in patterns {
-            let rows = p.velocities.nrows();
-            same_length("rows of the normal velocities", rows, self.boundary.velocity_values())?;
-        }
+        let data: Vec<NeumannData> = patterns
+            .iter()
+            .map(|p| self.neumann_data(p))
+            .collect::<Result<_, _>>()?;
+        self.solve_prepared(hz, &data)
+    }
+
+    /// The same for prepared patterns.
+    pub(crate) fn solve_prepared(&self, hz: f64, all: &[NeumannData]) -> Result<Vec<SurfacePressure>, BemError> {
+        self.check_resolution(hz)?;
         let omega = 2.0 * PI * hz;
         let k = omega / self.air.sound_speed;
         let wave = Wave {
@@ -283,14 +287,14 @@ impl Exterior {
         // dp/dn = -j omega rho v turns -(S + alpha K' + alpha/2) dp/dn into j omega rho (...) v.
         let factor = Complex::new(0.0, omega * self.air.density);
         if self.is_compressed() {
-            return self.solve_compressed(hz, wave, factor, patterns);
+            return self.solve_compressed(hz, wave, factor, all);
         }
-        let sums = self.assemble(wave, patterns);
-        let solved = sums.into_iter().zip(patterns).map(|(mut sums, patterns)| {
-            self.hold_odd(patterns.parity, &mut sums);
+        let sums = self.assemble(wave, all);
+        let solved = sums.into_iter().zip(all).map(|(mut sums, data)| {
+            self.hold_odd(data.parity(), &mut sums);
             SurfacePressure {
                 hz,
-                parity: patterns.parity,
+                parity: data.parity(),
                 pressure: sums.solve(factor),
             }
         });
@@ -311,7 +315,7 @@ impl Exterior {
         hz: f64,
         wave: Wave,
         factor: Complex<f64>,
-        patterns: &[Patterns],
+        all: &[NeumannData],
     ) -> Result<Vec<SurfacePressure>, BemError> {
         let surface = self
             .compressed
@@ -324,16 +328,13 @@ impl Exterior {
             masses: &self.masses,
             wave,
         };
-        let all: Vec<(Parity, &DMatrix<f64>)> = patterns.iter().map(|p| (p.parity, &p.velocities)).collect();
-        let pressures = surface.solve(&equations, &all, factor, ACCURACY)?;
-        let solved = pressures
-            .into_iter()
-            .zip(patterns)
-            .map(|(pressure, patterns)| SurfacePressure {
-                hz,
-                parity: patterns.parity,
-                pressure,
-            });
+        let patterns: Vec<(Parity, &DMatrix<f64>)> = all.iter().map(|d| (d.parity(), d.velocities())).collect();
+        let pressures = surface.solve(&equations, &patterns, factor, ACCURACY)?.into_iter();
+        let solved = pressures.zip(all).map(|(pressure, data)| SurfacePressure {
+            hz,
+            parity: data.parity(),
+            pressure,
+        });
         Ok(solved.collect())
     }
 
@@ -346,21 +347,22 @@ impl Exterior {
     }
 
     /// 1/2 - K + alpha W, and (S + alpha (1/2 + K')) v, for every parity.
-    fn assemble(&self, wave: Wave, all: &[Patterns]) -> Vec<Sums> {
+    fn assemble(&self, wave: Wave, all: &[NeumannData]) -> Vec<Sums> {
         let mut sums = self.integrals(wave, all);
-        for (sums, patterns) in sums.iter_mut().zip(all) {
-            self.add_jump(wave, &patterns.velocities, sums);
+        for (sums, data) in sums.iter_mut().zip(all) {
+            self.add_mass(&mut sums.matrix, 0.5);
+            // alpha is imaginary.
+            data.moments().add_to(-0.5 * wave.coupling, &mut sums.right[1]);
         }
         sums
     }
 
     /// -K + alpha W, and (S + alpha K') v, for every parity.
-    pub(crate) fn integrals(&self, wave: Wave, all: &[Patterns]) -> Vec<Sums> {
+    pub(crate) fn integrals(&self, wave: Wave, all: &[NeumannData]) -> Vec<Sums> {
         let n = self.boundary.nodes();
-        let right_hand_side = |p: &Patterns| RightHandSide::new(&self.blocks, p.parity, &p.velocities);
-        let mut right_hand_sides: Vec<RightHandSide> = all.iter().map(right_hand_side).collect();
-        let empty = |p: &Patterns| Sums::zeros(n, p.velocities.ncols());
-        let mut sums: Vec<Sums> = all.iter().map(empty).collect();
+        let on_blocks = all.iter().map(NeumannData::on_blocks);
+        let mut right_hand_sides: Vec<_> = on_blocks.map(|p| RightHandSide::zeros(&self.blocks, p)).collect();
+        let mut sums: Vec<Sums> = all.iter().map(|data| Sums::zeros(n, data.count())).collect();
         let mut tile = Tile::default();
         let near = self.near().at(&self.boundary, wave.k);
         for i in 0..self.blocks.len() {
@@ -384,16 +386,14 @@ impl Exterior {
     }
 
     /// The pressure unknowns at a panel's corners.
-    fn unknowns_of(&self, panel: &Panel) -> Vec<usize> {
+    pub(crate) fn unknowns_of(&self, panel: &Panel) -> Vec<usize> {
         let corners = panel.corners().iter();
         corners.filter_map(|&c| self.boundary.node_of(c)).collect()
     }
 
-    /// 1/2 on both sides.
-    fn add_jump(&self, wave: Wave, velocities: &DMatrix<f64>, sums: &mut Sums) {
-        self.add_mass(&mut sums.matrix, 0.5);
-        // alpha is imaginary.
-        self.add_moments(velocities, -0.5 * wave.coupling, &mut sums.right[1]);
+    /// Integrals of phi_i phi_j over every panel.
+    pub(crate) fn masses(&self) -> &[[[f64; 4]; 4]] {
+        &self.masses
     }
 
     /// Adds `factor` int phi_i phi_j dS.
@@ -407,92 +407,14 @@ impl Exterior {
             }
         }
     }
+}
 
-    /// Adds `factor` int phi_i v dS for every pattern v, unknowns x patterns.
-    pub(crate) fn add_moments(&self, velocities: &DMatrix<f64>, factor: f64, to: &mut Mat<f64>) {
-        let (nodes, moments) = self.moments(velocities, |_| true);
-        for (m, moments) in moments.column_iter().enumerate() {
-            let to = to.col_as_slice_mut(m);
-            for (&node, moment) in nodes.iter().zip(moments.iter()) {
-                to[node] += factor * moment;
-            }
-        }
-    }
-
-    /// int phi_i v dS over some of the panels for every pattern v: the unknowns of these panels, and these x patterns.
-    fn moments(&self, velocities: &DMatrix<f64>, among: impl Fn(&Panel) -> bool) -> (Vec<usize>, DMatrix<f64>) {
-        let mut rows = vec![None; self.boundary.nodes()];
-        let (mut nodes, mut pieces, mut first) = (Vec::new(), Vec::new(), 0);
-        for (panel, mass) in self.boundary.mesh().panels.iter().zip(&self.masses) {
-            if among(panel) {
-                let row = |node: usize| {
-                    *rows[node].get_or_insert_with(|| {
-                        nodes.push(node);
-                        nodes.len() - 1
-                    })
-                };
-                let own: Vec<usize> = self.unknowns_of(panel).into_iter().map(row).collect();
-                pieces.push((first, own, mass));
-            }
-            first += panel.corners().len();
-        }
-        let mut moments = DMatrix::zeros(nodes.len(), velocities.ncols());
-        for (mut to, v) in moments.column_iter_mut().zip(velocities.column_iter()) {
-            let v = v.as_slice();
-            for (first, own, mass) in &pieces {
-                let corners = &v[*first..first + own.len()];
-                for (&row, mass) in own.iter().zip(*mass) {
-                    to[row] += corners.iter().zip(mass).map(|(v, mass)| v * mass).sum::<f64>();
-                }
-            }
-        }
-        (nodes, moments)
-    }
-
-    /// Modal radiation impedance Z_ij = int v_i p_j dS of every patch: its real part is R, its imaginary part is omega
-    /// times the added mass of air. With mirror planes, the impedance of the whole body.
-    ///
-    /// # Errors
-    /// Patterns or pressures of another length.
-    pub fn impedance(
-        &self,
-        velocities: &DMatrix<f64>,
-        solution: &SurfacePressure,
-    ) -> Result<Vec<DMatrix<Complex<f64>>>, BemError> {
-        same_length(
-            "rows of the normal velocities",
-            velocities.nrows(),
-            self.boundary.velocity_values(),
-        )?;
-        same_length("rows of the pressure", solution.pressure.nrows(), self.boundary.nodes())?;
-        let mesh = self.boundary.mesh();
-        let patches = mesh
-            .panels
-            .iter()
-            .map(|p| p.patch + 1)
-            .max()
-            .unwrap_or(0)
-            .max(mesh.patches.len());
-        let (modes, columns) = (velocities.ncols(), solution.pressure.ncols());
-        let copies = self.boundary.copies() as f64;
-        let of_patch = |patch: usize| {
-            let (nodes, moments) = self.moments(velocities, |panel| panel.patch == patch);
-            let moments = MatRef::from_column_major_slice(moments.as_slice(), nodes.len(), modes);
-            let [re, im] = [|z: Complex<f64>| z.re, |z: Complex<f64>| z.im].map(|part| {
-                let p = Mat::from_fn(nodes.len(), columns, |i, j| part(solution.pressure[(nodes[i], j)]));
-                let mut z = Mat::<f64>::zeros(modes, columns);
-                matmul(
-                    z.as_mut(),
-                    Accum::Replace,
-                    moments.transpose(),
-                    p.as_ref(),
-                    copies,
-                    Par::Seq,
-                );
-                z
-            });
-            DMatrix::from_fn(modes, columns, |i, j| Complex::new(re[(i, j)], im[(i, j)]))
-        };
-        Ok((0..patches).map(of_patch).collect())
-    }
+/// The result of one parity.
+pub(crate) fn only<T>(all: Vec<T>) -> Result<T, BemError> {
+    let [one] = all.try_into().map_err(|all: Vec<T>| InputError::Length {
+        what: "solutions of one parity",
+        found: all.len(),
+        expected: 1,
+    })?;
+    Ok(one)
 }

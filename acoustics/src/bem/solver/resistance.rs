@@ -1,10 +1,12 @@
 use crate::bem::error::BemError;
 use crate::bem::mesh::panel::PanelShape;
 use crate::bem::solver::cost::{FrequencyCost, PATTERNS, SurfaceSize};
-use crate::bem::solver::far_field::Radiated;
-use crate::bem::solver::problem::{Exterior, Patterns, SurfacePressure};
+use crate::bem::solver::neumann::NeumannData;
+use crate::bem::solver::problem::{Exterior, Patterns, SurfacePressure, only};
+use crate::checks::positive;
 use crate::radiation::error::RadiationError;
 use crate::radiation::{RadiatingSurface, Resistance};
+use faer::Mat;
 use nalgebra::{DMatrix, Point3};
 use std::f64::consts::TAU;
 
@@ -115,9 +117,7 @@ impl Exterior {
     /// # Errors
     /// See [`Exterior::solve`].
     pub fn resistance(&self, hz: f64, velocities: &DMatrix<f64>) -> Result<TwoEvaluations, BemError> {
-        let solution = self.solve(hz, velocities)?;
-        let far_field = self.far_field_resistance(velocities, &solution)?;
-        self.evaluated_twice(velocities, &solution, far_field)
+        only(self.resistance_parities(hz, &[Patterns::even(velocities)])?)
     }
 
     /// The same for patterns of several parities, which radiate independently.
@@ -125,33 +125,38 @@ impl Exterior {
     /// # Errors
     /// See [`Exterior::solve`].
     pub fn resistance_parities(&self, hz: f64, patterns: &[Patterns]) -> Result<Vec<TwoEvaluations>, BemError> {
-        let solutions = self.solve_parities(hz, patterns)?;
-        self.two_evaluations(patterns, &solutions)
+        positive("frequency [Hz]", hz)?;
+        self.check_resolution(hz)?;
+        let data: Vec<NeumannData> = patterns
+            .iter()
+            .map(|p| self.neumann_data(p))
+            .collect::<Result<_, _>>()?;
+        let solutions = self.solve_prepared(hz, &data)?;
+        self.two_evaluations(&data, &solutions)
     }
 
     /// Both evaluations of solutions of one frequency, parity by parity.
     pub(crate) fn two_evaluations(
         &self,
-        patterns: &[Patterns],
+        data: &[NeumannData],
         solutions: &[SurfacePressure],
     ) -> Result<Vec<TwoEvaluations>, BemError> {
-        let all: Vec<Radiated<'_>> = patterns.iter().map(|p| &p.velocities).zip(solutions).collect();
+        let all: Vec<(&Mat<f32>, &SurfacePressure)> = data.iter().map(NeumannData::at_points).zip(solutions).collect();
         let far_fields = self.far_field_resistances(&all)?.into_iter();
-        all.iter()
-            .zip(far_fields)
-            .map(|((velocities, solution), far_field)| self.evaluated_twice(velocities, solution, far_field))
+        let both = data.iter().zip(solutions).zip(far_fields);
+        both.map(|((data, solution), far_field)| self.evaluated_twice(data, solution, far_field))
             .collect()
     }
 
     fn evaluated_twice(
         &self,
-        velocities: &DMatrix<f64>,
+        data: &NeumannData,
         solution: &SurfacePressure,
         far_field: DMatrix<f64>,
     ) -> Result<TwoEvaluations, BemError> {
         let hz = solution.hz;
-        let impedances = self.impedance(velocities, solution)?;
-        let zeros = || DMatrix::zeros(velocities.ncols(), velocities.ncols());
+        let impedances = self.impedances(data.by_patch(), solution)?;
+        let zeros = || DMatrix::zeros(data.count(), data.count());
         let mass = impedances.iter().fold(zeros(), |sum, z| sum + z.map(|z| z.im)) / (TAU * hz);
         let raw: Vec<DMatrix<f64>> = impedances.into_iter().map(|z| z.map(|z| z.re)).collect();
         let whole = raw.iter().fold(zeros(), |sum, r| sum + r);

@@ -1,0 +1,225 @@
+//! Prescribed normal velocities as the equations take them, found once for all frequencies.
+
+use crate::bem::error::BemError;
+use crate::bem::mesh::panel::Panel;
+use crate::bem::mesh::symmetry::Parity;
+use crate::bem::operators::blocks::Block;
+use crate::bem::operators::tile::PatternsOnBlocks;
+use crate::bem::solver::problem::{Exterior, Patterns, SurfacePressure};
+use crate::checks::same_length;
+use faer::linalg::matmul::matmul;
+use faer::{Accum, Mat, MatRef, Par};
+use nalgebra::{Complex, DMatrix};
+
+/// The velocity patterns of one parity, and what follows from them without a frequency.
+#[derive(Debug)]
+pub(crate) struct NeumannData {
+    patterns: Patterns,
+    on_blocks: PatternsOnBlocks,
+    at_points: Mat<f32>,
+    moments: Moments,
+    by_patch: Vec<Moments>,
+}
+
+impl NeumannData {
+    /// Parity about the mirror planes.
+    pub(crate) fn parity(&self) -> Parity {
+        self.patterns.parity
+    }
+
+    /// Corner values of every panel x patterns.
+    pub(crate) fn velocities(&self) -> &DMatrix<f64> {
+        &self.patterns.velocities
+    }
+
+    /// The patterns themselves.
+    pub(crate) fn patterns(&self) -> &Patterns {
+        &self.patterns
+    }
+
+    /// Number of patterns.
+    pub(crate) fn count(&self) -> usize {
+        self.patterns.velocities.ncols()
+    }
+
+    /// Patterns at the points of all blocks, for the products with B.
+    pub(crate) fn on_blocks(&self) -> &PatternsOnBlocks {
+        &self.on_blocks
+    }
+
+    /// Patterns x points of all blocks, see [`Exterior::at_points`].
+    pub(crate) fn at_points(&self) -> &Mat<f32> {
+        &self.at_points
+    }
+
+    /// int phi_i v dS over the whole surface.
+    pub(crate) fn moments(&self) -> &Moments {
+        &self.moments
+    }
+
+    /// The same of every patch.
+    pub(crate) fn by_patch(&self) -> &[Moments] {
+        &self.by_patch
+    }
+}
+
+/// int phi_i v dS for every pattern v.
+#[derive(Debug)]
+pub(crate) struct Moments {
+    /// The unknowns at which they are not zero.
+    nodes: Vec<usize>,
+    /// These unknowns x patterns.
+    values: DMatrix<f64>,
+}
+
+impl Moments {
+    /// Adds them times `factor` to right-hand sides, unknowns x patterns.
+    pub(crate) fn add_to(&self, factor: f64, to: &mut Mat<f64>) {
+        for (m, moments) in self.values.column_iter().enumerate() {
+            let to = to.col_as_slice_mut(m);
+            for (&node, moment) in self.nodes.iter().zip(moments.iter()) {
+                to[node] += factor * moment;
+            }
+        }
+    }
+
+    /// `factor` int v_i p_j dS for pressures at all unknowns, unknowns x patterns.
+    fn impedance(&self, factor: f64, pressure: &DMatrix<Complex<f64>>) -> DMatrix<Complex<f64>> {
+        let (modes, columns) = (self.values.ncols(), pressure.ncols());
+        // Real parts of all columns, then imaginary parts.
+        let mut parts = Mat::<f64>::zeros(self.nodes.len(), 2 * columns);
+        for (j, p) in pressure.column_iter().enumerate() {
+            let p = p.as_slice();
+            let values = |part: fn(&Complex<f64>) -> f64| self.nodes.iter().map(move |&node| part(&p[node]));
+            for (column, part) in [(j, values(|z| z.re)), (columns + j, values(|z| z.im))] {
+                parts
+                    .col_as_slice_mut(column)
+                    .iter_mut()
+                    .zip(part)
+                    .for_each(|(to, p)| *to = p);
+            }
+        }
+        let moments = MatRef::from_column_major_slice(self.values.as_slice(), self.nodes.len(), modes);
+        let mut z = Mat::<f64>::zeros(modes, 2 * columns);
+        matmul(
+            z.as_mut(),
+            Accum::Replace,
+            moments.transpose(),
+            parts.as_ref(),
+            factor,
+            Par::Seq,
+        );
+        DMatrix::from_fn(modes, columns, |i, j| Complex::new(z[(i, j)], z[(i, columns + j)]))
+    }
+}
+
+impl Exterior {
+    /// Prepares velocity patterns for solutions at several frequencies.
+    ///
+    /// # Errors
+    /// Patterns of another length.
+    pub(crate) fn neumann_data(&self, patterns: &Patterns) -> Result<NeumannData, BemError> {
+        let velocities = &patterns.velocities;
+        self.check_velocities(velocities)?;
+        let on_blocks: Vec<Mat<f32>> = self.blocks().iter().map(|b| b.patterns(velocities)).collect();
+        Ok(NeumannData {
+            on_blocks: PatternsOnBlocks::new(patterns.parity, &on_blocks),
+            at_points: side_by_side(&on_blocks, velocities.ncols()),
+            moments: self.moments(velocities, |_| true),
+            by_patch: self.moments_by_patch(velocities),
+            patterns: patterns.clone(),
+        })
+    }
+
+    /// Patterns at the points of the far rule, patterns x points: block by block, panel fastest.
+    pub(crate) fn at_points(&self, velocities: &DMatrix<f64>) -> Mat<f32> {
+        let on_blocks: Vec<Mat<f32>> = self.blocks().iter().map(|b: &Block| b.patterns(velocities)).collect();
+        side_by_side(&on_blocks, velocities.ncols())
+    }
+
+    /// Modal radiation impedance Z_ij = int v_i p_j dS of every patch: its real part is R, its imaginary part is omega
+    /// times the added mass of air. With mirror planes, the impedance of the whole body.
+    ///
+    /// # Errors
+    /// Patterns or pressures of another length.
+    pub fn impedance(
+        &self,
+        velocities: &DMatrix<f64>,
+        solution: &SurfacePressure,
+    ) -> Result<Vec<DMatrix<Complex<f64>>>, BemError> {
+        self.check_velocities(velocities)?;
+        self.impedances(&self.moments_by_patch(velocities), solution)
+    }
+
+    /// The same from the moments of every patch.
+    pub(crate) fn impedances(
+        &self,
+        by_patch: &[Moments],
+        solution: &SurfacePressure,
+    ) -> Result<Vec<DMatrix<Complex<f64>>>, BemError> {
+        same_length(
+            "rows of the pressure",
+            solution.pressure.nrows(),
+            self.boundary().nodes(),
+        )?;
+        let copies = self.boundary().copies() as f64;
+        let of_patch = |moments: &Moments| moments.impedance(copies, &solution.pressure);
+        Ok(by_patch.iter().map(of_patch).collect())
+    }
+
+    /// Checks the number of velocity values.
+    pub(crate) fn check_velocities(&self, velocities: &DMatrix<f64>) -> Result<(), BemError> {
+        let rows = velocities.nrows();
+        same_length("rows of the normal velocities", rows, self.boundary().velocity_values())?;
+        Ok(())
+    }
+
+    fn moments_by_patch(&self, velocities: &DMatrix<f64>) -> Vec<Moments> {
+        let mesh = self.boundary().mesh();
+        let numbers = mesh.panels.iter().map(|p| p.patch + 1);
+        let patches = numbers.max().unwrap_or(0).max(mesh.patches.len());
+        let of_patch = |patch: usize| self.moments(velocities, |panel| panel.patch == patch);
+        (0..patches).map(of_patch).collect()
+    }
+
+    /// int phi_i v dS over some of the panels.
+    fn moments(&self, velocities: &DMatrix<f64>, among: impl Fn(&Panel) -> bool) -> Moments {
+        let mut rows = vec![None; self.boundary().nodes()];
+        let (mut nodes, mut pieces, mut first) = (Vec::new(), Vec::new(), 0);
+        for (panel, mass) in self.boundary().mesh().panels.iter().zip(self.masses()) {
+            if among(panel) {
+                let row = |node: usize| {
+                    *rows[node].get_or_insert_with(|| {
+                        nodes.push(node);
+                        nodes.len() - 1
+                    })
+                };
+                let own: Vec<usize> = self.unknowns_of(panel).into_iter().map(row).collect();
+                pieces.push((first, own, mass));
+            }
+            first += panel.corners().len();
+        }
+        let mut values = DMatrix::zeros(nodes.len(), velocities.ncols());
+        for (mut to, v) in values.column_iter_mut().zip(velocities.column_iter()) {
+            let v = v.as_slice();
+            for (first, own, mass) in &pieces {
+                let corners = &v[*first..first + own.len()];
+                for (&row, mass) in own.iter().zip(*mass) {
+                    to[row] += corners.iter().zip(mass).map(|(v, mass)| v * mass).sum::<f64>();
+                }
+            }
+        }
+        Moments { nodes, values }
+    }
+}
+
+/// Matrices of `rows` rows beside each other.
+fn side_by_side(all: &[Mat<f32>], rows: usize) -> Mat<f32> {
+    let mut joined = Mat::zeros(rows, all.iter().map(Mat::ncols).sum());
+    let mut first = 0;
+    for one in all {
+        joined.as_mut().subcols_mut(first, one.ncols()).copy_from(one);
+        first += one.ncols();
+    }
+    joined
+}
