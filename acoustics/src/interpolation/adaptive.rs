@@ -63,7 +63,14 @@ pub(crate) fn pieces([low, high]: Range, widest: f64, kinks: &[f64]) -> Result<V
     Ok(edges.windows(2).map(piece).collect())
 }
 
-/// Samples every piece. `take` gives the sample at a frequency; `misfit` gives the distance of the test samples of an
+/// Takes the samples of a round in parallel, one frequency per task, because all take equally long.
+pub(crate) fn each<T: Send>(
+    take: impl Fn(f64) -> Result<T, AcousticsError> + Sync,
+) -> impl Fn(&[f64]) -> Vec<Result<T, AcousticsError>> + Sync {
+    move |hz| hz.par_iter().with_max_len(1).map(|&hz| take(hz)).collect()
+}
+
+/// Samples every piece. `take` gives the samples at the frequencies of a round; `misfit` gives the distance of the test samples of an
 /// interval from the interpolant through the others, relative to the sampled quantity.
 ///
 /// Each piece begins with two rounds of Leja's sequence. Rounds are added until the last one agrees to the tolerance
@@ -80,7 +87,7 @@ pub(crate) fn pieces([low, high]: Range, widest: f64, kinks: &[f64]) -> Result<V
 pub(crate) fn sample<T: Send + Sync>(
     pieces: &[Piece],
     plan: &Plan,
-    take: impl Fn(f64) -> Result<T, AcousticsError> + Sync,
+    take: impl Fn(&[f64]) -> Vec<Result<T, AcousticsError>>,
     misfit: impl Fn(&Interval, &[T]) -> f64 + Sync,
 ) -> Result<(Grid, Vec<T>), AcousticsError> {
     let tolerance = positive("interpolation tolerance", plan.tolerance)?;
@@ -99,8 +106,7 @@ pub(crate) fn sample<T: Send + Sync>(
         wanted.retain(|hz| !index.contains_key(&hz.to_bits()));
         wanted.sort_by(f64::total_cmp);
         wanted.dedup();
-        // One frequency per task, because all take equally long.
-        let taken: Vec<_> = wanted.par_iter().with_max_len(1).map(|&hz| take(hz)).collect();
+        let taken = take(&wanted);
         for (hz, taken) in wanted.into_iter().zip(taken) {
             index.insert(hz.to_bits(), samples.len());
             samples.push(taken?);

@@ -13,7 +13,7 @@ pub(crate) mod error;
 mod grid;
 mod interval;
 
-pub(crate) use adaptive::{Piece, Plan, WIDEST, pieces, sample};
+pub(crate) use adaptive::{Piece, Plan, WIDEST, each, pieces, sample};
 pub use error::SamplingError;
 pub(crate) use grid::{Grid, Run, field_misfit, or_infinite};
 pub(crate) use interval::Interval;

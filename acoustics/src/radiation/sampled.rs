@@ -6,7 +6,7 @@ use super::hermitian_root::hermitian_root;
 use super::packed::{self, PackedHermitian};
 use super::resistance::Resistance;
 use crate::error::AcousticsError;
-use crate::interpolation::{Grid, Interval, Piece, Plan, Run, WIDEST, or_infinite, pieces, sample};
+use crate::interpolation::{Grid, Interval, Piece, Plan, Run, WIDEST, each, or_infinite, pieces, sample};
 use nalgebra::{Complex, DMatrix};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
@@ -90,6 +90,9 @@ pub struct SampledRadiation {
     roots: Vec<Option<PackedHermitian>>,
 }
 
+/// R at one frequency, of every parity and patch.
+pub(crate) type Solution = Result<Vec<Vec<Resistance>>, AcousticsError>;
+
 /// One resistance at one frequency while it is sampled.
 struct Sample {
     patches: PackedHermitian,
@@ -124,7 +127,7 @@ impl SampledRadiation {
         (sampling, kinks): (&Sampling, &[f64]),
         resistance: impl Fn(f64) -> Vec<Resistance> + Sync,
     ) -> Result<Self, AcousticsError> {
-        let solve = |hz: f64| Ok(vec![resistance(hz)]);
+        let solve = each(|hz: f64| Ok(vec![resistance(hz)]));
         let pieces = pieces(sampling.range_hz, OCTAVE, kinks)?;
         let mut found = Self::of_pieces(method, &[modes], patches, (sampling, &pieces, Norm::Largest), solve)?;
         Ok(found.swap_remove(0))
@@ -145,6 +148,17 @@ impl SampledRadiation {
         sampling: &Sampling,
         solve: impl Fn(f64) -> Result<Vec<Vec<Resistance>>, AcousticsError> + Sync,
     ) -> Result<Vec<Self>, AcousticsError> {
+        Self::of_rounds(method, modes, patches, sampling, each(solve))
+    }
+
+    /// The same where `solve` takes all frequencies of a round.
+    pub(crate) fn of_rounds(
+        method: &str,
+        modes: &[usize],
+        patches: &[String],
+        sampling: &Sampling,
+        solve: impl Fn(&[f64]) -> Vec<Solution>,
+    ) -> Result<Vec<Self>, AcousticsError> {
         let pieces = pieces(sampling.range_hz, WIDEST, &[])?;
         Self::of_pieces(method, modes, patches, (sampling, &pieces, Norm::MeanSquare), solve)
     }
@@ -154,12 +168,14 @@ impl SampledRadiation {
         modes: &[usize],
         patches: &[String],
         (sampling, pieces, norm): (&Sampling, &[Piece], Norm),
-        solve: impl Fn(f64) -> Result<Vec<Vec<Resistance>>, AcousticsError> + Sync,
+        solve: impl Fn(&[f64]) -> Vec<Solution>,
     ) -> Result<Vec<Self>, AcousticsError> {
-        let take = |hz: f64| {
-            let solved = solve(hz)?;
-            let of_parity = |(patches, modes): (&Vec<Resistance>, &usize)| Sample::new(hz, *modes, patches);
-            Ok(solved.iter().zip(modes).map(of_parity).collect::<Vec<_>>())
+        let take = |hz: &[f64]| {
+            let of_frequency = |(solved, &hz): (Solution, &f64)| {
+                let of_parity = |(patches, modes): (&Vec<Resistance>, &usize)| Sample::new(hz, *modes, patches);
+                Ok(solved?.iter().zip(modes).map(of_parity).collect::<Vec<_>>())
+            };
+            solve(hz).into_par_iter().zip(hz).map(of_frequency).collect()
         };
         let misfit = |interval: &Interval, samples: &[Vec<Sample>]| {
             let whole = |parity: usize, node: usize| &samples[node][parity].whole[..];
@@ -199,7 +215,7 @@ impl SampledRadiation {
     pub(crate) fn correct(
         found: &mut [Self],
         (sampling, round): (&Sampling, usize),
-        solve: impl Fn(f64) -> Result<Vec<Vec<Resistance>>, AcousticsError> + Sync,
+        solve: impl Fn(&[f64]) -> Vec<Solution>,
     ) -> Result<Option<Grid>, AcousticsError> {
         let Some(first) = found.first() else { return Ok(None) };
         let modes: Vec<usize> = found.iter().map(|f| f.modes).collect();
@@ -210,15 +226,16 @@ impl SampledRadiation {
         };
         let pieces: Vec<Piece> = first.grid.intervals().iter().map(piece).collect();
         let index = |hz: f64| found[0].grid.hz().iter().position(|own| *own == hz);
-        let take = |hz: f64| {
+        let of_frequency = |(solved, &hz): (Solution, &f64)| {
             let of_parity = |(patches, cheap): (&Vec<Resistance>, &Self)| {
                 let accurate = Sample::new(hz, cheap.modes, patches);
                 let difference = index(hz).map_or_else(Vec::new, |i| accurate.patches.less(&cheap.samples[i]));
                 let whole_difference = packed::sum_of_rows(&difference, patches.len(), per_omega2(hz));
                 (accurate.whole, difference, whole_difference)
             };
-            Ok(solve(hz)?.iter().zip(found.iter()).map(of_parity).collect::<Vec<_>>())
+            Ok(solved?.iter().zip(found.iter()).map(of_parity).collect::<Vec<_>>())
         };
+        let take = |hz: &[f64]| solve(hz).into_par_iter().zip(hz).map(of_frequency).collect();
         let plan = Plan {
             near_zero: true,
             cautious: false,

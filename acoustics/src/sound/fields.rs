@@ -1,7 +1,7 @@
 //! Fields per unit of the modes' accelerations over a range of frequencies.
 
 use crate::error::AcousticsError;
-use crate::interpolation::{Grid, Piece, Plan, WIDEST, field_misfit, pieces, sample};
+use crate::interpolation::{Grid, Piece, Plan, WIDEST, each, field_misfit, pieces, sample};
 use nalgebra::{Complex, DMatrix};
 use rayon::prelude::*;
 use std::f64::consts::PI;
@@ -52,7 +52,7 @@ impl Fields {
             cautious: false,
         };
         let pieces: Vec<Piece> = pieces([low, high], WIDEST, &parts)?;
-        let (grid, samples) = sample(&pieces, &plan, at, |interval, samples: &[Vec<Field>]| {
+        let (grid, samples) = sample(&pieces, &plan, each(at), |interval, samples: &[Vec<Field>]| {
             let of_field = |field: usize| field_misfit(interval, |node| &samples[node][field]);
             (0..samples[0].len())
                 .into_par_iter()

@@ -288,6 +288,18 @@ impl Boundary {
         high - low
     }
 
+    /// Largest distance of two points of the box around the whole body, or of one from the image of another in the floor
+    /// \[m\].
+    pub(crate) fn longest_path(&self) -> f64 {
+        let mut sides = self.extents();
+        if let Some(floor) = self.planes()[2] {
+            let corners = self.mesh.panels.iter().flat_map(|p| p.corners());
+            let top = corners.map(|&n| self.mesh.points[n].z).fold(floor, f64::max);
+            sides.z = 2.0 * (top - floor);
+        }
+        sides.norm()
+    }
+
     /// Half the middle one of the surface's three extents \[m\]: the cap L_c of the coupling parameter.
     pub fn half_width(&self) -> f64 {
         let extents = self.extents();

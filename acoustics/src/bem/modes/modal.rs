@@ -211,11 +211,14 @@ impl ModalBem {
             let follows = coarser.as_ref().is_some_and(|coarser| coarser.follows(level.top_hz));
             let mut solver = RangeSolver::new(level, kept_to, &chosen, progress)?.keeping_pressures();
             if !follows {
-                solver = solver.with_near_field_cache(kept_to);
+                solver = solver.for_many_frequencies(kept_to);
             }
             let predictor = coarser.as_ref().unwrap_or(&solver);
-            let at = |solver: &RangeSolver<'_>, hz: f64| Ok(solver.at(hz)?.resistances());
-            let mut found = SampledRadiation::of_parities("BEM", &counts, &patches, &range, |hz| at(predictor, hz))?;
+            let at = |solver: &RangeSolver<'_>, hz: &[f64]| -> Vec<_> {
+                let solved = solver.at_all(hz).into_iter();
+                solved.map(|solved| Ok(solved?.resistances())).collect()
+            };
+            let mut found = SampledRadiation::of_rounds("BEM", &counts, &patches, &range, |hz| at(predictor, hz))?;
             let round = if follows { FEW } else { ROUND };
             let correction = match &coarser {
                 Some(_) => SampledRadiation::correct(&mut found, (&range, round), |hz| at(&solver, hz))?,

@@ -5,7 +5,8 @@ use crate::bem::modes::mesh_range::MeshRange;
 use crate::bem::modes::packed_pressure::PackedPressure;
 use crate::bem::modes::summary::Summary;
 use crate::bem::solver::neumann::NeumannData;
-use crate::bem::solver::problem::{Exterior, Patterns};
+use crate::bem::solver::problem::{Exterior, Patterns, SurfacePressure};
+use crate::bem::solver::sweep::{EquationSweep, Way};
 use crate::error::AcousticsError;
 use crate::radiation::{PackedHermitian, Resistance};
 use rayon::prelude::*;
@@ -38,6 +39,8 @@ pub(crate) struct RangeSolver<'a> {
     data: Vec<NeumannData>,
     /// Whether solutions contain the pressure on the surface.
     keeps_pressures: bool,
+    /// Equations at several frequencies, if many are solved.
+    sweep: Option<Mutex<EquationSweep>>,
     /// Called after every frequency solved.
     progress: &'a (dyn Fn() + Sync),
     solved: Mutex<HashMap<u64, Arc<Solved>>>,
@@ -64,17 +67,20 @@ impl<'a> RangeSolver<'a> {
             problem,
             resolved_hz,
             keeps_pressures: false,
+            sweep: None,
             progress,
             solved: Mutex::default(),
             worst: Mutex::default(),
         })
     }
 
-    /// Stores the integrals of close panels for all frequencies up to `highest_hz`, which pays off if many are solved.
+    /// Prepares for many frequencies up to `highest_hz`: stores the integrals of close panels, and equations between which
+    /// others are interpolated.
     #[must_use]
-    pub(crate) fn with_near_field_cache(self, highest_hz: f64) -> Self {
+    pub(crate) fn for_many_frequencies(self, highest_hz: f64) -> Self {
         let problem = self.problem.with_near_field_cache(highest_hz);
-        Self { problem, ..self }
+        let sweep = (!problem.is_compressed()).then(|| Mutex::new(EquationSweep::new(&problem)));
+        Self { problem, sweep, ..self }
     }
 
     /// Keeps the pressure on the surface at all frequencies solved, for [`Self::pressures`].
@@ -108,17 +114,63 @@ impl<'a> RangeSolver<'a> {
 
     /// Solution at one frequency.
     pub(crate) fn at(&self, hz: f64) -> Result<Arc<Solved>, AcousticsError> {
-        let known = self
-            .solved
-            .lock()
-            .unwrap_or_else(PoisonError::into_inner)
-            .get(&hz.to_bits())
-            .cloned();
-        if let Some(known) = known {
+        if let Some(known) = self.known(hz) {
             return Ok(known);
         }
-        let solutions = self.problem.solve_prepared(hz, &self.data)?;
-        let two = self.problem.two_evaluations(&self.data, &solutions)?;
+        self.evaluated(hz, &self.problem.solve_prepared(hz, &self.data)?)
+    }
+
+    /// Solutions at several frequencies, in parallel.
+    pub(crate) fn at_all(&self, hz: &[f64]) -> Vec<Result<Arc<Solved>, AcousticsError>> {
+        if let Some(sweep) = &self.sweep {
+            let new: Vec<f64> = hz.iter().copied().filter(|&hz| self.known(hz).is_none()).collect();
+            if let Err(error) = self.sweep_over(sweep, &new) {
+                return vec![Err(error)];
+            }
+        }
+        // One frequency per task, because all take equally long.
+        hz.par_iter().with_max_len(1).map(|&hz| self.at(hz)).collect()
+    }
+
+    /// Solves at new frequencies: equations are assembled at some of them, then interpolated at the others.
+    fn sweep_over(&self, sweep: &Mutex<EquationSweep>, hz: &[f64]) -> Result<(), AcousticsError> {
+        let mut sweep = sweep.lock().unwrap_or_else(PoisonError::into_inner);
+        let ways = sweep.plan(&self.problem, hz, &self.data);
+        let assembled = hz
+            .par_iter()
+            .zip(&ways)
+            .with_max_len(1)
+            .filter_map(|(&hz, way)| match way {
+                Way::Assemble(number) => Some((hz, *number)),
+                Way::Interpolate(_) => None,
+            });
+        let kept = assembled.map(|(hz, number)| {
+            let sums = self.problem.equations(hz, &self.data)?;
+            let kept = number.map(|number| (number, sweep.unphased(&self.problem, hz, &sums)));
+            self.evaluated(hz, &self.problem.solutions(hz, sums, &self.data))?;
+            Ok(kept)
+        });
+        for (number, values) in kept.collect::<Result<Vec<_>, AcousticsError>>()?.into_iter().flatten() {
+            sweep.keep(number, values);
+        }
+        let sweep = &*sweep;
+        hz.par_iter().zip(&ways).with_max_len(1).try_for_each(|(&hz, way)| {
+            if let Way::Interpolate(weights) = way {
+                let sums = sweep.interpolate(weights, self.problem.boundary().nodes());
+                self.evaluated(hz, &self.problem.solutions(hz, sums, &self.data))?;
+            }
+            Ok(())
+        })
+    }
+
+    fn known(&self, hz: f64) -> Option<Arc<Solved>> {
+        let solved = self.solved.lock().unwrap_or_else(PoisonError::into_inner);
+        solved.get(&hz.to_bits()).cloned()
+    }
+
+    /// Both evaluations of the resistance by the pressures of one frequency.
+    fn evaluated(&self, hz: f64, solutions: &[SurfacePressure]) -> Result<Arc<Solved>, AcousticsError> {
+        let two = self.problem.two_evaluations(&self.data, solutions)?;
         {
             let mut worst = self.worst.lock().unwrap_or_else(PoisonError::into_inner);
             let loudest = two.iter().map(|t| t.far_field.amax()).fold(0.0, f64::max);
@@ -145,10 +197,7 @@ impl<'a> RangeSolver<'a> {
     /// Mean resistance of every parity and patch over several bands.
     pub(crate) fn means(&self, bands: &[MeanBand]) -> Result<Vec<Mean>, AcousticsError> {
         let all: Vec<f64> = bands.iter().flat_map(|band| &band.samples_hz).copied().collect();
-        // One frequency per task, because all take equally long.
-        all.par_iter()
-            .with_max_len(1)
-            .try_for_each(|&hz| self.at(hz).map(|_| ()))?;
+        self.at_all(&all).into_iter().collect::<Result<Vec<_>, _>>()?;
         let of_band = |band: &MeanBand| {
             let hz = &band.samples_hz;
             let mut mean: Vec<Vec<Resistance>> = Vec::new();

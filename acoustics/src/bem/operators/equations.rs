@@ -31,6 +31,51 @@ impl Sums {
         }
     }
 
+    /// `factor` times the matrix and the right-hand sides as one array, column by column, real before imaginary part of each
+    /// value; after [`Sums::join`].
+    pub(crate) fn flat(&self, factor: Complex<f64>) -> Vec<f32> {
+        let [re, im] = &self.right;
+        let (n, patterns) = re.shape();
+        let single = Complex::new(factor.re as f32, factor.im as f32);
+        let mut values = Vec::with_capacity(2 * n * (n + patterns));
+        for j in 0..n {
+            values.extend(self.matrix.col_as_slice(j).iter().flat_map(|a| {
+                let value = single * a;
+                [value.re, value.im]
+            }));
+        }
+        for m in 0..patterns {
+            let right = re.col_as_slice(m).iter().zip(im.col_as_slice(m));
+            values.extend(right.flat_map(|(&re, &im)| {
+                let value = factor * Complex::new(re, im);
+                [value.re as f32, value.im as f32]
+            }));
+        }
+        values
+    }
+
+    /// From the array of [`Sums::flat`].
+    pub(crate) fn from_flat(values: &[f32], n: usize) -> Self {
+        let (matrix, right) = values.split_at(2 * n * n);
+        let mut sums = Self {
+            matrix: Mat::zeros(n, n),
+            transposed: Mat::new(),
+            right: [0, 1].map(|_| Mat::zeros(n, right.len() / (2 * n))),
+        };
+        for j in 0..n {
+            let to = sums.matrix.col_as_slice_mut(j).iter_mut();
+            to.zip(column(matrix, n, j))
+                .for_each(|(to, z)| *to = Complex::new(z[0], z[1]));
+        }
+        for (part, to) in sums.right.iter_mut().enumerate() {
+            for m in 0..to.ncols() {
+                let to = to.col_as_slice_mut(m).iter_mut();
+                to.zip(column(right, n, m)).for_each(|(to, z)| *to = f64::from(z[part]));
+            }
+        }
+        sums
+    }
+
     /// Adds both parts of the matrix, square by square.
     pub(crate) fn join(&mut self) {
         const SIDE: usize = 32;
@@ -105,6 +150,11 @@ impl Sums {
         let left: f64 = rest.iter().map(Complex::norm_sqr).sum();
         if left > 0.0 { (left / size).sqrt() } else { 0.0 }
     }
+}
+
+/// Column `j` of an array of complex columns of `n` values.
+fn column(from: &[f32], n: usize, j: usize) -> std::slice::ChunksExact<'_, f32> {
+    from[2 * n * j..2 * n * (j + 1)].chunks_exact(2)
 }
 
 /// Overwrites the right-hand sides with the solutions and the matrix with its factors.

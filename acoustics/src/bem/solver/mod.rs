@@ -8,4 +8,5 @@ pub(crate) mod neumann;
 pub(crate) mod plate;
 pub(crate) mod problem;
 pub(crate) mod resistance;
+pub(crate) mod sweep;
 pub(crate) mod transfer;

@@ -85,6 +85,19 @@ impl EquationSolver {
     }
 }
 
+/// How the coupling parameter alpha varies with the wavenumber.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Coupling {
+    /// Zero.
+    None,
+    /// It rises from zero.
+    Transition,
+    /// -j L_c.
+    Constant,
+    /// -j / k.
+    Inverse,
+}
+
 /// Normal velocities of one parity about the mirror planes.
 #[derive(Clone, Debug)]
 pub struct Patterns {
@@ -205,6 +218,25 @@ impl Exterior {
         0.5 * self.air.sound_speed * sides.iter().map(|l| l.powi(-2)).sum::<f64>().sqrt()
     }
 
+    /// omega / c \[1/m\].
+    pub(crate) fn wavenumber(&self, hz: f64) -> f64 {
+        2.0 * PI * hz / self.air.sound_speed
+    }
+
+    /// How the coupling parameter varies near a frequency.
+    pub(crate) fn coupling(&self, hz: f64) -> Coupling {
+        let share = self.coupling_share(hz);
+        if share == 0.0 {
+            Coupling::None
+        } else if share < 1.0 {
+            Coupling::Transition
+        } else if self.wavenumber(hz) * self.coupling < 1.0 {
+            Coupling::Constant
+        } else {
+            Coupling::Inverse
+        }
+    }
+
     /// s(f) of the coupling parameter.
     fn coupling_share(&self, hz: f64) -> f64 {
         let t = ((hz / self.lowest_resonance() - 0.5) / 0.4).clamp(0.0, 1.0);
@@ -277,19 +309,25 @@ impl Exterior {
 
     /// The same for prepared patterns.
     pub(crate) fn solve_prepared(&self, hz: f64, all: &[NeumannData]) -> Result<Vec<SurfacePressure>, BemError> {
-        self.check_resolution(hz)?;
-        let omega = 2.0 * PI * hz;
-        let k = omega / self.air.sound_speed;
-        let wave = Wave {
-            k,
-            coupling: self.coupling_share(hz) * self.coupling.min(1.0 / k),
-        };
-        // dp/dn = -j omega rho v turns -(S + alpha K' + alpha/2) dp/dn into j omega rho (...) v.
-        let factor = Complex::new(0.0, omega * self.air.density);
         if self.is_compressed() {
-            return self.solve_compressed(hz, wave, factor, all);
+            self.check_resolution(hz)?;
+            return self.solve_compressed(hz, all);
         }
-        let sums = self.assemble(wave, all);
+        Ok(self.solutions(hz, self.equations(hz, all)?, all))
+    }
+
+    /// 1/2 - K + alpha W, and (S + alpha (1/2 + K')) v, for every parity at the frequency `hz`.
+    ///
+    /// # Errors
+    /// A frequency above what the mesh resolves.
+    pub(crate) fn equations(&self, hz: f64, all: &[NeumannData]) -> Result<Vec<Sums>, BemError> {
+        self.check_resolution(hz)?;
+        Ok(self.assemble(self.wave(hz), all))
+    }
+
+    /// The pressures that solve the equations of a frequency, or equations that differ by a factor on both sides.
+    pub(crate) fn solutions(&self, hz: f64, sums: Vec<Sums>, all: &[NeumannData]) -> Vec<SurfacePressure> {
+        let factor = self.right_hand_factor(hz);
         let solved = sums.into_iter().zip(all).map(|(mut sums, data)| {
             self.hold_odd(data.parity(), &mut sums);
             SurfacePressure {
@@ -298,7 +336,20 @@ impl Exterior {
                 pressure: sums.solve(factor),
             }
         });
-        Ok(solved.collect())
+        solved.collect()
+    }
+
+    /// dp/dn = -j omega rho v turns -(S + alpha K' + alpha/2) dp/dn into j omega rho (...) v.
+    fn right_hand_factor(&self, hz: f64) -> Complex<f64> {
+        Complex::new(0.0, 2.0 * PI * hz * self.air.density)
+    }
+
+    fn wave(&self, hz: f64) -> Wave {
+        let k = self.wavenumber(hz);
+        Wave {
+            k,
+            coupling: self.coupling_share(hz) * self.coupling.min(1.0 / k),
+        }
     }
 
     /// Whether the matrix is compressed.
@@ -310,13 +361,7 @@ impl Exterior {
         self.equations
     }
 
-    fn solve_compressed(
-        &self,
-        hz: f64,
-        wave: Wave,
-        factor: Complex<f64>,
-        all: &[NeumannData],
-    ) -> Result<Vec<SurfacePressure>, BemError> {
+    fn solve_compressed(&self, hz: f64, all: &[NeumannData]) -> Result<Vec<SurfacePressure>, BemError> {
         let surface = self
             .compressed
             .get_or_init(|| CompressedSurface::new(&self.boundary, &self.blocks));
@@ -326,10 +371,12 @@ impl Exterior {
             blocks: &self.blocks,
             near: self.near(),
             masses: &self.masses,
-            wave,
+            wave: self.wave(hz),
         };
         let patterns: Vec<(Parity, &DMatrix<f64>)> = all.iter().map(|d| (d.parity(), d.velocities())).collect();
-        let pressures = surface.solve(&equations, &patterns, factor, ACCURACY)?.into_iter();
+        let pressures = surface
+            .solve(&equations, &patterns, self.right_hand_factor(hz), ACCURACY)?
+            .into_iter();
         let solved = pressures.zip(all).map(|(pressure, data)| SurfacePressure {
             hz,
             parity: data.parity(),

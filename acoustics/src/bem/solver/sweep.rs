@@ -1,0 +1,257 @@
+//! The equations of many frequencies: assembled at some, interpolated at the others.
+//!
+//! The operators are integrals of e^{-jkr} times polynomials of k, with r from 0 to the largest distance D of two points,
+//! images among them. Without the phase of D/2 their entries are entire functions of k, whose n-th derivative is about
+//! (D/2)^n times their size. The polynomial through n wavenumbers therefore differs from them by about (Davis 1975,
+//! section 3.1)
+//!
+//! ```text
+//! prod_i |k - k_i| (D/2)^n / n!
+//! ```
+//!
+//! Resonances of the air need no more wavenumbers than this, because they are in the inverse of the matrix. A factor on
+//! both sides of the equations does not change their solution: the phase is left out, and where the coupling parameter is
+//! 1/k, the equations are multiplied by k. While the coupling sets in, they are not interpolated.
+
+use crate::bem::operators::equations::Sums;
+use crate::bem::solver::neumann::NeumannData;
+use crate::bem::solver::problem::{Coupling, Exterior};
+use nalgebra::Complex;
+
+/// Largest error of interpolated equations relative to an entry, by the estimate above.
+const TOLERANCE: f64 = 1e-6;
+/// Largest sum of the magnitudes of the weights, by which rounding grows.
+const LEBESGUE: f64 = 30.0;
+/// Most memory of the equations of a surface \[bytes\].
+const MEMORY: usize = 400_000_000;
+/// Values combined at a time, so that their sum stays in the fastest cache.
+const CHUNK: usize = 4096;
+
+/// Equations of a surface at several frequencies.
+#[derive(Debug)]
+pub(crate) struct EquationSweep {
+    /// D/2 \[m\].
+    half_path: f64,
+    kept: Vec<Kept>,
+    bytes: usize,
+}
+
+/// The equations of one frequency without their phase.
+#[derive(Debug)]
+struct Kept {
+    k: f64,
+    coupling: Coupling,
+    /// Of every parity, see [`Sums::flat`]; empty until they are assembled.
+    values: Vec<Vec<f32>>,
+}
+
+/// How the equations of a frequency are found.
+#[derive(Debug)]
+pub(crate) enum Way {
+    /// From the kernels, to be kept under a number.
+    Assemble(Option<usize>),
+    /// From kept equations and their weights.
+    Interpolate(Vec<(usize, f32)>),
+}
+
+impl EquationSweep {
+    pub(crate) fn new(problem: &Exterior) -> Self {
+        Self {
+            half_path: 0.5 * problem.boundary().longest_path(),
+            kept: Vec::new(),
+            bytes: 0,
+        }
+    }
+
+    /// How to find the equations of some frequencies: the one furthest from what is known is assembled first, until all
+    /// others can be interpolated.
+    pub(crate) fn plan(&mut self, problem: &Exterior, hz: &[f64], data: &[NeumannData]) -> Vec<Way> {
+        let n = problem.boundary().nodes();
+        let bytes: usize = data.iter().map(|data| 8 * n * (n + data.count())).sum();
+        let mut ways: Vec<Option<Way>> = hz.iter().map(|_| None).collect();
+        loop {
+            let open = (0..hz.len()).filter(|&i| ways[i].is_none());
+            let found = open.map(|i| (i, self.weights(problem.wavenumber(hz[i]), problem.coupling(hz[i]))));
+            let worst = found.max_by(|(_, a), (_, b)| a.0.total_cmp(&b.0));
+            let Some((worst, (error, weights))) = worst else { break };
+            let way = if error <= TOLERANCE {
+                Way::Interpolate(weights)
+            } else {
+                let keeps = problem.coupling(hz[worst]) != Coupling::Transition && self.bytes + bytes <= MEMORY;
+                Way::Assemble(keeps.then(|| {
+                    self.bytes += bytes;
+                    self.kept.push(Kept {
+                        k: problem.wavenumber(hz[worst]),
+                        coupling: problem.coupling(hz[worst]),
+                        values: Vec::new(),
+                    });
+                    self.kept.len() - 1
+                }))
+            };
+            ways[worst] = Some(way);
+        }
+        ways.into_iter().flatten().collect()
+    }
+
+    /// The equations of a frequency without their phase, to be kept.
+    pub(crate) fn unphased(&self, problem: &Exterior, hz: f64, sums: &[Sums]) -> Vec<Vec<f32>> {
+        let k = problem.wavenumber(hz);
+        let size = if problem.coupling(hz) == Coupling::Inverse {
+            k
+        } else {
+            1.0
+        };
+        let factor = Complex::from_polar(size, k * self.half_path);
+        sums.iter().map(|sums| sums.flat(factor)).collect()
+    }
+
+    /// Keeps equations under a number that [`Self::plan`] gave.
+    pub(crate) fn keep(&mut self, number: usize, values: Vec<Vec<f32>>) {
+        self.kept[number].values = values;
+    }
+
+    /// Interpolated equations, up to a factor.
+    pub(crate) fn interpolate(&self, weights: &[(usize, f32)], unknowns: usize) -> Vec<Sums> {
+        let parities = weights.first().map_or(0, |(number, _)| self.kept[*number].values.len());
+        let of_parity = |parity: usize| {
+            let known: Vec<(&[f32], f32)> = weights
+                .iter()
+                .map(|&(number, weight)| (&self.kept[number].values[parity][..], weight))
+                .collect();
+            let mut values = vec![0.0; known[0].0.len()];
+            for (chunk, to) in values.chunks_mut(CHUNK).enumerate() {
+                for (from, weight) in &known {
+                    let from = &from[chunk * CHUNK..][..to.len()];
+                    to.iter_mut().zip(from).for_each(|(to, from)| *to += weight * from);
+                }
+            }
+            Sums::from_flat(&values, unknowns)
+        };
+        (0..parities).map(of_parity).collect()
+    }
+
+    /// Estimated error of the equations of a wavenumber by interpolation, and weights of those kept: of the nearest ones,
+    /// as many as are needed.
+    fn weights(&self, k: f64, coupling: Coupling) -> (f64, Vec<(usize, f32)>) {
+        let alike = |(_, kept): &(usize, &Kept)| kept.coupling == coupling && coupling != Coupling::Transition;
+        let mut nodes: Vec<(usize, f64)> = self
+            .kept
+            .iter()
+            .enumerate()
+            .filter(alike)
+            .map(|(i, kept)| (i, kept.k))
+            .collect();
+        nodes.sort_by(|a, b| (a.1 - k).abs().total_cmp(&(b.1 - k).abs()));
+        let mut error = 1.0;
+        let mut count = 0;
+        while error > TOLERANCE && count < nodes.len() {
+            count += 1;
+            error *= (nodes[count - 1].1 - k).abs() * self.half_path / count as f64;
+        }
+        nodes.truncate(count);
+        let weight = |&(i, own): &(usize, f64)| {
+            let others = nodes.iter().filter(|(j, _)| *j != i);
+            let weight: f64 = others.map(|(_, other)| (k - other) / (own - other)).product();
+            (i, weight)
+        };
+        let weights: Vec<(usize, f64)> = nodes.iter().map(weight).collect();
+        let lebesgue: f64 = weights.iter().map(|(_, w)| w.abs()).sum();
+        let error = if lebesgue > LEBESGUE { error.max(1.0) } else { error };
+        (error, weights.into_iter().map(|(i, w)| (i, w as f32)).collect())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::air::Air;
+    use crate::bem::mesh::boundary::Boundary;
+    use crate::bem::mesh::boxes::SolidBox;
+    use crate::bem::mesh::panel::BoundaryMesh;
+    use crate::bem::mesh::symmetry::Parity;
+    use crate::bem::solver::problem::{Patterns, SurfacePressure};
+    use nalgebra::DMatrix;
+
+    /// Half a box of 0.5 m above the floor, in both parities about its mirror plane.
+    fn problem() -> (Exterior, Vec<NeumannData>) {
+        let (mirrors, floor) = ([Some(0.0), None], 0.0);
+        let block = SolidBox {
+            low: [-0.25, -0.2, 0.3],
+            high: [0.25, 0.2, 0.5],
+            part: 0,
+        };
+        let planes = [mirrors[0], mirrors[1], Some(floor)];
+        let mesh = BoundaryMesh::of_boxes(&[block], planes, 0.05, vec!["all".to_owned()], |_| 0).unwrap();
+        let boundary = Boundary::symmetric(mesh, mirrors, Some(floor)).unwrap();
+        let air = Air::default();
+        let data = [false, true].map(|odd_x| {
+            let velocities = boundary.project(3, |_, _, point, v| {
+                let x = point.position;
+                let odd = if odd_x { x.x } else { 1.0 };
+                for (m, v) in v.iter_mut().enumerate() {
+                    *v = odd * (5.0 * m as f64 * x.z + 3.0 * x.y).cos();
+                }
+            });
+            let parity = Parity { odd_x, odd_y: false };
+            Patterns { parity, velocities }
+        });
+        let problem = Exterior::new(boundary, &air);
+        let data = data.iter().map(|p| problem.neumann_data(p).unwrap()).collect();
+        (problem, data)
+    }
+
+    /// Largest difference of a pattern's pressure, relative to its largest value.
+    fn difference(found: &[SurfacePressure], exact: &[SurfacePressure]) -> f64 {
+        let norm = |p: &DMatrix<Complex<f64>>, m: usize| p.column(m).iter().map(|z| z.norm()).fold(0.0, f64::max);
+        let of_pattern = |(found, exact): (&SurfacePressure, &SurfacePressure), m: usize| {
+            norm(&(&found.pressure - &exact.pressure), m) / norm(&exact.pressure, m)
+        };
+        let pairs = found.iter().zip(exact).flat_map(|pair| (0..3).map(move |m| (pair, m)));
+        pairs.map(|(pair, m)| of_pattern(pair, m)).fold(0.0, f64::max)
+    }
+
+    #[test]
+    fn interpolated_equations_have_the_solutions_of_assembled_ones() {
+        let (problem, data) = problem();
+        let mut sweep = EquationSweep::new(&problem);
+        let range = |[low, high]: [f64; 2]| (0..20).map(move |i| low + (high - low) * f64::from(i) / 19.0);
+        let start = 0.91 * problem.lowest_resonance();
+        for (hz, most) in [
+            ([20.0, 0.49 * problem.lowest_resonance()], 8),
+            ([start, 2.0 * start], 13),
+        ] {
+            let hz: Vec<f64> = range(hz).collect();
+            let ways = sweep.plan(&problem, &hz, &data);
+            let mut assembled = 0;
+            for (&hz, way) in hz.iter().zip(&ways) {
+                if let Way::Assemble(number) = way {
+                    let values = sweep.unphased(&problem, hz, &problem.equations(hz, &data).unwrap());
+                    sweep.keep(number.unwrap(), values);
+                    assembled += 1;
+                }
+            }
+            println!("{assembled} of {} assembled", hz.len());
+            assert!(assembled <= most, "{assembled}");
+            for (&hz, way) in hz.iter().zip(&ways) {
+                if let Way::Interpolate(weights) = way {
+                    let sums = sweep.interpolate(weights, problem.boundary().nodes());
+                    let found = problem.solutions(hz, sums, &data);
+                    let error = difference(&found, &problem.solve_prepared(hz, &data).unwrap());
+                    println!("{hz:7.1} Hz: {} weights, {error:.1e}", weights.len());
+                    assert!(error < 2e-5, "{hz} Hz: {error:e}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn equations_are_assembled_while_the_coupling_sets_in() {
+        let (problem, data) = problem();
+        let mut sweep = EquationSweep::new(&problem);
+        let hz: Vec<f64> = (0..30)
+            .map(|i| problem.lowest_resonance() * (0.55 + 0.01 * f64::from(i)))
+            .collect();
+        let ways = sweep.plan(&problem, &hz, &data);
+        assert!(ways.iter().all(|way| matches!(way, Way::Assemble(None))), "{ways:?}");
+    }
+}
