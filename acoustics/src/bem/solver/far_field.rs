@@ -1,3 +1,5 @@
+#![allow(clippy::needless_range_loop)] // indices are those of the equations, several arrays at once
+
 use crate::bem::error::BemError;
 use crate::bem::mesh::panel::PanelShape;
 use crate::bem::mesh::rules;
