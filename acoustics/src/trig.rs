@@ -90,7 +90,7 @@ pub(crate) mod single {
     /// sin t = t + t³ S(t²) and cos t = 1 + t² C(t²) on |t| <= pi/2 with the least largest error, 5e-9 and 2e-10; highest
     /// power first.
     const SINE: [f32; 4] = [2.600_024_6e-6, -1.980_660_2e-4, 8.333_017e-3, -0.166_666_57];
-    const COSINE: [f32; 5] = [-2.607_681_9e-7, 2.476_187_1e-5, -1.388_840_3e-3, 4.166_664e-2, -0.5];
+    const COSINE: [f32; 5] = [-2.607_682e-7, 2.476_187_1e-5, -1.388_840_3e-3, 4.166_664e-2, -0.5];
 
     #[inline(always)]
     fn horner<S: Simd, const N: usize>(simd: S, c: &[f32; N], x: S::f32s) -> S::f32s {
