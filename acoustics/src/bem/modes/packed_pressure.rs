@@ -3,6 +3,9 @@
 use nalgebra::{Complex, DMatrix};
 use serde::{Deserialize, Serialize};
 
+/// A number plus 1.5 x 2^52 has the nearest integer in its lowest bits.
+const NEAREST: f64 = 6_755_399_441_055_744.0;
+
 /// The pressure of one parity on a surface, unknowns x modes, in 16 bits a number: its rounding, 1.5e-5 of the mode's largest
 /// part, is far below the error of the equations, and hundreds of frequencies are held and kept.
 #[derive(Debug, Clone, Serialize, Deserialize)]
@@ -17,14 +20,13 @@ pub(crate) struct PackedPressure {
 
 impl PackedPressure {
     pub(crate) fn new(pressure: &DMatrix<Complex<f64>>) -> Self {
-        let (mut scales, mut parts) = (Vec::new(), Vec::with_capacity(2 * pressure.len()));
-        for column in pressure.column_iter() {
-            let largest = column.iter().map(|p| p.re.abs().max(p.im.abs())).fold(0.0, f64::max);
-            let scale = (largest / f64::from(i16::MAX)).max(f64::from(f32::MIN_POSITIVE)) as f32;
-            let packed = |part: f64| (part / f64::from(scale)).round() as i16;
-            parts.extend(column.iter().flat_map(|p| [packed(p.re), packed(p.im)]));
-            scales.push(scale);
+        let (mut scales, mut parts) = (Vec::new(), vec![0; 2 * pressure.len()]);
+        let rows = pressure.nrows().max(1);
+        let columns = pressure.as_slice().chunks_exact(rows);
+        for (column, packed) in columns.zip(parts.chunks_exact_mut(2 * rows)) {
+            scales.push(pack(column, packed));
         }
+        scales.resize(pressure.ncols(), f32::MIN_POSITIVE);
         Self {
             unknowns: pressure.nrows(),
             scales,
@@ -41,6 +43,22 @@ impl PackedPressure {
             Complex::new(scale * re, scale * im)
         })
     }
+}
+
+/// The scale of a mode, and its parts over the scale.
+fn pack(mode: &[Complex<f64>], packed: &mut [i16]) -> f32 {
+    // Comparisons instead of `f64::max`, which handles NaN and is not a single instruction.
+    let larger = |a: f64, b: f64| if b > a { b } else { a };
+    let [re, im] = mode.iter().fold([0.0f64; 2], |[re, im], p| {
+        [larger(re, p.re.abs()), larger(im, p.im.abs())]
+    });
+    let scale = (larger(re, im) / f64::from(i16::MAX)).max(f64::from(f32::MIN_POSITIVE)) as f32;
+    let inverse = 1.0 / f64::from(scale);
+    let nearest = |part: f64| (part * inverse + NEAREST).to_bits() as i16;
+    for (p, to) in mode.iter().zip(packed.as_chunks_mut().0) {
+        *to = [nearest(p.re), nearest(p.im)];
+    }
+    scale
 }
 
 #[cfg(test)]

@@ -4,15 +4,17 @@
 use crate::bem::mesh::symmetry::Image;
 use crate::bem::solver::far_field::{Radiated, Source};
 use crate::bem::solver::problem::{Exterior, SurfacePressure};
-use crate::trig::{green, load};
+use crate::trig::{dot, green, load, minus};
 use faer::linalg::matmul::matmul;
 use faer::{Accum, Mat, MatRef, Par};
 use nalgebra::{Complex, Point3, Vector3};
 use pulp::{Arch, Simd, WithSimd};
 use std::f64::consts::PI;
 
-/// Points worked on at once.
+/// Most points worked on at once.
 const CHUNK: usize = 32;
+/// Their number is padded to a multiple of the widest vector.
+const LANES: usize = 8;
 
 /// Most parities.
 const PARITIES: usize = 4;
@@ -103,22 +105,26 @@ impl Exterior {
                 ]
             })
             .collect();
-        let mut on_p = vec![[0, 1].map(|_| vec![0.0; nodes * CHUNK]); all.len()];
-        let mut on_v = vec![[0, 1].map(|_| vec![0.0; values * CHUNK]); all.len()];
+        let mut on_p = vec![[Vec::new(), Vec::new()]; all.len()];
+        let mut on_v = on_p.clone();
         for start in (0..points.len()).step_by(CHUNK) {
             let chunk = &points[start..points.len().min(start + CHUNK)];
-            // A last chunk that is not full repeats its last point.
+            let width = chunk.len().next_multiple_of(LANES);
+            // Vectors that are not full repeat the last point.
             let place = |axis: usize| std::array::from_fn(|i| chunk[i.min(chunk.len() - 1)][axis]);
-            on_p.iter_mut()
-                .chain(&mut on_v)
-                .flatten()
-                .for_each(|part| part.fill(0.0));
+            for (parts, rows) in [(&mut on_p, nodes), (&mut on_v, values)] {
+                for part in parts.iter_mut().flatten() {
+                    part.clear();
+                    part.resize(rows * width, 0.0);
+                }
+            }
             Arch::new().dispatch(Waves {
                 sources: &sources,
                 images: &images,
                 signs: &signs,
                 k,
                 points: [0, 1, 2].map(place),
+                width,
                 on_p: &mut on_p,
                 on_v: &mut on_v,
             });
@@ -126,9 +132,9 @@ impl Exterior {
                 result.iter_mut().zip(&pressures).zip(all).zip(&on_p).zip(&on_v)
             {
                 let modes = to.ncols();
-                let mut sums = [0, 1].map(|_| Mat::<f64>::zeros(CHUNK, modes));
+                let mut sums = [0, 1].map(|_| Mat::<f64>::zeros(width, modes));
                 let of = |m: &Vec<f64>, by: MatRef<'_, f64>, factor: f64, to: &mut Mat<f64>| {
-                    let m = MatRef::from_column_major_slice(m, CHUNK, by.nrows());
+                    let m = MatRef::from_column_major_slice(m, width, by.nrows());
                     matmul(to.as_mut(), Accum::Add, m, by, factor, Par::Seq);
                 };
                 let [re, im] = pressure.each_ref().map(Mat::as_ref);
@@ -159,10 +165,17 @@ struct Waves<'a> {
     signs: &'a [Vec<f64>],
     k: f64,
     points: [[f64; CHUNK]; 3],
+    /// How many of them there are, with those that are repeated.
+    width: usize,
     /// By corner functions of the unknowns: parity, real and imaginary part, unknown, point.
     on_p: &'a mut [[Vec<f64>; 2]],
     /// By corner functions of the panels: parity, real and imaginary part, velocity value, point.
     on_v: &'a mut [[Vec<f64>; 2]],
+}
+
+#[inline(always)]
+fn splat<S: Simd>(simd: S, v: &Vector3<f64>) -> [S::f64s; 3] {
+    [simd.splat_f64s(v.x), simd.splat_f64s(v.y), simd.splat_f64s(v.z)]
 }
 
 impl WithSimd for Waves<'_> {
@@ -173,19 +186,18 @@ impl WithSimd for Waves<'_> {
         let (lanes, k) = (S::F64_LANES, simd.splat_f64s(self.k));
         let (zero, scale) = (simd.splat_f64s(0.0), simd.splat_f64s(0.25 / PI));
         for (number, source) in self.sources.iter().enumerate() {
-            for first in (0..CHUNK).step_by(lanes) {
-                let x = [0, 1, 2].map(|axis| load::<S>(&self.points[axis], first));
+            for first in (0..self.width).step_by(lanes) {
+                let x = [
+                    load::<S>(&self.points[0], first),
+                    load::<S>(&self.points[1], first),
+                    load::<S>(&self.points[2], first),
+                ];
                 let mut sums = [[zero; 4]; PARITIES];
                 for (image, of_image) in self.images.iter().enumerate() {
                     let (y, area) = &of_image[number];
-                    let d = [0, 1, 2].map(|axis| simd.sub_f64s(x[axis], simd.splat_f64s(y[axis])));
-                    let mut r2 = simd.mul_f64s(d[0], d[0]);
-                    let mut along = simd.mul_f64s(d[0], simd.splat_f64s(area[0]));
-                    for axis in 1..3 {
-                        r2 = simd.mul_add_e_f64s(d[axis], d[axis], r2);
-                        along = simd.mul_add_e_f64s(d[axis], simd.splat_f64s(area[axis]), along);
-                    }
-                    let [g_re, g_im, h_re, h_im] = green(simd, r2, k, scale);
+                    let d = minus(simd, x, splat(simd, y));
+                    let along = dot(simd, d, splat(simd, area));
+                    let [g_re, g_im, h_re, h_im] = green(simd, dot(simd, d, d), k, scale);
                     let slope = [simd.mul_f64s(h_re, along), simd.mul_f64s(h_im, along)];
                     for parity in 0..self.signs.len() {
                         let sign = simd.splat_f64s(self.signs[parity][image]);
@@ -202,11 +214,11 @@ impl WithSimd for Waves<'_> {
                         let flow = simd.mul_f64s(simd.splat_f64s(source.weight), sum[2 + part]);
                         for j in 0..source.corners {
                             let phi = simd.splat_f64s(source.phi[j]);
-                            let at = source.nodes[j] * CHUNK + first;
+                            let at = source.nodes[j] * self.width + first;
                             let to = &mut self.on_p[parity][part][at..at + lanes];
                             let to = &mut S::as_mut_simd_f64s(to).0[0];
                             *to = simd.mul_add_e_f64s(phi, sum[part], *to);
-                            let at = (source.first_value + j) * CHUNK + first;
+                            let at = (source.first_value + j) * self.width + first;
                             let to = &mut self.on_v[parity][part][at..at + lanes];
                             let to = &mut S::as_mut_simd_f64s(to).0[0];
                             *to = simd.mul_add_e_f64s(phi, flow, *to);

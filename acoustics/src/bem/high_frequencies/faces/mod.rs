@@ -7,7 +7,7 @@ use crate::air::Air;
 use crate::bem::mesh::boundary::Boundary;
 use crate::bem::mesh::symmetry::Image;
 use crate::bem::solver::problem::Patterns;
-use coplanar::{CoplanarPanels, Face};
+use coplanar::{CoplanarPanels, Face, Wall};
 use faer::linalg::matmul::matmul;
 use faer::{Accum, Mat, Par};
 use nalgebra::{DMatrix, Vector3};
@@ -33,6 +33,9 @@ pub(crate) struct Faces<'a> {
     faces: Vec<Face>,
     others: Vec<usize>,
 }
+
+/// Columns of a symmetric matrix that are evaluated before they are copied to its other triangle.
+const COLUMNS: usize = 16;
 
 /// Contribution of a face to each of its patches.
 type OfPatches = Vec<(usize, DMatrix<f64>)>;
@@ -109,25 +112,30 @@ impl<'a> Faces<'a> {
             1 + (0.5 * kernel.highest * edge).ceil().max(1.0) as usize
         });
         let n = points.at.len();
+        let axes = [0, 1, 2].map(|axis| points.at.iter().map(|x| x[axis]).collect::<Vec<f64>>());
         let of_image = |image: &Image| {
-            let seen: Vec<Vector3<f64>> = points
-                .at
-                .iter()
-                .map(|x| Vector3::from_fn(|axis, _| self.boundary.mirrored(*image, axis, x[axis])))
-                .collect();
-            let reflected = face.wall.map(|wall| {
-                let reflect = |y: &Vector3<f64>| y - 2.0 * (y - wall.at).dot(&wall.normal) * wall.normal;
-                seen.iter().map(reflect).collect::<Vec<_>>()
-            });
+            let seen = |y: &Vector3<f64>| {
+                let seen = Vector3::from_fn(|axis, _| self.boundary.mirrored(*image, axis, y[axis]));
+                let reflect = |wall: Wall| seen - 2.0 * (seen - wall.at).dot(&wall.normal) * wall.normal;
+                std::iter::once(seen).chain(face.wall.map(reflect)).collect::<Vec<_>>()
+            };
             // Two points see each other's images at the same distance: reflections in perpendicular planes commute.
             let mut values = Mat::zeros(n, n);
-            for j in 0..n {
-                for i in j..n {
-                    let x = points.at[i];
-                    let wall = reflected.as_ref().map_or(0.0, |y| kernel.at((x - y[j]).norm()));
+            let mut sums = vec![0.0; n];
+            for start in (0..n).step_by(COLUMNS) {
+                let end = n.min(start + COLUMNS);
+                let x = axes.each_ref().map(|x| &x[start..]);
+                for j in start..end {
+                    let (places, sums) = (seen(&points.at[j]), &mut sums[start..]);
+                    kernel.between(&places, x, sums);
                     // As accurate as a stored resistance.
-                    values[(i, j)] = (kernel.at((x - seen[j]).norm()) + wall) as f32;
-                    values[(j, i)] = values[(i, j)];
+                    let column = values.col_as_slice_mut(j)[start..].iter_mut();
+                    column.zip(sums).for_each(|(value, sum)| *value = *sum as f32);
+                }
+                for i in end..n {
+                    for j in start..end {
+                        values[(j, i)] = values[(i, j)];
+                    }
                 }
             }
             values

@@ -6,6 +6,7 @@ use crate::bem::mesh::panel::PanelShape;
 use crate::bem::mesh::rules;
 use faer::Mat;
 use nalgebra::{DMatrix, Vector3};
+use pulp::{Arch, Simd, WithSimd};
 use std::f64::consts::PI;
 
 /// Frequencies over which a kernel is averaged.
@@ -13,6 +14,9 @@ const AVERAGED: usize = 16;
 
 /// Step of a kernel's table over distance, in units of 1/k at the highest frequency.
 const STEP: f64 = 0.05;
+
+/// A number plus 1.5 x 2^52 is rounded to the nearest integer, which stands in its lowest bits.
+const NEAREST: f64 = 6_755_399_441_055_744.0;
 
 /// Quadrature points of some panels.
 pub(super) struct Points {
@@ -121,10 +125,51 @@ impl Kernel {
         }
     }
 
-    pub(super) fn at(&self, r: f64) -> f64 {
-        let place = r / self.step;
-        let i = (place as usize).min(self.values.len() - 2);
-        let t = place - i as f64;
-        (1.0 - t) * self.values[i] + t * self.values[i + 1]
+    /// Sets `sums` to the kernel between some places and each of the points with the coordinates `points`, summed over the
+    /// places.
+    pub(super) fn between(&self, places: &[Vector3<f64>], points: [&[f64]; 3], sums: &mut [f64]) {
+        sums.fill(0.0);
+        let mut steps = vec![0.0; sums.len()];
+        for place in places {
+            Arch::new().dispatch(FromPlace {
+                kernel: self,
+                place,
+                points,
+                steps: &mut steps,
+                sums,
+            });
+        }
+    }
+}
+
+/// Adds the kernel at the distances of a place to `sums`; the distances in steps of its table are left in `steps`.
+struct FromPlace<'a> {
+    kernel: &'a Kernel,
+    place: &'a Vector3<f64>,
+    points: [&'a [f64]; 3],
+    steps: &'a mut [f64],
+    sums: &'a mut [f64],
+}
+
+impl WithSimd for FromPlace<'_> {
+    type Output = ();
+
+    /// Loops over slices become vectors of the largest width.
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _simd: S) {
+        let ([x, y, z], from) = (self.points, self.place);
+        let inverse = 1.0 / self.kernel.step;
+        for (((to, x), y), z) in self.steps.iter_mut().zip(x).zip(y).zip(z) {
+            let (x, y, z) = (x - from.x, y - from.y, z - from.z);
+            *to = (x * x + y * y + z * z).sqrt() * inverse;
+        }
+        let values = self.kernel.values.as_slice();
+        let last = values.len() - 2;
+        for (sum, &place) in self.sums.iter_mut().zip(&*self.steps) {
+            let below = place - 0.5 + NEAREST;
+            let i = (below.to_bits() as u32 as usize).min(last);
+            let t = place - (below - NEAREST);
+            *sum += values[i] + t * (values[i + 1] - values[i]);
+        }
     }
 }

@@ -68,6 +68,14 @@ impl Curved {
         4.0 / 3.0 * (0..3).map(off).fold(0.0, f64::max)
     }
 
+    /// Centre and radius of a sphere that holds it.
+    fn sphere(&self) -> (Vector3<f64>, f64) {
+        let [a, b, c, ..] = self.nodes;
+        let centre = (a + b + c) / 3.0;
+        let radius = [a, b, c].map(|x| (x - centre).norm()).into_iter().fold(0.0, f64::max);
+        (centre, radius + self.bulge())
+    }
+
     /// Natural coordinates of the point nearest to `p`, by Gauss and Newton from `xi` of the flat triangle.
     fn nearest(&self, p: &Vector3<f64>, mut xi: [f64; 2]) -> [f64; 2] {
         for _ in 0..STEPS {
@@ -139,8 +147,8 @@ impl Curved {
 /// Triangles sorted into the cells of a grid.
 pub(super) struct Nearest {
     triangles: Vec<Curved>,
-    /// How far each may lie off the flat one.
-    bulges: Vec<f64>,
+    /// Centre and radius of a sphere around each.
+    spheres: Vec<(Vector3<f64>, f64)>,
     cells: HashMap<[i64; 3], Vec<u32>>,
     cell: f64,
     rings: i64,
@@ -185,7 +193,7 @@ impl Nearest {
             .unwrap_or(0)
             + 1;
         Self {
-            bulges: triangles.iter().map(Curved::bulge).collect(),
+            spheres: triangles.iter().map(Curved::sphere).collect(),
             triangles,
             cells,
             cell,
@@ -200,16 +208,16 @@ impl Nearest {
         let mut seen: Vec<u32> = Vec::new();
         for ring in 0..=self.rings {
             for number in self.ring(middle, ring) {
-                if seen.contains(&number) {
+                let (centre, radius) = self.spheres[number as usize];
+                let known = best.as_ref().map_or(f64::INFINITY, |(known, _)| *known);
+                // Few triangles are left after this, so that the search among those is short.
+                if (p - centre).norm_squared() > (known + radius).powi(2) || seen.contains(&number) {
                     continue;
                 }
                 seen.push(number);
                 let triangle = &self.triangles[number as usize];
                 let flat = triangle.nearest_flat(p);
-                let farthest = best
-                    .as_ref()
-                    .map_or(f64::INFINITY, |(known, _)| known + self.bulges[number as usize]);
-                if (p - triangle.flat(flat)).norm() > farthest {
+                if (p - triangle.flat(flat)).norm() > known + triangle.bulge() {
                     continue;
                 }
                 let xi = triangle.nearest(p, flat);
