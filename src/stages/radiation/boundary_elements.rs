@@ -184,6 +184,10 @@ impl MeshRanges {
             4.0 * solves * mesh.problem.estimate().unknowns as f64 * modes as f64
         };
         let kept = self.levels.iter().zip(&self.solves).map(pressures).sum::<f64>();
+        // The last of several meshes keeps no equations.
+        let sampled = self.levels.iter().take(self.levels.len().max(2) - 1);
+        let equations = sampled.map(|mesh| mesh.problem.bytes_of_kept_equations(patterns(mesh)));
+        let kept = kept + equations.fold(0.0, f64::max);
         1e-9 * (self.all(few).map(of_mesh).fold(0.0, f64::max) + self.all(few).map(velocities).sum::<f64>() + kept)
     }
 

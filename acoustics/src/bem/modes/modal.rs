@@ -211,7 +211,11 @@ impl ModalBem {
             let follows = coarser.as_ref().is_some_and(|coarser| coarser.follows(level.top_hz));
             let mut solver = RangeSolver::new(level, kept_to, &chosen, progress)?.keeping_pressures();
             if !follows {
-                solver = solver.for_many_frequencies(kept_to);
+                solver = solver.with_near_field_cache(kept_to);
+            }
+            // The last of several meshes only corrects, at a few frequencies.
+            if number == 0 || next.is_some() {
+                solver = solver.with_interpolated_equations();
             }
             let predictor = coarser.as_ref().unwrap_or(&solver);
             let at = |solver: &RangeSolver<'_>, hz: &[f64]| -> Vec<_> {

@@ -74,13 +74,19 @@ impl<'a> RangeSolver<'a> {
         })
     }
 
-    /// Prepares for many frequencies up to `highest_hz`: stores the integrals of close panels, and equations between which
-    /// others are interpolated.
+    /// Stores the integrals of close panels for all frequencies up to `highest_hz`, which pays off if many are solved.
     #[must_use]
-    pub(crate) fn for_many_frequencies(self, highest_hz: f64) -> Self {
+    pub(crate) fn with_near_field_cache(self, highest_hz: f64) -> Self {
         let problem = self.problem.with_near_field_cache(highest_hz);
-        let sweep = (!problem.is_compressed()).then(|| Mutex::new(EquationSweep::new(&problem)));
-        Self { problem, sweep, ..self }
+        Self { problem, ..self }
+    }
+
+    /// Keeps equations, so that those of other frequencies are interpolated, which pays off if a range is sampled with this
+    /// mesh. A compressed matrix is not interpolated.
+    #[must_use]
+    pub(crate) fn with_interpolated_equations(self) -> Self {
+        let sweep = (!self.problem.is_compressed()).then(|| Mutex::new(EquationSweep::new(&self.problem)));
+        Self { sweep, ..self }
     }
 
     /// Keeps the pressure on the surface at all frequencies solved, for [`Self::pressures`].

@@ -23,7 +23,9 @@ const TOLERANCE: f64 = 1e-5;
 /// Largest sum of the magnitudes of the weights, by which rounding grows.
 const LEBESGUE: f64 = 30.0;
 /// Most memory of the equations of a surface \[bytes\].
-const MEMORY: usize = 400_000_000;
+const MEMORY: usize = 450_000_000;
+/// Usual number of frequencies whose equations are kept.
+const USUAL: f64 = 25.0;
 /// Values combined at a time, so that their sum stays in the fastest cache.
 const CHUNK: usize = 4096;
 
@@ -68,6 +70,7 @@ impl EquationSweep {
     pub(crate) fn plan(&mut self, problem: &Exterior, hz: &[f64], data: &[NeumannData]) -> Vec<Way> {
         let n = problem.boundary().nodes();
         let bytes: usize = data.iter().map(|data| 8 * n * (n + data.count())).sum();
+        self.make_room(problem, hz, bytes);
         let mut ways: Vec<Option<Way>> = hz.iter().map(|_| None).collect();
         loop {
             let open = (0..hz.len()).filter(|&i| ways[i].is_none());
@@ -91,6 +94,25 @@ impl EquationSweep {
             ways[worst] = Some(way);
         }
         ways.into_iter().flatten().collect()
+    }
+
+    /// Drops equations that lie outside the range of new frequencies, the most distant first, if those of all these
+    /// frequencies do not fit into the memory.
+    fn make_room(&mut self, problem: &Exterior, hz: &[f64], bytes: usize) {
+        let k = hz.iter().map(|&hz| problem.wavenumber(hz));
+        let (low, high) = k.fold((f64::INFINITY, 0.0), |(low, high), k| (k.min(low), k.max(high)));
+        let outside = |kept: &Kept| (low - kept.k).max(kept.k - high);
+        while self.bytes + hz.len() * bytes > MEMORY {
+            let distances = self.kept.iter().map(outside).enumerate();
+            let Some((number, distance)) = distances.max_by(|(_, a), (_, b)| a.total_cmp(b)) else {
+                break;
+            };
+            if distance <= 0.0 {
+                break;
+            }
+            self.kept.remove(number);
+            self.bytes -= bytes;
+        }
     }
 
     /// The equations of a frequency without their phase, to be kept.
@@ -158,6 +180,20 @@ impl EquationSweep {
         let lebesgue: f64 = weights.iter().map(|(_, w)| w.abs()).sum();
         let error = if lebesgue > LEBESGUE { error.max(1.0) } else { error };
         (error, weights.into_iter().map(|(i, w)| (i, w as f32)).collect())
+    }
+}
+
+impl Exterior {
+    /// Memory of the equations that are kept where those of many frequencies are interpolated \[bytes\], about, with so many
+    /// patterns in every parity; none with a compressed matrix.
+    pub fn bytes_of_kept_equations(&self, patterns: usize) -> f64 {
+        let (n, copies) = (self.boundary().nodes() as f64, self.boundary().copies() as f64);
+        let bytes = USUAL * copies * 8.0 * n * (n + patterns as f64);
+        if self.is_compressed() {
+            0.0
+        } else {
+            bytes.min(MEMORY as f64)
+        }
     }
 }
 
