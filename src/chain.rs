@@ -37,8 +37,8 @@ use crate::stages::response::{
 use crate::stages::sensors::{SensorRecord, Sensors};
 use crate::stages::sound_fields::{FieldMethod, Fields, SoundFields, ToolField};
 use crate::stages::sources::{
-    BodyEnergy, BodySound, BodySource, Housing, HousingAtMicrophones, SurfaceSource, WorkpieceEnergy, WorkpieceSound,
-    WorkpieceSource,
+    BodyEnergy, BodySound, BodySource, Housing, HousingAtMicrophones, SurfaceSource, WorkpieceEnergy,
+    WorkpieceRadiated, WorkpieceSound, WorkpieceSource,
 };
 use crate::stages::spectra::{BodyAnalysis, BodyMotion, MovingBody};
 use crate::stages::starts::OtherStarts;
@@ -546,8 +546,11 @@ impl Chain {
             motions: motions.clone(),
         };
         let workpiece = graph.add(WorkpieceSource {
-            sound: workpiece_sound.clone(),
-            at_microphones,
+            radiated: graph.add(WorkpieceRadiated {
+                sound: workpiece_sound.clone(),
+                at_microphones,
+            }),
+            bodies: bodies.clone(),
             top_hz: structure.iter().map(|stages| stages.top_hz).collect(),
             cycle: cycle.clone(),
             end: end.clone(),

@@ -3,10 +3,12 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
+use faer::{ColRef, MatRef};
 use nailnoise_meshes::Mesh;
 use nalgebra::{DMatrix, Vector3};
 use nalgebra_sparse::CscMatrix;
 use nalgebra_sparse::pattern::SparsityPattern;
+use rayon::prelude::*;
 
 use crate::factor::Symbolic;
 use crate::layout::{Cliques, Layout};
@@ -89,15 +91,28 @@ impl Equations {
     /// T q: columns over the degrees of freedom of the mesh (3 x nodes rows) from columns over the equations; held ones
     /// are zero.
     pub fn expand(&self, columns: &DMatrix<f64>) -> DMatrix<f64> {
-        let mut all = DMatrix::from_fn(self.dofs, columns.ncols(), |dof, c| {
-            self.equation_of[dof].map_or(0.0, |e| columns[(e, c)])
-        });
-        for (&dof, terms) in &self.tied {
-            for c in 0..columns.ncols() {
-                all[(dof, c)] = terms.iter().map(|&(e, w)| w * columns[(e, c)]).sum();
+        let columns = MatRef::from_column_major_slice(columns.as_slice(), columns.nrows(), columns.ncols());
+        self.expanded(columns.ncols(), |c| columns.col(c))
+    }
+
+    /// The same for columns that `column` names; threads share them.
+    pub(crate) fn expanded<'c>(
+        &self,
+        columns: usize,
+        column: impl Fn(usize) -> ColRef<'c, f64> + Sync,
+    ) -> DMatrix<f64> {
+        let mut all = vec![0.0; self.dofs * columns];
+        let all_columns = all.par_chunks_mut(self.dofs.max(1)).enumerate();
+        all_columns.for_each(|(c, to)| {
+            let from = column(c);
+            for (to, equation) in to.iter_mut().zip(&self.equation_of) {
+                *to = equation.map_or(0.0, |e| from[e]);
             }
-        }
-        all
+            for (&dof, terms) in &self.tied {
+                to[dof] = terms.iter().map(|&(e, w)| w * from[e]).sum();
+            }
+        });
+        DMatrix::from_vec(self.dofs, columns, all)
     }
 
     /// T^T f: forces on the equations from forces on the degrees of freedom of the mesh; those on held ones are dropped,

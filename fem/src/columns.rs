@@ -5,6 +5,7 @@ use std::ops::Range;
 use faer::linalg::matmul::matmul;
 use faer::prelude::{Reborrow, ReborrowMut};
 use faer::{Accum, Mat, MatMut, MatRef, Par};
+use rayon::prelude::*;
 
 use crate::dense::{ROWS, add_product, transpose_product};
 
@@ -14,7 +15,9 @@ const PIECE: usize = 128;
 /// V in pieces of [`PIECE`] columns, so that it grows without being copied and no more of it is in memory than is used.
 pub(crate) struct Columns {
     rows: usize,
-    pieces: Vec<Mat<f64>>,
+    /// Pages that the system hands out as zeros are not written before a column is, and then by all threads: to get them takes
+    /// longer than to copy the column.
+    pieces: Vec<Vec<f64>>,
 }
 
 impl Columns {
@@ -28,16 +31,22 @@ impl Columns {
     /// Writes a block from column `start` on.
     pub(crate) fn put(&mut self, start: usize, block: MatRef<'_, f64>) {
         while self.pieces.len() * PIECE < start + block.ncols() {
-            self.pieces.push(Mat::zeros(self.rows, PIECE));
+            self.pieces.push(vec![0.0; self.rows * PIECE]);
         }
         let mut from = 0;
         while from < block.ncols() {
             let (piece, at) = ((start + from) / PIECE, (start + from) % PIECE);
             let width = (PIECE - at).min(block.ncols() - from);
-            let mut to = self.pieces[piece].subcols_mut(at, width);
-            to.rb_mut().copy_from(block.subcols(from, width));
+            let to = &mut self.pieces[piece][at * self.rows..(at + width) * self.rows];
+            copy(block.subcols(from, width), to);
             from += width;
         }
+    }
+
+    /// The columns `range` of a piece.
+    fn of_piece(&self, piece: usize, range: Range<usize>) -> MatRef<'_, f64> {
+        let values = &self.pieces[piece][range.start * self.rows..range.end * self.rows];
+        MatRef::from_column_major_slice(values, self.rows, range.len())
     }
 
     /// The parts of `range` that stand together, each with its place in the range.
@@ -47,7 +56,7 @@ impl Columns {
             let (start, end) = (range.start.max(p * PIECE), range.end.min((p + 1) * PIECE));
             (
                 start - range.start,
-                self.pieces[p].subcols(start - p * PIECE, end - start),
+                self.of_piece(p, start - p * PIECE..end - p * PIECE),
             )
         })
     }
@@ -76,31 +85,35 @@ impl Columns {
             .step_by(PIECE)
             .map(|start| start..(start + PIECE).min(s.nrows()))
             .collect();
-        for start in (0..self.rows).step_by(ROWS) {
-            let rows = ROWS.min(self.rows - start);
-            let mut y = Mat::zeros(rows, s.ncols());
-            for (v, part) in self.pieces.iter().zip(&parts) {
-                let v = v.submatrix(start, 0, rows, part.len());
-                matmul(
-                    y.as_mut(),
-                    Accum::Add,
-                    v,
-                    s.subrows(part.start, part.len()),
-                    1.0,
-                    Par::Seq,
-                );
-            }
-            for (piece, first) in self.pieces.iter_mut().zip((0..s.ncols()).step_by(PIECE)) {
-                let width = PIECE.min(s.ncols() - first);
-                let mut to = piece.submatrix_mut(start, 0, rows, width);
-                to.copy_from(y.subcols(first, width));
+        let rows = self.rows;
+        // Rows that stand together in all pieces.
+        let mut chunks: Vec<Vec<MatMut<'_, f64>>> = (0..rows.div_ceil(ROWS)).map(|_| Vec::new()).collect();
+        for piece in &mut self.pieces {
+            let mut rest = MatMut::from_column_major_slice_mut(piece, rows, PIECE);
+            for chunk in &mut chunks {
+                let height = ROWS.min(rest.nrows());
+                let (own, behind) = rest.split_at_row_mut(height);
+                chunk.push(own);
+                rest = behind;
             }
         }
+        chunks.into_par_iter().for_each(|mut pieces| {
+            let mut y = Mat::zeros(pieces.first().map_or(0, |piece| piece.nrows()), s.ncols());
+            for (v, part) in pieces.iter().zip(&parts) {
+                let (v, s) = (v.rb().subcols(0, part.len()), s.subrows(part.start, part.len()));
+                matmul(y.as_mut(), Accum::Add, v, s, 1.0, Par::Seq);
+            }
+            for (piece, first) in pieces.iter_mut().zip((0..s.ncols()).step_by(PIECE)) {
+                let width = PIECE.min(s.ncols() - first);
+                let mut to = piece.rb_mut().subcols_mut(0, width);
+                to.copy_from(y.subcols(first, width));
+            }
+        });
         self.pieces.truncate(s.ncols().div_ceil(PIECE));
-        let mut product = Mat::with_capacity(self.rows, s.ncols());
+        let mut product = Mat::with_capacity(rows, s.ncols());
         for (piece, first) in self.pieces.drain(..).zip((0..s.ncols()).step_by(PIECE)) {
             let width = PIECE.min(s.ncols() - first);
-            product.resize_with(self.rows, first + width, |i, j| piece[(i, j - first)]);
+            product.resize_with(rows, first + width, |i, j| piece[(j - first) * rows + i]);
         }
         product
     }
@@ -113,6 +126,18 @@ impl Columns {
         }
         columns
     }
+}
+
+/// Copies columns to where they stand one behind the other; threads share them.
+fn copy(from: MatRef<'_, f64>, to: &mut [f64]) {
+    let columns = to.par_chunks_mut(from.nrows().max(1)).enumerate();
+    columns.for_each(|(j, to)| {
+        let from = from.col(j);
+        match from.try_as_col_major() {
+            Some(from) => to.copy_from_slice(from.as_slice()),
+            None => to.iter_mut().zip(from.iter()).for_each(|(to, from)| *to = *from),
+        }
+    });
 }
 
 #[cfg(test)]

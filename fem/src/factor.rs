@@ -8,7 +8,7 @@ use faer::sparse::linalg::cholesky::supernodal::{
 };
 use faer::sparse::linalg::solvers::Lu;
 use faer::sparse::{SparseColMat, SymbolicSparseColMatRef, Triplet};
-use faer::{Mat, MatMut};
+use faer::{MatMut, MatRef, Scale};
 use nalgebra_sparse::CscMatrix;
 use nalgebra_sparse::pattern::SparsityPattern;
 
@@ -16,7 +16,7 @@ use crate::FemError;
 use crate::numeric::{Descendants, Numeric};
 use crate::panels::{self, Panels};
 use crate::random::Random;
-use crate::sparse::product;
+use crate::sparse::product_of_vector;
 use crate::subtrees::{PartRows, Subtrees};
 
 /// Largest residual of a probe; a sound factor stays many orders below.
@@ -140,22 +140,34 @@ enum Kind {
 impl Factor<'_> {
     /// Overwrites x by A^-1 x.
     pub(crate) fn solve(&self, x: MatMut<'_, f64>) {
-        self.solve_within(x, &mut PartRows::default());
-    }
-
-    /// The same with room kept for the next solve.
-    pub(crate) fn solve_within(&self, x: MatMut<'_, f64>, room: &mut PartRows) {
         match &self.kind {
             Kind::Symmetric { values, diagonal } => {
-                let panels = Panels {
-                    symbolic: &self.symbolic.supernodal,
-                    subtrees: &self.symbolic.subtrees,
-                    values,
-                    diagonal,
-                };
-                panels.solve(x, room);
+                self.panels(values, diagonal).solve(x, &mut PartRows::default());
             }
             Kind::Pivoted(lu) => lu.solve_in_place(x),
+        }
+    }
+
+    /// Y = scale A^-1 X, with room kept for the next solve.
+    pub(crate) fn solve_scaled(&self, scale: f64, x: MatRef<'_, f64>, mut y: MatMut<'_, f64>, room: &mut PartRows) {
+        match &self.kind {
+            Kind::Symmetric { values, diagonal } => {
+                self.panels(values, diagonal).solve_scaled(scale, x, y, room);
+            }
+            Kind::Pivoted(lu) => {
+                y.copy_from(x);
+                lu.solve_in_place(y.as_mut());
+                y *= Scale(scale);
+            }
+        }
+    }
+
+    fn panels<'f>(&'f self, values: &'f [f64], diagonal: &'f [f64]) -> Panels<'f> {
+        Panels {
+            symbolic: &self.symbolic.supernodal,
+            subtrees: &self.symbolic.subtrees,
+            values,
+            diagonal,
         }
     }
 
@@ -184,11 +196,14 @@ impl Factor<'_> {
     /// Solves for b = A z with a random z and refuses the factor when |A x - b| / |b| is large.
     fn probe(&self, a: &CscMatrix<f64>, shift: f64) -> Result<(), FemError> {
         let mut random = Random::new(1);
-        let z = Mat::from_fn(a.nrows(), 1, |_, _| random.next());
-        let b = product(a, z.as_ref());
+        let n = a.nrows();
+        let z: Vec<f64> = (0..n).map(|_| random.next()).collect();
+        let b = product_of_vector(a, &z);
         let mut x = b.clone();
-        self.solve(x.as_mut());
-        let residual = (product(a, x.as_ref()) - &b).norm_l2() / b.norm_l2();
+        self.solve(MatMut::from_column_major_slice_mut(&mut x, n, 1));
+        let norm = |x: &mut dyn Iterator<Item = f64>| x.map(|x| x * x).sum::<f64>().sqrt();
+        let mut apart = product_of_vector(a, &x).into_iter().zip(&b).map(|(x, b)| x - b);
+        let residual = norm(&mut apart) / norm(&mut b.iter().copied());
         if residual.is_nan() || residual > PROBE_LIMIT {
             return Err(FemError::Probe {
                 shift,
@@ -206,9 +221,11 @@ fn buffer(request: StackReq, dofs: usize) -> Result<MemBuffer, FemError> {
 
 #[cfg(test)]
 mod tests {
+    use faer::Mat;
     use nalgebra::DMatrix;
 
     use super::*;
+    use crate::sparse::product;
 
     fn lower(rows: &[&[f64]]) -> CscMatrix<f64> {
         let dense = DMatrix::from_fn(rows.len(), rows.len(), |i, j| if i >= j { rows[i][j] } else { 0.0 });

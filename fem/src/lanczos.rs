@@ -91,14 +91,14 @@ struct Ritz {
     residual: Vec<f64>,
 }
 
-/// Finds the `target.count` negative eigenpairs; `apply` overwrites Z by sigma (K - sigma M)^-1 Z, and `progress` is called after
+/// Finds the `target.count` negative eigenpairs; `apply` writes sigma (K - sigma M)^-1 Z, and `progress` is called after
 /// every step with the number of negative Ritz values. The order must exceed the count by five blocks at least. None when
 /// an eigenvalue lies so near sigma that others would lose their digits.
 pub(crate) fn lanczos(
     mass: &Split<'_>,
     target: &Target,
     mut progress: impl FnMut(usize),
-    mut apply: impl FnMut(MatMut<'_, f64>, &mut PartRows),
+    mut apply: impl FnMut(MatRef<'_, f64>, MatMut<'_, f64>, &mut PartRows),
 ) -> Result<Option<Pairs>, FemError> {
     let n = mass.len();
     let block = target.block.clamp(1, n);
@@ -108,8 +108,7 @@ pub(crate) fn lanczos(
     let mut last_worst = f64::INFINITY;
     let mut stagnant = 0;
     loop {
-        basis.w.copy_from(&basis.m_q);
-        apply(basis.w.as_mut(), &mut basis.room.from);
+        apply(basis.m_q.as_ref(), basis.w.as_mut(), &mut basis.room.from);
         steps += 1;
         basis.extend()?;
         let full = basis.size + block > limit;

@@ -1,5 +1,7 @@
 //! The pattern of K and M and the values scattered into it.
 
+use std::ops::Range;
+
 use nailnoise_meshes::Mesh;
 use nalgebra::Matrix3;
 use nalgebra_sparse::pattern::SparsityPattern;
@@ -12,6 +14,12 @@ use crate::{FemError, Material};
 
 /// Elements integrated at once, in parallel; they are added up in their order.
 const BATCH: usize = 1024;
+
+/// Pieces of the columns that are added up side by side.
+const PIECES: usize = 8;
+
+/// Nodes whose neighbours one thread finds at a time.
+const NODES: usize = 4096;
 
 /// The sets of independent nodes whose unknowns meet in one matrix: those of each element and of each attachment.
 pub(crate) struct Cliques {
@@ -55,21 +63,30 @@ impl Cliques {
                 .filter_map(|&node| index[node])
                 .for_each(|k| cliques_of[k].push(c));
         }
-        let (mut offsets, mut targets) = (vec![0], Vec::new());
-        let mut seen = vec![usize::MAX; n];
-        for (k, cliques) in cliques_of.iter().enumerate() {
-            let start = targets.len();
-            seen[k] = k;
-            for &c in cliques {
-                for &node in &self.nodes[self.offsets[c]..self.offsets[c + 1]] {
-                    if let Some(i) = index[node].filter(|&i| seen[i] != k) {
-                        seen[i] = k;
-                        targets.push(i);
+        let parts = cliques_of.par_chunks(NODES).enumerate().map(|(part, cliques)| {
+            let (mut ends, mut targets) = (Vec::with_capacity(cliques.len()), Vec::new());
+            let mut seen = vec![usize::MAX; n];
+            for (k, cliques) in (part * NODES..).zip(cliques) {
+                let start = targets.len();
+                seen[k] = k;
+                for &c in cliques {
+                    for &node in &self.nodes[self.offsets[c]..self.offsets[c + 1]] {
+                        if let Some(i) = index[node].filter(|&i| seen[i] != k) {
+                            seen[i] = k;
+                            targets.push(i);
+                        }
                     }
                 }
+                targets[start..].sort_unstable();
+                ends.push(targets.len());
             }
-            targets[start..].sort_unstable();
-            offsets.push(targets.len());
+            (ends, targets)
+        });
+        let parts: Vec<(Vec<usize>, Vec<usize>)> = parts.collect();
+        let (mut offsets, mut targets) = (vec![0], Vec::new());
+        for (ends, own) in parts {
+            offsets.extend(ends.into_iter().map(|end| targets.len() + end));
+            targets.extend(own);
         }
         Graph { offsets, targets }
     }
@@ -206,8 +223,8 @@ impl Layout {
             stiffness: vec![0.0; self.stiffness.nnz()],
             mass: vec![0.0; self.mass.nnz()],
         };
-        // Elements are integrated in parallel and added up in their order, so the sums do not depend on the threads. One batch
-        // is integrated while the one before it is added.
+        // Elements are integrated in parallel and added up in their order within each piece of the columns, so the sums do not
+        // depend on the threads. One batch is integrated while the one before it is added.
         let elements: Vec<usize> = (0..mesh.element_count()).collect();
         let integrated = |batch: &[usize]| -> Vec<Result<ElementMatrices, FemError>> {
             let of_element = |&e: &usize| {
@@ -223,15 +240,26 @@ impl Layout {
             };
             batch.par_iter().map(of_element).collect()
         };
+        let mut pieces = self.pieces(&mut values);
         let mut add = |batch: &[usize], matrices: Vec<Result<ElementMatrices, FemError>>| -> Result<(), FemError> {
-            for (&e, matrices) in batch.iter().zip(matrices) {
-                let nodes = mesh.element(e).nodes;
-                if nodes.iter().any(|&n| reduction.expansion(n).is_some()) {
-                    self.add_reduced(nodes, &matrices?, index, reduction, &mut values);
-                } else {
-                    self.add(nodes, &matrices?, index, &mut values);
-                }
+            if matrices.iter().any(Result::is_err) {
+                return matrices.into_iter().collect::<Result<Vec<_>, _>>().map(drop);
             }
+            let of_element = |(&e, matrices)| {
+                let nodes = mesh.element(e).nodes;
+                let reduced = nodes.iter().any(|&n| reduction.expansion(n).is_some());
+                (nodes, reduced, matrices)
+            };
+            let elements: Vec<_> = batch.iter().zip(matrices.iter().flatten()).map(of_element).collect();
+            pieces.par_iter_mut().for_each(|piece| {
+                for &(nodes, reduced, matrices) in &elements {
+                    if reduced {
+                        self.add_reduced(nodes, matrices, index, reduction, piece);
+                    } else {
+                        self.add(nodes, matrices, index, piece);
+                    }
+                }
+            });
             Ok(())
         };
         let mut batches = elements.chunks(BATCH);
@@ -242,18 +270,48 @@ impl Layout {
             added?;
             ready = following;
         }
-        for added in &reduction.added {
-            for (a, b, k, m) in &added.blocks {
-                if let (Some(p), Some(q)) = (index[added.nodes[*a]], index[added.nodes[*b]]) {
-                    self.add_block(p, q, k, m, &mut values);
+        pieces.par_iter_mut().for_each(|piece| {
+            for added in &reduction.added {
+                for (a, b, k, m) in &added.blocks {
+                    if let (Some(p), Some(q)) = (index[added.nodes[*a]], index[added.nodes[*b]]) {
+                        self.add_block(p, q, k, m, piece);
+                    }
                 }
             }
-        }
+        });
         Ok(values)
     }
 
-    /// Adds an element all of whose nodes are independent.
-    fn add(&self, nodes: &[usize], matrices: &ElementMatrices, index: &[Option<usize>], values: &mut Values) {
+    /// Cuts the values at nodes into pieces of about the same size.
+    fn pieces<'v>(&self, values: &'v mut Values) -> Vec<Piece<'v>> {
+        let (of_stiffness, of_mass) = (self.stiffness.major_offsets(), self.mass.major_offsets());
+        let Values { stiffness, mass } = values;
+        let (mut stiffness, mut mass) = (&mut stiffness[..], &mut mass[..]);
+        let size = stiffness.len().div_ceil(PIECES);
+        let mut pieces = Vec::with_capacity(PIECES);
+        let (mut first, mut start, mut column) = (0, 0, 0);
+        for (p, equations) in self.equation.iter().enumerate() {
+            column += equations.iter().flatten().count();
+            if of_stiffness[column] < (pieces.len() + 1) * size && p + 1 < self.equation.len() {
+                continue;
+            }
+            let offsets = [of_stiffness[start], of_mass[start]];
+            let (own_stiffness, behind) = stiffness.split_at_mut(of_stiffness[column] - offsets[0]);
+            let (own_mass, behind_mass) = mass.split_at_mut(of_mass[column] - offsets[1]);
+            pieces.push(Piece {
+                nodes: first..p + 1,
+                offsets,
+                stiffness: own_stiffness,
+                mass: own_mass,
+            });
+            (stiffness, mass) = (behind, behind_mass);
+            (first, start) = (p + 1, column);
+        }
+        pieces
+    }
+
+    /// Adds an element all of whose nodes are independent, as far as it lies in a piece.
+    fn add(&self, nodes: &[usize], matrices: &ElementMatrices, index: &[Option<usize>], piece: &mut Piece<'_>) {
         let mut pair = 0;
         for (a, &node_a) in nodes.iter().enumerate() {
             for &node_b in &nodes[..=a] {
@@ -262,12 +320,15 @@ impl Layout {
                 let (Some(p), Some(q)) = (index[node_a], index[node_b]) else {
                     continue;
                 };
+                if !piece.nodes.contains(&p.min(q)) {
+                    continue;
+                }
                 let mass = |i, j| if i == j { m } else { 0.0 };
                 // The column belongs to the node that comes first; K_ab = K_ba^T.
                 if p <= q {
-                    self.add_pair((q, p), |i, j| block[j][i], mass, values);
+                    self.add_pair((q, p), |i, j| block[j][i], mass, piece);
                 } else {
-                    self.add_pair((p, q), |i, j| block[i][j], mass, values);
+                    self.add_pair((p, q), |i, j| block[i][j], mass, piece);
                 }
             }
         }
@@ -282,7 +343,7 @@ impl Layout {
         (row, column): (usize, usize),
         stiffness: impl Fn(usize, usize) -> f64,
         mass: impl Fn(usize, usize) -> f64,
-        values: &mut Values,
+        piece: &mut Piece<'_>,
     ) {
         let later = self.later.neighbours(column);
         let Ok(r) = later.binary_search(&row) else { return };
@@ -292,14 +353,14 @@ impl Layout {
         let mut skipped = 0;
         for j in 0..3 {
             let Some(c) = self.equation[column][j] else { continue };
-            let of_stiffness = self.stiffness.major_offsets()[c] + before[3];
-            let of_mass = self.mass.major_offsets()[c] + before[j];
+            let of_stiffness = self.stiffness.major_offsets()[c] + before[3] - piece.offsets[0];
+            let of_mass = self.mass.major_offsets()[c] + before[j] - piece.offsets[1];
             let rows = (0..3).filter_map(|i| self.equation[row][i].map(|e| (i, e)));
             let mut rank_of_mass = 0;
             for (rank, (i, _)) in rows.enumerate().filter(|(_, (_, e))| *e >= c) {
-                values.stiffness[of_stiffness + rank - skipped] += stiffness(i, j);
+                piece.stiffness[of_stiffness + rank - skipped] += stiffness(i, j);
                 if mixed || i == j {
-                    values.mass[of_mass + rank_of_mass] += mass(i, j);
+                    piece.mass[of_mass + rank_of_mass] += mass(i, j);
                     rank_of_mass += 1;
                 }
             }
@@ -307,14 +368,14 @@ impl Layout {
         }
     }
 
-    /// Adds W^T K W and W^T M W of an element with dependent nodes.
+    /// Adds W^T K W and W^T M W of an element with dependent nodes, as far as they lie in a piece.
     fn add_reduced(
         &self,
         nodes: &[usize],
         matrices: &ElementMatrices,
         index: &[Option<usize>],
         reduction: &Reduction,
-        values: &mut Values,
+        piece: &mut Piece<'_>,
     ) {
         let own: Vec<[Term; 1]> = nodes.iter().map(|&n| [(n, Matrix3::identity())]).collect();
         let terms: Vec<&[Term]> = nodes
@@ -334,10 +395,13 @@ impl Layout {
                         let (Some(p), Some(q)) = (index[node_p], index[node_q]) else {
                             continue;
                         };
+                        if !piece.nodes.contains(&p.min(q)) {
+                            continue;
+                        }
                         let (k, m) = (w.transpose() * k * v, w.transpose() * m * v);
-                        self.add_block(p, q, &k, &m, values);
+                        self.add_block(p, q, &k, &m, piece);
                         if a != b {
-                            self.add_block(q, p, &k.transpose(), &m.transpose(), values);
+                            self.add_block(q, p, &k.transpose(), &m.transpose(), piece);
                         }
                     }
                 }
@@ -345,10 +409,10 @@ impl Layout {
         }
     }
 
-    /// Adds the part of a block between the nodes p and q that lies in the lower triangle.
-    fn add_block(&self, p: usize, q: usize, k: &Matrix3<f64>, m: &Matrix3<f64>, values: &mut Values) {
-        if p >= q {
-            self.add_pair((p, q), |i, j| k[(i, j)], |i, j| m[(i, j)], values);
+    /// Adds the part of a block between the nodes p and q that lies in the lower triangle and in a piece.
+    fn add_block(&self, p: usize, q: usize, k: &Matrix3<f64>, m: &Matrix3<f64>, piece: &mut Piece<'_>) {
+        if p >= q && piece.nodes.contains(&q) {
+            self.add_pair((p, q), |i, j| k[(i, j)], |i, j| m[(i, j)], piece);
         }
     }
 }
@@ -357,6 +421,16 @@ impl Layout {
 pub(crate) struct Values {
     pub(crate) stiffness: Vec<f64>,
     pub(crate) mass: Vec<f64>,
+}
+
+/// The values in the columns of some nodes that follow each other.
+struct Piece<'v> {
+    /// Places of the nodes.
+    nodes: Range<usize>,
+    /// Values of the stiffness and of the mass before the piece.
+    offsets: [usize; 2],
+    stiffness: &'v mut [f64],
+    mass: &'v mut [f64],
 }
 
 impl CscPattern {

@@ -8,9 +8,9 @@
 
 use std::ops::Range;
 
-use faer::MatMut;
 use faer::prelude::{Reborrow, ReborrowMut};
 use faer::sparse::linalg::cholesky::supernodal::SymbolicSupernodalCholesky;
+use faer::{MatMut, MatRef};
 use pulp::{Arch, Simd, WithSimd};
 use rayon::prelude::*;
 
@@ -102,17 +102,27 @@ impl<'a> Panels<'a> {
     pub(crate) fn solve(&self, mut x: MatMut<'_, f64>, room: &mut PartRows) {
         for start in (0..x.ncols()).step_by(SIDES) {
             let width = SIDES.min(x.ncols() - start);
-            self.solve_block(x.rb_mut().subcols_mut(start, width), room);
+            self.forward(1.0, x.rb().subcols(start, width), room);
+            self.backward(1.0, x.rb_mut().subcols_mut(start, width), room);
         }
     }
 
-    /// The subtrees forward, side by side, the top both ways, and the subtrees backward.
-    fn solve_block(&self, x: MatMut<'_, f64>, room: &mut PartRows) {
+    /// Y = scale (L D L^T)^-1 X.
+    pub(crate) fn solve_scaled(&self, scale: f64, x: MatRef<'_, f64>, mut y: MatMut<'_, f64>, room: &mut PartRows) {
+        for start in (0..x.ncols()).step_by(SIDES) {
+            let width = SIDES.min(x.ncols() - start);
+            self.forward(scale, x.subcols(start, width), room);
+            self.backward(scale, y.rb_mut().subcols_mut(start, width), room);
+        }
+    }
+
+    /// The subtrees forward, side by side, and the top both ways, from a block of X.
+    fn forward(&self, scale: f64, x: MatRef<'_, f64>, room: &mut PartRows) {
         let Subtrees { subtrees, top } = self.subtrees;
         let (mut rows, top_rows) = room.split(self.subtrees);
         (subtrees, &mut rows).into_par_iter().for_each(|(part, x_part)| {
             let (own, reached) = x_part.split_at_mut(part.len());
-            part.gather(own, x.rb());
+            part.gather(own, x);
             reached.fill(Row::ZERO);
             Arch::new().dispatch(Forward {
                 panels: self,
@@ -120,32 +130,40 @@ impl<'a> Panels<'a> {
                 x: x_part,
             });
         });
-        top.gather(top_rows, x.rb());
+        top.gather(top_rows, x);
         self.subtrees.add_reached(&rows, top_rows);
         self.top_forward(top_rows);
-        self.scale(top, top_rows);
+        self.scale(scale, top, top_rows);
         self.top_backward(top_rows);
-        let (own, of_top) = self.subtrees.rows_mut(x);
-        top.scatter(top_rows, of_top);
-        let top_rows = &*top_rows;
-        (subtrees, rows, own).into_par_iter().for_each(|(part, x_part, to)| {
-            for (row, &at) in x_part[part.len()..].iter_mut().zip(&part.reached) {
-                *row = top_rows[at as usize];
-            }
-            self.scale(part, x_part);
-            Arch::new().dispatch(Backward {
-                panels: self,
-                part,
-                x: x_part,
-            });
-            Row::scatter(&x_part[..part.len()], to);
-        });
     }
 
-    /// X <- D^-1 X in the own rows of a part.
-    fn scale(&self, part: &Part, rows: &mut [Row]) {
+    /// The subtrees backward, to a block of X.
+    fn backward(&self, scale: f64, x: MatMut<'_, f64>, room: &mut PartRows) {
+        let Subtrees { subtrees, top } = self.subtrees;
+        let (rows, top_rows) = room.split(self.subtrees);
+        let (own, of_top) = self.subtrees.rows_mut(x);
+        let top_rows = &*top_rows;
+        let of_subtrees = || {
+            (subtrees, rows, own).into_par_iter().for_each(|(part, x_part, to)| {
+                for (row, &at) in x_part[part.len()..].iter_mut().zip(&part.reached) {
+                    *row = top_rows[at as usize];
+                }
+                self.scale(scale, part, x_part);
+                Arch::new().dispatch(Backward {
+                    panels: self,
+                    part,
+                    x: x_part,
+                });
+                Row::scatter(&x_part[..part.len()], to);
+            });
+        };
+        rayon::join(of_subtrees, || top.scatter(top_rows, of_top));
+    }
+
+    /// X <- scale D^-1 X in the own rows of a part.
+    fn scale(&self, scale: f64, part: &Part, rows: &mut [Row]) {
         let diagonal = part.rows.iter().flat_map(|range| &self.diagonal[range.clone()]);
-        rows.iter_mut().zip(diagonal).for_each(|(row, d)| row.scale(1.0 / d));
+        rows.iter_mut().zip(diagonal).for_each(|(row, d)| row.scale(scale / d));
     }
 
     /// The supernodes of the top are large: threads share the panels of each block.

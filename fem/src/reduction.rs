@@ -7,8 +7,9 @@
 use std::collections::BTreeMap;
 use std::collections::btree_map::Entry;
 
-use nailnoise_meshes::Mesh;
+use nailnoise_meshes::{Location, Mesh, MeshError};
 use nalgebra::{Matrix3, Point3, Vector3};
+use rayon::prelude::*;
 
 use crate::{Attachments, Constraints, Coupling, FemError, LumpedMass, Place};
 
@@ -50,8 +51,11 @@ impl Reduction {
             ..Self::default()
         };
         for tie in &attachments.ties {
-            for node in mesh.group_nodes(&tie.slave)? {
-                let at = mesh.locate_near(&tie.master, mesh.nodes[node], tie.tolerance)?;
+            let nodes = mesh.group_nodes(&tie.slave)?;
+            let locate = |&node: &usize| mesh.locate_near(&tie.master, mesh.nodes[node], tie.tolerance);
+            let places: Vec<Result<Location, MeshError>> = nodes.par_iter().map(locate).collect();
+            for (node, at) in nodes.into_iter().zip(places) {
+                let at = at?;
                 let terms = at.nodes.into_iter().zip(at.weights);
                 let terms = terms.map(|(p, w)| (p, Matrix3::from_diagonal_element(w))).collect();
                 reduction.depend(node, terms, &tie.slave)?;

@@ -4,9 +4,7 @@ use std::f64::consts::TAU;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use faer::prelude::ReborrowMut;
-use faer::{Mat, MatRef, Scale};
-use nalgebra::DMatrix;
+use faer::{Mat, MatMut, MatRef};
 use nalgebra_sparse::CscMatrix;
 use rayon::prelude::*;
 
@@ -15,6 +13,7 @@ use crate::eigenpairs::{Eigenpairs, Pencil, dot};
 use crate::factor::{Factor, Symbolic};
 use crate::lanczos::{Target, lanczos};
 use crate::sparse::{Split, product};
+use crate::subtrees::PartRows;
 use crate::symmetry::{Sector, sectors, whole};
 use crate::{FemError, ModalBasis, ModalSettings, ModalWork, Sturm, System};
 
@@ -43,6 +42,13 @@ pub type Progress<'a> = dyn Fn(usize, usize) + Sync + 'a;
 /// [`FemError::NotPositive`], [`FemError::LoadRows`]; [`FemError::Pivot`], [`FemError::Probe`],
 /// [`FemError::NotConverged`] or [`FemError::Incomplete`] when the numerics fail, never a basis with a mode missing.
 pub fn modes(system: &System, settings: &ModalSettings, progress: &Progress<'_>) -> Result<ModalBasis, FemError> {
+    // Thousands of times work is shared for less than a millisecond. A thread beyond the pool would hand all of it over and
+    // sleep each time; one of the pool begins at once.
+    let (basis, ()) = rayon::join(|| solve(system, settings, progress), || ());
+    basis
+}
+
+fn solve(system: &System, settings: &ModalSettings, progress: &Progress<'_>) -> Result<ModalBasis, FemError> {
     if !(settings.top_hz.is_finite() && settings.top_hz > 0.0) {
         return Err(FemError::NotPositive {
             what: "the top frequency [Hz]",
@@ -222,18 +228,18 @@ impl<'a> Problem<'a> {
         counter.count.fetch_add(count, Ordering::Relaxed);
         let vectors = self.find(sector, &factor, (edge, count), counter, work)?;
         Ok(vectors.map(|vectors| {
-            let vectors = if sector.reorders() {
+            let mut vectors = if sector.reorders() {
                 sector.expand(vectors.as_ref())
             } else {
                 vectors
             };
-            let part = |start: usize, count: usize| {
-                let vectors = vectors.subcols(start, count).to_owned();
-                Eigenpairs::new(sector.pencil(self.system), vectors, edge, edge)
-            };
-            let above = vectors.ncols() - count;
-            let (mut pairs, above) =
-                rayon::join(|| part(0, count), || (above > 0).then(|| Box::new(part(count, above))));
+            let pairs = |vectors| Eigenpairs::new(sector.pencil(self.system), vectors, edge, edge);
+            let above = (vectors.ncols() > count).then(|| {
+                let above = vectors.subcols(count, vectors.ncols() - count);
+                above.to_owned()
+            });
+            vectors.truncate(vectors.nrows(), count);
+            let (mut pairs, above) = rayon::join(|| pairs(vectors), || above.map(|above| Box::new(pairs(above))));
             pairs.above = above;
             Solution { pairs, count, factor }
         }))
@@ -273,10 +279,10 @@ impl<'a> Problem<'a> {
             counter.report();
         };
         let mass = Split::new(&sector.mass, factor.symbolic().subtrees());
-        let found = lanczos(&mass, &target, report, |mut x, room| {
-            factor.solve_within(x.rb_mut(), room);
-            x *= Scale(edge);
-        })?;
+        let apply = |z: MatRef<'_, f64>, w: MatMut<'_, f64>, room: &mut PartRows| {
+            factor.solve_scaled(edge, z, w, room);
+        };
+        let found = lanczos(&mass, &target, report, apply)?;
         Ok(found.map(|pairs| {
             work.block_steps += pairs.steps;
             work.solves += pairs.steps * block;
@@ -411,18 +417,21 @@ fn basis(system: &System, pairs: Eigenpairs, sturm: Sturm, corrections: Correcti
         }
     };
     let modes = order.len();
-    let all = DMatrix::from_fn(pairs.phi.nrows(), modes + corrections.hz.len(), |i, j| {
-        order
-            .get(j)
-            .map_or_else(|| corrections.shapes[(i, j - modes)], |&mode| pairs.phi[(i, mode)])
-    });
+    let shape = |j: usize| match order.get(j) {
+        Some(&mode) => pairs.phi.col(mode),
+        None => corrections.shapes.col(j - modes),
+    };
+    let (shapes, orthonormality) = rayon::join(
+        || system.equations.expanded(modes + corrections.hz.len(), shape),
+        || pairs.orthonormality(),
+    );
     ModalBasis {
         dofs: system.equations.len(),
         hz: order.iter().map(|&i| hz(i)).collect(),
-        shapes: system.equations.expand(&all),
+        shapes,
         residuals: order.iter().map(|&i| pairs.residuals[i]).collect(),
         rigid: order.iter().map(|&i| pairs.rigid[i]).collect(),
-        orthonormality: pairs.orthonormality(),
+        orthonormality,
         sturm,
         corrections: corrections.hz,
         work,

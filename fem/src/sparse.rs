@@ -26,6 +26,21 @@ pub(crate) fn product(a: &CscMatrix<f64>, x: MatRef<'_, f64>) -> Mat<f64> {
     y
 }
 
+/// A x for one vector, which [`product`] would multiply beside fifteen of zeros.
+pub(crate) fn product_of_vector(a: &CscMatrix<f64>, x: &[f64]) -> Vec<f64> {
+    let mut y = vec![0.0; a.nrows()];
+    for j in 0..a.ncols() {
+        let (diagonal, rows, values) = column(a, j);
+        let (x_j, mut y_j) = (x[j], diagonal * x[j]);
+        for (&i, value) in rows.iter().zip(values) {
+            y_j += value * x[i];
+            y[i] += value * x_j;
+        }
+        y[j] += y_j;
+    }
+    y
+}
+
 /// Y = A X for symmetric A; threads share the blocks of columns.
 pub(crate) fn product_into(a: &CscMatrix<f64>, x: MatRef<'_, f64>, mut y: MatMut<'_, f64>, room: &mut Room) {
     let block = |x: MatRef<'_, f64>, y: MatMut<'_, f64>, room: &mut Room| {
@@ -104,16 +119,21 @@ impl<'a> Split<'a> {
             top.gather(top_from, x);
             let reached = &*top_from;
             let split = (subtrees, &self.beyond[..subtrees.len()], &mut from, &mut to, own).into_par_iter();
-            split.for_each(|(part, beyond, from, to, y)| {
-                let (own, behind) = from.split_at_mut(part.len());
-                part.gather(own, x);
-                for (to, &at) in behind.iter_mut().zip(&part.reached) {
-                    *to = reached[at as usize];
-                }
-                self.multiply(part, beyond, from, to);
-                Row::scatter(&to[..part.len()], y);
+            let of_subtrees = || {
+                split.for_each(|(part, beyond, from, to, y)| {
+                    let (own, behind) = from.split_at_mut(part.len());
+                    part.gather(own, x);
+                    for (to, &at) in behind.iter_mut().zip(&part.reached) {
+                        *to = reached[at as usize];
+                    }
+                    self.multiply(part, beyond, from, to);
+                    Row::scatter(&to[..part.len()], y);
+                });
+            };
+            // The columns of the top are as many as those of a few subtrees.
+            rayon::join(of_subtrees, || {
+                self.multiply(top, &self.beyond[subtrees.len()], reached, top_to);
             });
-            self.multiply(top, &self.beyond[subtrees.len()], top_from, top_to);
             parts.add_reached(&to, top_to);
             top.scatter(top_to, of_top);
         }
@@ -321,6 +341,10 @@ mod tests {
         let a = band(50);
         let x = Mat::from_fn(50, 21, |i, j| ((i + 3 * j) as f64).cos());
         assert!((product(&a, x.as_ref()) - full(&a) * &x).norm_max() < 1e-13);
+        let one: Vec<f64> = x.col(3).iter().copied().collect();
+        let y = product_of_vector(&a, &one);
+        let expected = full(&a) * x.subcols(3, 1);
+        assert!(y.iter().enumerate().all(|(i, y)| (y - expected[(i, 0)]).abs() < 1e-13));
     }
 
     #[test]

@@ -12,6 +12,7 @@ use super::intervals::{EventEdges, Interval};
 use crate::result::{CrossCheck, RadiationReport, Uncertainty};
 
 /// A source with the signals that it consists of.
+#[derive(Clone)]
 pub struct Sound {
     /// Energy over frequency.
     pub spectrum: SourceSpectrum,

@@ -7,7 +7,7 @@ use nailnoise_dynamics::Events;
 use serde::{Deserialize, Serialize};
 
 pub use body::{BodyEnergy, BodySound, BodySource, Housing, HousingAtMicrophones};
-pub use workpiece::{WorkpieceEnergy, WorkpieceSound, WorkpieceSource};
+pub use workpiece::{Radiated, WorkpieceEnergy, WorkpieceRadiated, WorkpieceSound, WorkpieceSource};
 
 use super::convention::MovedPart;
 use super::intervals::EventEdges;

@@ -2,7 +2,7 @@
 
 use nailnoise_acoustics::levels::SourceSpectrum;
 use nailnoise_acoustics::radiation::ModalSpectra;
-use nailnoise_acoustics::radiator::{Detail, FluidLoads, Loading, MovingBody, Radiator};
+use nailnoise_acoustics::radiator::{Detail, FluidLoads, Loading, MovingBody, Pressures, Radiator};
 use nailnoise_dynamics::CycleRecord;
 use serde::Serialize;
 
@@ -13,7 +13,7 @@ use crate::stages::microphones::MicrophoneArray;
 use crate::stages::sound::Sound;
 use crate::stages::spectra::BodyMotion;
 use crate::stages::truncation::Part;
-use crate::stages::{Code, Input, Postcard, Progress, Stage, Stored, all};
+use crate::stages::{Code, Input, NotKept, Postcard, Progress, Stage, Stored, all};
 
 /// Name of the source.
 const NAME: &str = "workpiece";
@@ -67,13 +67,53 @@ impl WorkpieceSound {
     }
 }
 
-/// Sound of the workpiece with its support.
+/// What the workpiece with its support radiates. It is apart from [`WorkpieceSource`] because only that one waits for the end of
+/// all records, which the tool may set: its modes take longer than this.
 #[derive(Serialize)]
-pub struct WorkpieceSource {
+pub struct WorkpieceRadiated {
     /// What it is computed from.
     pub sound: WorkpieceSound,
     /// How it radiates, with pressures at the microphones.
     pub at_microphones: Stored<Box<dyn Radiator>>,
+}
+
+/// Sound over frequency and time, and its pressures at the microphones where more than its power is known.
+pub struct Radiated {
+    sound: Sound,
+    pressures: Option<Pressures>,
+}
+
+impl Stage for WorkpieceRadiated {
+    type Output = Radiated;
+    type Codec = NotKept;
+    const NAME: &'static str = "radiation of the workpiece";
+    const CODE: Code = CODE;
+
+    fn inputs(&self) -> Vec<&dyn Input> {
+        self.sound
+            .inputs()
+            .into_iter()
+            .chain([&self.at_microphones as &dyn Input])
+            .collect()
+    }
+
+    fn compute(&self, _: &Progress) -> Result<Radiated, Error> {
+        let motions = all(&self.sound.motions)?;
+        let spectra: Vec<&ModalSpectra> = motions.iter().map(|motion| &motion.spectra).collect();
+        Ok(Radiated {
+            sound: self.sound.sound(Detail::Report)?,
+            pressures: self.at_microphones.get()?.pressures(&spectra)?,
+        })
+    }
+}
+
+/// Sound of the workpiece with its support.
+#[derive(Serialize)]
+pub struct WorkpieceSource {
+    /// What it radiates.
+    pub radiated: Stored<Radiated>,
+    /// The bodies.
+    pub bodies: Vec<Stored<Body>>,
     /// Frequency up to which the motion of each body is part of the result \[Hz\].
     pub top_hz: Vec<f64>,
     /// The cycle, whose events separate the intervals.
@@ -93,17 +133,17 @@ impl Stage for WorkpieceSource {
     const CODE: Code = CODE;
 
     fn inputs(&self) -> Vec<&dyn Input> {
-        let others: [&dyn Input; 3] = [&self.cycle, &self.end, &self.at_microphones];
-        self.sound.inputs().into_iter().chain(others).collect()
+        let bodies = self.bodies.iter().map(|body| body as &dyn Input);
+        let others: [&dyn Input; 3] = [&self.radiated, &self.cycle, &self.end];
+        bodies.chain(others).collect()
     }
 
     fn compute(&self, _: &Progress) -> Result<SurfaceSource, Error> {
-        let (sound, end) = (self.sound.sound(Detail::Report)?, *self.end.get()?);
-        let (bodies, motions) = (all(&self.sound.bodies)?, all(&self.sound.motions)?);
-        let spectra: Vec<&ModalSpectra> = motions.iter().map(|motion| &motion.spectra).collect();
-        let received = match self.at_microphones.get()?.pressures(&spectra)? {
-            Some(pressures) => self.microphones.pressures(&pressures, &sound.spectrum, end)?,
-            None => self.microphones.spread_evenly(self.centre, &sound, end)?,
+        let (radiated, end, bodies) = (self.radiated.get()?, *self.end.get()?, all(&self.bodies)?);
+        let Radiated { sound, pressures } = &*radiated;
+        let received = match pressures {
+            Some(pressures) => self.microphones.pressures(pressures, &sound.spectrum, end)?,
+            None => self.microphones.spread_evenly(self.centre, sound, end)?,
         };
         let parts = bodies.iter().zip(&self.top_hz).map(|(body, top_hz)| Part {
             name: body.name.into(),
@@ -112,7 +152,13 @@ impl Stage for WorkpieceSource {
         });
         let events = &self.cycle.get()?.events;
         let range = self.microphones.range_hz;
-        Ok(SurfaceSource::new((NAME, sound), received, parts, (events, end), range))
+        Ok(SurfaceSource::new(
+            (NAME, sound.clone()),
+            received,
+            parts,
+            (events, end),
+            range,
+        ))
     }
 }
 
