@@ -254,7 +254,7 @@ mod tests {
         let start = 0.91 * problem.lowest_resonance();
         for (hz, most) in [
             ([20.0, 0.49 * problem.lowest_resonance()], 12),
-            ([start, 1.75 * start], 15),
+            ([start, 1.5 * start], 15),
         ] {
             let hz: Vec<f64> = range(hz).collect();
             let ways = sweep.plan(&problem, &hz, &data);
