@@ -42,8 +42,8 @@ pub type Progress<'a> = dyn Fn(usize, usize) + Sync + 'a;
 /// [`FemError::NotPositive`], [`FemError::LoadRows`]; [`FemError::Pivot`], [`FemError::Probe`],
 /// [`FemError::NotConverged`] or [`FemError::Incomplete`] when the numerics fail, never a basis with a mode missing.
 pub fn modes(system: &System, settings: &ModalSettings, progress: &Progress<'_>) -> Result<ModalBasis, FemError> {
-    // Thousands of times work is shared for less than a millisecond. A thread beyond the pool would hand all of it over and
-    // sleep each time; one of the pool begins at once.
+    // Work is shared thousands of times, each time for less than a millisecond. A thread outside the pool would sleep after
+    // each hand-over; a pool thread starts at once. While it waits it may take up other work of the pool.
     let (basis, ()) = rayon::join(|| solve(system, settings, progress), || ());
     basis
 }

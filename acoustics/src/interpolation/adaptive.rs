@@ -63,11 +63,15 @@ pub(crate) fn pieces([low, high]: Range, widest: f64, kinks: &[f64]) -> Result<V
     Ok(edges.windows(2).map(piece).collect())
 }
 
-/// Takes the samples of a round in parallel, one frequency per task, because all take equally long.
+/// Takes the samples of a round in parallel, one frequency per task, because all take equally long. The error is that of the
+/// first frequency that has one.
 pub(crate) fn each<T: Send>(
     take: impl Fn(f64) -> Result<T, AcousticsError> + Sync,
-) -> impl Fn(&[f64]) -> Vec<Result<T, AcousticsError>> + Sync {
-    move |hz| hz.par_iter().with_max_len(1).map(|&hz| take(hz)).collect()
+) -> impl Fn(&[f64]) -> Result<Vec<T>, AcousticsError> + Sync {
+    move |hz| {
+        let taken: Vec<_> = hz.par_iter().with_max_len(1).map(|&hz| take(hz)).collect();
+        taken.into_iter().collect()
+    }
 }
 
 /// Samples every piece. `take` gives the samples at the frequencies of a round; `misfit` gives the distance of the test samples of an
@@ -87,7 +91,7 @@ pub(crate) fn each<T: Send>(
 pub(crate) fn sample<T: Send + Sync>(
     pieces: &[Piece],
     plan: &Plan,
-    take: impl Fn(&[f64]) -> Vec<Result<T, AcousticsError>>,
+    take: impl Fn(&[f64]) -> Result<Vec<T>, AcousticsError>,
     misfit: impl Fn(&Interval, &[T]) -> f64 + Sync,
 ) -> Result<(Grid, Vec<T>), AcousticsError> {
     let tolerance = positive("interpolation tolerance", plan.tolerance)?;
@@ -106,10 +110,10 @@ pub(crate) fn sample<T: Send + Sync>(
         wanted.retain(|hz| !index.contains_key(&hz.to_bits()));
         wanted.sort_by(f64::total_cmp);
         wanted.dedup();
-        let taken = take(&wanted);
+        let taken = take(&wanted)?;
         for (hz, taken) in wanted.into_iter().zip(taken) {
             index.insert(hz.to_bits(), samples.len());
-            samples.push(taken?);
+            samples.push(taken);
             all_hz.push(hz);
         }
         let judge = |(piece, count, before): &(Piece, usize, Option<f64>)| {

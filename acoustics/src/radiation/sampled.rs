@@ -91,7 +91,7 @@ pub struct SampledRadiation {
 }
 
 /// R at one frequency, of every parity and patch.
-pub(crate) type Solution = Result<Vec<Vec<Resistance>>, AcousticsError>;
+pub(crate) type Solution = Vec<Vec<Resistance>>;
 
 /// One resistance at one frequency while it is sampled.
 struct Sample {
@@ -157,7 +157,7 @@ impl SampledRadiation {
         modes: &[usize],
         patches: &[String],
         sampling: &Sampling,
-        solve: impl Fn(&[f64]) -> Vec<Solution>,
+        solve: impl Fn(&[f64]) -> Result<Vec<Solution>, AcousticsError>,
     ) -> Result<Vec<Self>, AcousticsError> {
         let pieces = pieces(sampling.range_hz, WIDEST, &[])?;
         Self::of_pieces(method, modes, patches, (sampling, &pieces, Norm::MeanSquare), solve)
@@ -168,14 +168,14 @@ impl SampledRadiation {
         modes: &[usize],
         patches: &[String],
         (sampling, pieces, norm): (&Sampling, &[Piece], Norm),
-        solve: impl Fn(&[f64]) -> Vec<Solution>,
+        solve: impl Fn(&[f64]) -> Result<Vec<Solution>, AcousticsError>,
     ) -> Result<Vec<Self>, AcousticsError> {
         let take = |hz: &[f64]| {
             let of_frequency = |(solved, &hz): (Solution, &f64)| {
                 let of_parity = |(patches, modes): (&Vec<Resistance>, &usize)| Sample::new(hz, *modes, patches);
-                Ok(solved?.iter().zip(modes).map(of_parity).collect::<Vec<_>>())
+                solved.iter().zip(modes).map(of_parity).collect::<Vec<_>>()
             };
-            solve(hz).into_par_iter().zip(hz).map(of_frequency).collect()
+            Ok(solve(hz)?.into_par_iter().zip(hz).map(of_frequency).collect())
         };
         let misfit = |interval: &Interval, samples: &[Vec<Sample>]| {
             let whole = |parity: usize, node: usize| &samples[node][parity].whole[..];
@@ -215,7 +215,7 @@ impl SampledRadiation {
     pub(crate) fn correct(
         found: &mut [Self],
         (sampling, round): (&Sampling, usize),
-        solve: impl Fn(&[f64]) -> Vec<Solution>,
+        solve: impl Fn(&[f64]) -> Result<Vec<Solution>, AcousticsError>,
     ) -> Result<Option<Grid>, AcousticsError> {
         let Some(first) = found.first() else { return Ok(None) };
         let modes: Vec<usize> = found.iter().map(|f| f.modes).collect();
@@ -233,9 +233,9 @@ impl SampledRadiation {
                 let whole_difference = packed::sum_of_rows(&difference, patches.len(), per_omega2(hz));
                 (accurate.whole, difference, whole_difference)
             };
-            Ok(solved?.iter().zip(found.iter()).map(of_parity).collect::<Vec<_>>())
+            solved.iter().zip(found.iter()).map(of_parity).collect::<Vec<_>>()
         };
-        let take = |hz: &[f64]| solve(hz).into_par_iter().zip(hz).map(of_frequency).collect();
+        let take = |hz: &[f64]| Ok(solve(hz)?.into_par_iter().zip(hz).map(of_frequency).collect());
         let plan = Plan {
             near_zero: true,
             cautious: false,

@@ -184,10 +184,11 @@ impl MeshRanges {
             4.0 * solves * mesh.problem.estimate().unknowns as f64 * modes as f64
         };
         let kept = self.levels.iter().zip(&self.solves).map(pressures).sum::<f64>();
-        // The last of several meshes keeps no equations.
+        // Two neighbouring meshes keep equations at the same time; the last of several keeps none.
         let sampled = self.levels.iter().take(self.levels.len().max(2) - 1);
         let equations = sampled.map(|mesh| mesh.problem.bytes_of_kept_equations(patterns(mesh)));
-        let kept = kept + equations.fold(0.0, f64::max);
+        let (both, _) = equations.fold((0.0, 0.0), |(most, last): (f64, f64), own| (most.max(last + own), own));
+        let kept = kept + both;
         1e-9 * (self.all(few).map(of_mesh).fold(0.0, f64::max) + self.all(few).map(velocities).sum::<f64>() + kept)
     }
 

@@ -2,7 +2,8 @@
 
 use crate::bem::high_frequencies::faces::Faces;
 use crate::bem::high_frequencies::mean_bands::MeanBands;
-use crate::bem::solver::problem::{Exterior, Patterns};
+use crate::bem::solver::neumann::Patterns;
+use crate::bem::solver::problem::Exterior;
 use crate::radiation::Resistance;
 use nalgebra::DMatrix;
 

@@ -1,5 +1,5 @@
 use crate::bem::error::BemError;
-use crate::bem::mesh::panel::{BoundaryMesh, PanelPoint, PanelShape};
+use crate::bem::mesh::panel::{BoundaryMesh, Panel, PanelPoint, PanelShape};
 use crate::bem::mesh::rules;
 use crate::bem::mesh::symmetry::Image;
 use nalgebra::{DMatrix, Matrix4, Point3, Vector3, Vector4};
@@ -288,8 +288,13 @@ impl Boundary {
         high - low
     }
 
-    /// Largest distance of two points of the box around the whole body, or of one from the image of another in the floor
-    /// \[m\].
+    /// The pressure unknowns at a panel's corners.
+    pub(crate) fn unknowns_of<'a>(&'a self, panel: &'a Panel) -> impl Iterator<Item = usize> + 'a {
+        panel.corners().iter().filter_map(|&c| self.node_of(c))
+    }
+
+    /// Largest distance between two points of the box around the whole body, or between a point and the floor image of
+    /// another \[m\].
     pub(crate) fn longest_path(&self) -> f64 {
         let mut sides = self.extents();
         if let Some(floor) = self.planes()[2] {

@@ -1,7 +1,8 @@
 use crate::bem::mesh::boundary::Boundary;
 use crate::bem::modes::combination::Combination;
 use crate::bem::modes::mesh_range::MeshRange;
-use crate::bem::solver::problem::Patterns;
+use crate::bem::solver::neumann::Patterns;
+
 use nalgebra::DMatrix;
 
 /// Relative amplitude below which a mode adds nothing new to the patterns of a parity.

@@ -1,4 +1,5 @@
-use crate::bem::solver::problem::{Exterior, Patterns};
+use crate::bem::solver::neumann::Patterns;
+use crate::bem::solver::problem::Exterior;
 
 /// A mesh of the body and the frequency up to which it is used.
 #[derive(Debug)]

@@ -213,14 +213,14 @@ impl ModalBem {
             if !follows {
                 solver = solver.with_near_field_cache(kept_to);
             }
-            // The last of several meshes only corrects, at a few frequencies.
+            // The last of several meshes is solved at few frequencies: those of corrections and averages.
             if number == 0 || next.is_some() {
                 solver = solver.with_interpolated_equations();
             }
             let predictor = coarser.as_ref().unwrap_or(&solver);
-            let at = |solver: &RangeSolver<'_>, hz: &[f64]| -> Vec<_> {
-                let solved = solver.at_all(hz).into_iter();
-                solved.map(|solved| Ok(solved?.resistances())).collect()
+            let at = |solver: &RangeSolver<'_>, hz: &[f64]| {
+                let solved = solver.at_all(hz)?.into_iter();
+                Ok(solved.map(|solved| solved.resistances()).collect())
             };
             let mut found = SampledRadiation::of_rounds("BEM", &counts, &patches, &range, |hz| at(predictor, hz))?;
             let round = if follows { FEW } else { ROUND };

@@ -4,10 +4,11 @@ use crate::bem::modes::independent::Independent;
 use crate::bem::modes::mesh_range::MeshRange;
 use crate::bem::modes::packed_pressure::PackedPressure;
 use crate::bem::modes::summary::Summary;
-use crate::bem::solver::neumann::NeumannData;
-use crate::bem::solver::problem::{Exterior, Patterns, SurfacePressure};
-use crate::bem::solver::sweep::{EquationSweep, Way};
+use crate::bem::solver::neumann::{NeumannData, Patterns};
+use crate::bem::solver::problem::{Exterior, SurfacePressure};
+use crate::bem::solver::sweep::{EquationSweep, Origin};
 use crate::error::AcousticsError;
+use crate::interpolation::each;
 use crate::radiation::{PackedHermitian, Resistance};
 use rayon::prelude::*;
 use std::collections::HashMap;
@@ -127,46 +128,61 @@ impl<'a> RangeSolver<'a> {
     }
 
     /// Solutions at several frequencies, in parallel.
-    pub(crate) fn at_all(&self, hz: &[f64]) -> Vec<Result<Arc<Solved>, AcousticsError>> {
+    pub(crate) fn at_all(&self, hz: &[f64]) -> Result<Vec<Arc<Solved>>, AcousticsError> {
         if let Some(sweep) = &self.sweep {
-            let new: Vec<f64> = hz.iter().copied().filter(|&hz| self.known(hz).is_none()).collect();
-            if let Err(error) = self.sweep_over(sweep, &new) {
-                return vec![Err(error)];
-            }
+            let mut new: Vec<f64> = hz.iter().copied().filter(|&hz| self.known(hz).is_none()).collect();
+            new.sort_by(f64::total_cmp);
+            new.dedup();
+            self.sweep_over(&mut sweep.lock().unwrap_or_else(PoisonError::into_inner), &new)?;
         }
-        // One frequency per task, because all take equally long.
-        hz.par_iter().with_max_len(1).map(|&hz| self.at(hz)).collect()
+        each(|hz| self.at(hz))(hz)
     }
 
     /// Solves at new frequencies: equations are assembled at some of them, then interpolated at the others.
-    fn sweep_over(&self, sweep: &Mutex<EquationSweep>, hz: &[f64]) -> Result<(), AcousticsError> {
-        let mut sweep = sweep.lock().unwrap_or_else(PoisonError::into_inner);
-        let ways = sweep.plan(&self.problem, hz, &self.data);
-        let assembled = hz
-            .par_iter()
-            .zip(&ways)
-            .with_max_len(1)
-            .filter_map(|(&hz, way)| match way {
-                Way::Assemble(number) => Some((hz, *number)),
-                Way::Interpolate(_) => None,
-            });
-        let kept = assembled.map(|(hz, number)| {
-            let sums = self.problem.equations(hz, &self.data)?;
-            let kept = number.map(|number| (number, sweep.unphased(&self.problem, hz, &sums)));
-            self.evaluated(hz, &self.problem.solutions(hz, sums, &self.data))?;
-            Ok(kept)
-        });
-        for (number, values) in kept.collect::<Result<Vec<_>, AcousticsError>>()?.into_iter().flatten() {
-            sweep.keep(number, values);
+    fn sweep_over(&self, sweep: &mut EquationSweep, hz: &[f64]) -> Result<(), AcousticsError> {
+        for &hz in hz {
+            self.problem.check_resolution(hz)?;
         }
-        let sweep = &*sweep;
-        hz.par_iter().zip(&ways).with_max_len(1).try_for_each(|(&hz, way)| {
-            if let Way::Interpolate(weights) = way {
-                let sums = sweep.interpolate(weights, self.problem.boundary().nodes());
-                self.evaluated(hz, &self.problem.solutions(hz, sums, &self.data))?;
+        let origins = sweep.plan(&self.problem, hz, &self.data);
+        let (mut assembled, mut interpolated) = (Vec::new(), Vec::new());
+        for (&hz, origin) in hz.iter().zip(origins) {
+            match origin {
+                Origin::Assemble(number) => assembled.push((hz, number)),
+                Origin::Interpolate(weights) => interpolated.push((hz, weights)),
             }
-            Ok(())
-        })
+        }
+        // One frequency per task, because all take equally long.
+        let kept: Vec<_> = assembled
+            .par_iter()
+            .with_max_len(1)
+            .map(|&(hz, number)| {
+                let sums = self.problem.equations(hz, &self.data)?;
+                let kept = number.map(|number| (number, sweep.without_phase(&self.problem, hz, &sums)));
+                self.evaluated(hz, &self.problem.solutions(hz, sums, &self.data))?;
+                Ok(kept)
+            })
+            .collect();
+        match kept.into_iter().collect::<Result<Vec<_>, AcousticsError>>() {
+            Ok(kept) => kept
+                .into_iter()
+                .flatten()
+                .for_each(|(number, values)| sweep.keep(number, values)),
+            Err(error) => {
+                // Numbers without equations must not be left.
+                *sweep = EquationSweep::new(&self.problem);
+                return Err(error);
+            }
+        }
+        let solved: Vec<_> = interpolated
+            .par_iter()
+            .with_max_len(1)
+            .map(|(hz, weights)| {
+                let sums = sweep.interpolate(weights, self.problem.boundary().nodes());
+                self.evaluated(*hz, &self.problem.solutions(*hz, sums, &self.data))
+                    .map(|_| ())
+            })
+            .collect();
+        solved.into_iter().collect()
     }
 
     fn known(&self, hz: f64) -> Option<Arc<Solved>> {
@@ -203,7 +219,7 @@ impl<'a> RangeSolver<'a> {
     /// Mean resistance of every parity and patch over several bands.
     pub(crate) fn means(&self, bands: &[MeanBand]) -> Result<Vec<Mean>, AcousticsError> {
         let all: Vec<f64> = bands.iter().flat_map(|band| &band.samples_hz).copied().collect();
-        self.at_all(&all).into_iter().collect::<Result<Vec<_>, _>>()?;
+        self.at_all(&all)?;
         let of_band = |band: &MeanBand| {
             let hz = &band.samples_hz;
             let mut mean: Vec<Vec<Resistance>> = Vec::new();

@@ -8,7 +8,8 @@ use crate::bem::modes::receivers::{ModalPressures, ReceiverPressures, Receivers,
 use crate::bem::modes::shared;
 use crate::bem::modes::solution_id::SolutionId;
 use crate::bem::solver::far_field::Radiated;
-use crate::bem::solver::problem::{Exterior, Patterns, SurfacePressure};
+use crate::bem::solver::neumann::Patterns;
+use crate::bem::solver::problem::{Exterior, SurfacePressure};
 use crate::checks::same_length;
 use crate::error::AcousticsError;
 use crate::interpolation::Grid;

@@ -60,7 +60,7 @@ impl Sums {
         let mut sums = Self {
             matrix: Mat::zeros(n, n),
             transposed: Mat::new(),
-            right: [0, 1].map(|_| Mat::zeros(n, right.len() / (2 * n))),
+            right: [0, 1].map(|_| Mat::zeros(n, right.len() / (2 * n).max(1))),
         };
         for j in 0..n {
             let to = sums.matrix.col_as_slice_mut(j).iter_mut();

@@ -6,6 +6,7 @@ use crate::bem::mesh::rules;
 use crate::bem::operators::blocks::{Block, N, W, X, fields};
 use crate::bem::operators::far::corner_values;
 use crate::bem::operators::kernel::load;
+use crate::bem::solver::neumann::at_points;
 use crate::bem::solver::problem::{Exterior, SurfacePressure};
 use crate::checks::same_length;
 use crate::trig::single::sin_cos;
@@ -54,12 +55,12 @@ impl Exterior {
         solution: &SurfacePressure,
     ) -> Result<DMatrix<f64>, BemError> {
         self.check_velocities(velocities)?;
-        let mut all = self.far_field_resistances(&[(&self.at_points(velocities), solution)])?;
+        let mut all = self.far_field_resistances(&[(&at_points(self.blocks(), velocities), solution)])?;
         Ok(all.pop().unwrap_or_default())
     }
 
     /// The same for several solutions at one frequency, whose waves are evaluated once, with the velocities at the points of
-    /// all blocks, see [`Exterior::at_points`].
+    /// all blocks, see [`at_points`].
     pub(crate) fn far_field_resistances(
         &self,
         all: &[(&Mat<f32>, &SurfacePressure)],
@@ -129,8 +130,8 @@ impl Exterior {
         let mut fields: Vec<Mat<Complex<f64>>> = all.iter().map(|a| Mat::zeros(directions.len(), count(a))).collect();
         let directions: Vec<(Vector3<f64>, f64)> = directions.iter().map(|d| (*d, 1.0)).collect();
         let mut first = 0;
-        let at_points: Vec<Mat<f32>> = all.iter().map(|a| self.at_points(a.0)).collect();
-        let all: Vec<(&Mat<f32>, &SurfacePressure)> = at_points.iter().zip(all).map(|(v, a)| (v, a.1)).collect();
+        let velocities: Vec<Mat<f32>> = all.iter().map(|a| at_points(self.blocks(), a.0)).collect();
+        let all: Vec<(&Mat<f32>, &SurfacePressure)> = velocities.iter().zip(all).map(|(v, a)| (v, a.1)).collect();
         self.in_directions(&all, k, &directions, |chunk, parts| {
             for (part, to) in parts.iter().zip(&mut fields) {
                 let field = part.field(chunk.len(), k, self.air().impedance());
@@ -192,7 +193,7 @@ impl Exterior {
 }
 
 /// The far field of the patterns of one parity. With both mirrors and a floor, waves are real up to a power of j, and
-/// only their real or imaginary part is stored. In single precision, as the pressure that radiates was solved.
+/// only their real or imaginary part is stored. Products are in single precision; their error is below that of the equations.
 struct Radiating<'a> {
     /// Real and imaginary part of the pressure side by side, unknowns x 2 patterns.
     pressure: Mat<f32>,

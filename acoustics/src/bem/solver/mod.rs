@@ -4,6 +4,7 @@ pub(crate) mod around;
 pub(crate) mod cost;
 pub(crate) mod far_field;
 pub(crate) mod field;
+pub(crate) mod impedance;
 pub(crate) mod neumann;
 pub(crate) mod plate;
 pub(crate) mod problem;

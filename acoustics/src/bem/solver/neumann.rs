@@ -1,15 +1,32 @@
 //! Prescribed normal velocities as the equations take them, found once for all frequencies.
 
-use crate::bem::error::BemError;
+use crate::bem::mesh::boundary::Boundary;
 use crate::bem::mesh::panel::Panel;
 use crate::bem::mesh::symmetry::Parity;
 use crate::bem::operators::blocks::Block;
 use crate::bem::operators::tile::PatternsOnBlocks;
-use crate::bem::solver::problem::{Exterior, Patterns, SurfacePressure};
-use crate::checks::same_length;
 use faer::linalg::matmul::matmul;
 use faer::{Accum, Mat, MatRef, Par};
 use nalgebra::{Complex, DMatrix};
+
+/// Normal velocities of one parity about the mirror planes.
+#[derive(Clone, Debug)]
+pub struct Patterns {
+    /// Their parity; the default without mirror planes.
+    pub parity: Parity,
+    /// Corner values of every panel x patterns, see [`Boundary::project`].
+    pub velocities: DMatrix<f64>,
+}
+
+impl Patterns {
+    /// Patterns that continue evenly across the mirror planes.
+    pub(crate) fn even(velocities: &DMatrix<f64>) -> Self {
+        Self {
+            parity: Parity::default(),
+            velocities: velocities.clone(),
+        }
+    }
+}
 
 /// The velocity patterns of one parity, and what follows from them without a frequency.
 #[derive(Debug)]
@@ -22,6 +39,19 @@ pub(crate) struct NeumannData {
 }
 
 impl NeumannData {
+    /// From patterns that have the surface's number of velocity values, and the integrals of phi_i phi_j over every panel.
+    pub(crate) fn new(boundary: &Boundary, blocks: &[Block], masses: &[[[f64; 4]; 4]], patterns: Patterns) -> Self {
+        let velocities = &patterns.velocities;
+        let on_blocks: Vec<Mat<f32>> = blocks.iter().map(|b| b.patterns(velocities)).collect();
+        Self {
+            on_blocks: PatternsOnBlocks::new(patterns.parity, &on_blocks),
+            at_points: side_by_side(&on_blocks, velocities.ncols()),
+            moments: Moments::new(boundary, masses, velocities, |_| true),
+            by_patch: Moments::by_patch(boundary, masses, velocities),
+            patterns,
+        }
+    }
+
     /// Parity about the mirror planes.
     pub(crate) fn parity(&self) -> Parity {
         self.patterns.parity
@@ -47,7 +77,7 @@ impl NeumannData {
         &self.on_blocks
     }
 
-    /// Patterns x points of all blocks, see [`Exterior::at_points`].
+    /// Patterns x points of all blocks, see [`at_points`].
     pub(crate) fn at_points(&self) -> &Mat<f32> {
         &self.at_points
     }
@@ -73,6 +103,50 @@ pub(crate) struct Moments {
 }
 
 impl Moments {
+    /// Of every patch.
+    pub(crate) fn by_patch(boundary: &Boundary, masses: &[[[f64; 4]; 4]], velocities: &DMatrix<f64>) -> Vec<Self> {
+        let mesh = boundary.mesh();
+        let numbers = mesh.panels.iter().map(|p| p.patch + 1);
+        let patches = numbers.max().unwrap_or(0).max(mesh.patches.len());
+        let of_patch = |patch: usize| Self::new(boundary, masses, velocities, |panel| panel.patch == patch);
+        (0..patches).map(of_patch).collect()
+    }
+
+    /// Over some of the panels.
+    fn new(
+        boundary: &Boundary,
+        masses: &[[[f64; 4]; 4]],
+        velocities: &DMatrix<f64>,
+        among: impl Fn(&Panel) -> bool,
+    ) -> Self {
+        let mut rows = vec![None; boundary.nodes()];
+        let (mut nodes, mut pieces, mut first) = (Vec::new(), Vec::new(), 0);
+        for (panel, mass) in boundary.mesh().panels.iter().zip(masses) {
+            if among(panel) {
+                let row = |node: usize| {
+                    *rows[node].get_or_insert_with(|| {
+                        nodes.push(node);
+                        nodes.len() - 1
+                    })
+                };
+                let own: Vec<usize> = boundary.unknowns_of(panel).map(row).collect();
+                pieces.push((first, own, mass));
+            }
+            first += panel.corners().len();
+        }
+        let mut values = DMatrix::zeros(nodes.len(), velocities.ncols());
+        for (mut to, v) in values.column_iter_mut().zip(velocities.column_iter()) {
+            let v = v.as_slice();
+            for (first, own, mass) in &pieces {
+                let corners = &v[*first..first + own.len()];
+                for (&row, mass) in own.iter().zip(*mass) {
+                    to[row] += corners.iter().zip(mass).map(|(v, mass)| v * mass).sum::<f64>();
+                }
+            }
+        }
+        Self { nodes, values }
+    }
+
     /// Adds them times `factor` to right-hand sides, unknowns x patterns.
     pub(crate) fn add_to(&self, factor: f64, to: &mut Mat<f64>) {
         for (m, moments) in self.values.column_iter().enumerate() {
@@ -84,7 +158,7 @@ impl Moments {
     }
 
     /// `factor` int v_i p_j dS for pressures at all unknowns, unknowns x patterns.
-    fn impedance(&self, factor: f64, pressure: &DMatrix<Complex<f64>>) -> DMatrix<Complex<f64>> {
+    pub(crate) fn impedance(&self, factor: f64, pressure: &DMatrix<Complex<f64>>) -> DMatrix<Complex<f64>> {
         let (modes, columns) = (self.values.ncols(), pressure.ncols());
         // Real parts of all columns, then imaginary parts.
         let mut parts = Mat::<f64>::zeros(self.nodes.len(), 2 * columns);
@@ -113,104 +187,10 @@ impl Moments {
     }
 }
 
-impl Exterior {
-    /// Prepares velocity patterns for solutions at several frequencies.
-    ///
-    /// # Errors
-    /// Patterns of another length.
-    pub(crate) fn neumann_data(&self, patterns: &Patterns) -> Result<NeumannData, BemError> {
-        let velocities = &patterns.velocities;
-        self.check_velocities(velocities)?;
-        let on_blocks: Vec<Mat<f32>> = self.blocks().iter().map(|b| b.patterns(velocities)).collect();
-        Ok(NeumannData {
-            on_blocks: PatternsOnBlocks::new(patterns.parity, &on_blocks),
-            at_points: side_by_side(&on_blocks, velocities.ncols()),
-            moments: self.moments(velocities, |_| true),
-            by_patch: self.moments_by_patch(velocities),
-            patterns: patterns.clone(),
-        })
-    }
-
-    /// Patterns at the points of the far rule, patterns x points: block by block, panel fastest.
-    pub(crate) fn at_points(&self, velocities: &DMatrix<f64>) -> Mat<f32> {
-        let on_blocks: Vec<Mat<f32>> = self.blocks().iter().map(|b: &Block| b.patterns(velocities)).collect();
-        side_by_side(&on_blocks, velocities.ncols())
-    }
-
-    /// Modal radiation impedance Z_ij = int v_i p_j dS of every patch: its real part is R, its imaginary part is omega
-    /// times the added mass of air. With mirror planes, the impedance of the whole body.
-    ///
-    /// # Errors
-    /// Patterns or pressures of another length.
-    pub fn impedance(
-        &self,
-        velocities: &DMatrix<f64>,
-        solution: &SurfacePressure,
-    ) -> Result<Vec<DMatrix<Complex<f64>>>, BemError> {
-        self.check_velocities(velocities)?;
-        self.impedances(&self.moments_by_patch(velocities), solution)
-    }
-
-    /// The same from the moments of every patch.
-    pub(crate) fn impedances(
-        &self,
-        by_patch: &[Moments],
-        solution: &SurfacePressure,
-    ) -> Result<Vec<DMatrix<Complex<f64>>>, BemError> {
-        same_length(
-            "rows of the pressure",
-            solution.pressure.nrows(),
-            self.boundary().nodes(),
-        )?;
-        let copies = self.boundary().copies() as f64;
-        let of_patch = |moments: &Moments| moments.impedance(copies, &solution.pressure);
-        Ok(by_patch.iter().map(of_patch).collect())
-    }
-
-    /// Checks the number of velocity values.
-    pub(crate) fn check_velocities(&self, velocities: &DMatrix<f64>) -> Result<(), BemError> {
-        let rows = velocities.nrows();
-        same_length("rows of the normal velocities", rows, self.boundary().velocity_values())?;
-        Ok(())
-    }
-
-    fn moments_by_patch(&self, velocities: &DMatrix<f64>) -> Vec<Moments> {
-        let mesh = self.boundary().mesh();
-        let numbers = mesh.panels.iter().map(|p| p.patch + 1);
-        let patches = numbers.max().unwrap_or(0).max(mesh.patches.len());
-        let of_patch = |patch: usize| self.moments(velocities, |panel| panel.patch == patch);
-        (0..patches).map(of_patch).collect()
-    }
-
-    /// int phi_i v dS over some of the panels.
-    fn moments(&self, velocities: &DMatrix<f64>, among: impl Fn(&Panel) -> bool) -> Moments {
-        let mut rows = vec![None; self.boundary().nodes()];
-        let (mut nodes, mut pieces, mut first) = (Vec::new(), Vec::new(), 0);
-        for (panel, mass) in self.boundary().mesh().panels.iter().zip(self.masses()) {
-            if among(panel) {
-                let row = |node: usize| {
-                    *rows[node].get_or_insert_with(|| {
-                        nodes.push(node);
-                        nodes.len() - 1
-                    })
-                };
-                let own: Vec<usize> = self.unknowns_of(panel).into_iter().map(row).collect();
-                pieces.push((first, own, mass));
-            }
-            first += panel.corners().len();
-        }
-        let mut values = DMatrix::zeros(nodes.len(), velocities.ncols());
-        for (mut to, v) in values.column_iter_mut().zip(velocities.column_iter()) {
-            let v = v.as_slice();
-            for (first, own, mass) in &pieces {
-                let corners = &v[*first..first + own.len()];
-                for (&row, mass) in own.iter().zip(*mass) {
-                    to[row] += corners.iter().zip(mass).map(|(v, mass)| v * mass).sum::<f64>();
-                }
-            }
-        }
-        Moments { nodes, values }
-    }
+/// Patterns at the points of the far rule, patterns x points: block by block, panel fastest.
+pub(crate) fn at_points(blocks: &[Block], velocities: &DMatrix<f64>) -> Mat<f32> {
+    let on_blocks: Vec<Mat<f32>> = blocks.iter().map(|b| b.patterns(velocities)).collect();
+    side_by_side(&on_blocks, velocities.ncols())
 }
 
 /// Matrices of `rows` rows beside each other.

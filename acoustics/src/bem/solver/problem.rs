@@ -2,7 +2,7 @@ use crate::air::Air;
 use crate::bem::compressed::{Accuracy, CompressedSurface, Equations};
 use crate::bem::error::BemError;
 use crate::bem::mesh::boundary::Boundary;
-use crate::bem::mesh::panel::{Panel, PanelShape};
+use crate::bem::mesh::panel::PanelShape;
 use crate::bem::mesh::rules;
 use crate::bem::mesh::symmetry::{Image, Parity};
 use crate::bem::operators::blocks::{Block, blocks};
@@ -10,7 +10,7 @@ use crate::bem::operators::equations::Sums;
 use crate::bem::operators::near::NearField;
 use crate::bem::operators::tile::{RightHandSide, Tile};
 use crate::bem::operators::wave::Wave;
-use crate::bem::solver::neumann::NeumannData;
+use crate::bem::solver::neumann::{NeumannData, Patterns};
 use crate::checks::{InputError, positive};
 use faer::Mat;
 use nalgebra::{Complex, DMatrix};
@@ -96,25 +96,6 @@ pub(crate) enum Coupling {
     Constant,
     /// -j / k.
     Inverse,
-}
-
-/// Normal velocities of one parity about the mirror planes.
-#[derive(Clone, Debug)]
-pub struct Patterns {
-    /// Their parity; the default without mirror planes.
-    pub parity: Parity,
-    /// Corner values of every panel x patterns, see [`Boundary::project`].
-    pub velocities: DMatrix<f64>,
-}
-
-impl Patterns {
-    /// Patterns that continue evenly across the mirror planes.
-    pub(crate) fn even(velocities: &DMatrix<f64>) -> Self {
-        Self {
-            parity: Parity::default(),
-            velocities: velocities.clone(),
-        }
-    }
 }
 
 /// The pressure on a surface for a set of velocity patterns.
@@ -432,12 +413,6 @@ impl Exterior {
         sums
     }
 
-    /// The pressure unknowns at a panel's corners.
-    pub(crate) fn unknowns_of(&self, panel: &Panel) -> Vec<usize> {
-        let corners = panel.corners().iter();
-        corners.filter_map(|&c| self.boundary.node_of(c)).collect()
-    }
-
     /// Integrals of phi_i phi_j over every panel.
     pub(crate) fn masses(&self) -> &[[[f64; 4]; 4]] {
         &self.masses
@@ -446,7 +421,7 @@ impl Exterior {
     /// Adds `factor` int phi_i phi_j dS.
     pub(crate) fn add_mass(&self, matrix: &mut Mat<Complex<f32>>, factor: f64) {
         for (panel, mass) in self.boundary.mesh().panels.iter().zip(&self.masses) {
-            let nodes = self.unknowns_of(panel);
+            let nodes: Vec<usize> = self.boundary.unknowns_of(panel).collect();
             for (i, &row) in nodes.iter().enumerate() {
                 for (j, &column) in nodes.iter().enumerate() {
                     matrix[(row, column)] += (factor * mass[i][j]) as f32;

@@ -1,8 +1,8 @@
 use crate::bem::error::BemError;
 use crate::bem::mesh::panel::PanelShape;
 use crate::bem::solver::cost::{FrequencyCost, PATTERNS, SurfaceSize};
-use crate::bem::solver::neumann::NeumannData;
-use crate::bem::solver::problem::{Exterior, Patterns, SurfacePressure, only};
+use crate::bem::solver::neumann::{NeumannData, Patterns};
+use crate::bem::solver::problem::{Exterior, SurfacePressure, only};
 use crate::checks::positive;
 use crate::radiation::error::RadiationError;
 use crate::radiation::{RadiatingSurface, Resistance};

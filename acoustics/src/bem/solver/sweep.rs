@@ -1,17 +1,20 @@
 //! The equations of many frequencies: assembled at some, interpolated at the others.
 //!
 //! The operators are integrals of e^{-jkr} times polynomials of k, with r from 0 to the largest distance D of two points,
-//! images among them. Without the phase of D/2 their entries are entire functions of k, whose n-th derivative is about
-//! (D/2)^n times their size. The polynomial through n wavenumbers therefore differs from them by about (Davis 1975,
+//! images among them. Divided by the common phase e^{-jkD/2}, e^{-jkr} has an n-th derivative of at most (D/2)^n. The
+//! polynomial through n wavenumbers k_i therefore differs from it by at most (Davis, Interpolation and Approximation, 1963,
 //! section 3.1)
 //!
 //! ```text
 //! prod_i |k - k_i| (D/2)^n / n!
 //! ```
 //!
-//! Resonances of the air need no more wavenumbers than this, because they are in the inverse of the matrix. A factor on
-//! both sides of the equations does not change their solution: the phase is left out, and where the coupling parameter is
-//! 1/k, the equations are multiplied by k. While the coupling sets in, they are not interpolated.
+//! Each power of k beside it raises the derivatives by a factor of about 1 + n / (k D/2): one power in K, and two in W or, with
+//! the equations times k, in K.
+//!
+//! Resonances of the air do not slow the convergence: they arise in the inverse of the matrix. A common factor on both
+//! sides does not change the solution. The phase is therefore divided out; where the coupling parameter is -j/k, the
+//! equations are also multiplied by k. In the transition of the coupling they are not interpolated.
 
 use crate::bem::operators::equations::Sums;
 use crate::bem::solver::neumann::NeumannData;
@@ -25,7 +28,7 @@ const LEBESGUE: f64 = 30.0;
 /// Most memory of the equations of a surface \[bytes\].
 const MEMORY: usize = 450_000_000;
 /// Usual number of frequencies whose equations are kept.
-const USUAL: f64 = 25.0;
+const USUAL_FREQUENCIES: f64 = 25.0;
 /// Values combined at a time, so that their sum stays in the fastest cache.
 const CHUNK: usize = 4096;
 
@@ -33,7 +36,7 @@ const CHUNK: usize = 4096;
 #[derive(Debug)]
 pub(crate) struct EquationSweep {
     /// D/2 \[m\].
-    half_path: f64,
+    half_distance: f64,
     kept: Vec<Kept>,
     bytes: usize,
 }
@@ -49,7 +52,7 @@ struct Kept {
 
 /// How the equations of a frequency are found.
 #[derive(Debug)]
-pub(crate) enum Way {
+pub(crate) enum Origin {
     /// From the kernels, to be kept under a number.
     Assemble(Option<usize>),
     /// From kept equations and their weights.
@@ -59,29 +62,29 @@ pub(crate) enum Way {
 impl EquationSweep {
     pub(crate) fn new(problem: &Exterior) -> Self {
         Self {
-            half_path: 0.5 * problem.boundary().longest_path(),
+            half_distance: 0.5 * problem.boundary().longest_path(),
             kept: Vec::new(),
             bytes: 0,
         }
     }
 
-    /// How to find the equations of some frequencies: the one furthest from what is known is assembled first, until all
-    /// others can be interpolated.
-    pub(crate) fn plan(&mut self, problem: &Exterior, hz: &[f64], data: &[NeumannData]) -> Vec<Way> {
+    /// How to find the equations of some frequencies: the frequency with the largest estimated error is assembled first, until
+    /// all others can be interpolated.
+    pub(crate) fn plan(&mut self, problem: &Exterior, hz: &[f64], data: &[NeumannData]) -> Vec<Origin> {
         let n = problem.boundary().nodes();
         let bytes: usize = data.iter().map(|data| 8 * n * (n + data.count())).sum();
         self.make_room(problem, hz, bytes);
-        let mut ways: Vec<Option<Way>> = hz.iter().map(|_| None).collect();
+        let mut ways: Vec<Option<Origin>> = hz.iter().map(|_| None).collect();
         loop {
             let open = (0..hz.len()).filter(|&i| ways[i].is_none());
             let found = open.map(|i| (i, self.weights(problem.wavenumber(hz[i]), problem.coupling(hz[i]))));
             let worst = found.max_by(|(_, a), (_, b)| a.0.total_cmp(&b.0));
             let Some((worst, (error, weights))) = worst else { break };
             let way = if error <= TOLERANCE {
-                Way::Interpolate(weights)
+                Origin::Interpolate(weights)
             } else {
                 let keeps = problem.coupling(hz[worst]) != Coupling::Transition && self.bytes + bytes <= MEMORY;
-                Way::Assemble(keeps.then(|| {
+                Origin::Assemble(keeps.then(|| {
                     self.bytes += bytes;
                     self.kept.push(Kept {
                         k: problem.wavenumber(hz[worst]),
@@ -116,14 +119,14 @@ impl EquationSweep {
     }
 
     /// The equations of a frequency without their phase, to be kept.
-    pub(crate) fn unphased(&self, problem: &Exterior, hz: f64, sums: &[Sums]) -> Vec<Vec<f32>> {
+    pub(crate) fn without_phase(&self, problem: &Exterior, hz: f64, sums: &[Sums]) -> Vec<Vec<f32>> {
         let k = problem.wavenumber(hz);
         let size = if problem.coupling(hz) == Coupling::Inverse {
             k
         } else {
             1.0
         };
-        let factor = Complex::from_polar(size, k * self.half_path);
+        let factor = Complex::from_polar(size, k * self.half_distance);
         sums.iter().map(|sums| sums.flat(factor)).collect()
     }
 
@@ -132,7 +135,7 @@ impl EquationSweep {
         self.kept[number].values = values;
     }
 
-    /// Interpolated equations, up to a factor.
+    /// Interpolated equations, up to the factor of [`Self::without_phase`].
     pub(crate) fn interpolate(&self, weights: &[(usize, f32)], unknowns: usize) -> Vec<Sums> {
         let parities = weights.first().map_or(0, |(number, _)| self.kept[*number].values.len());
         let of_parity = |parity: usize| {
@@ -164,12 +167,14 @@ impl EquationSweep {
             .map(|(i, kept)| (i, kept.k))
             .collect();
         nodes.sort_by(|a, b| (a.1 - k).abs().total_cmp(&(b.1 - k).abs()));
-        let mut error = 1.0;
-        let mut count = 0;
-        while error > TOLERANCE && count < nodes.len() {
+        let powers = if coupling == Coupling::None { 1 } else { 2 };
+        let growth = |count: usize| (1.0 + count as f64 / (k * self.half_distance)).powi(powers);
+        let (mut of_phase, mut count) = (1.0, 0);
+        while of_phase * growth(count) > TOLERANCE && count < nodes.len() {
             count += 1;
-            error *= (nodes[count - 1].1 - k).abs() * self.half_path / count as f64;
+            of_phase *= (nodes[count - 1].1 - k).abs() * self.half_distance / count as f64;
         }
+        let error: f64 = of_phase * growth(count);
         nodes.truncate(count);
         let weight = |&(i, own): &(usize, f64)| {
             let others = nodes.iter().filter(|(j, _)| *j != i);
@@ -188,7 +193,7 @@ impl Exterior {
     /// patterns in every parity; none with a compressed matrix.
     pub fn bytes_of_kept_equations(&self, patterns: usize) -> f64 {
         let (n, copies) = (self.boundary().nodes() as f64, self.boundary().copies() as f64);
-        let bytes = USUAL * copies * 8.0 * n * (n + patterns as f64);
+        let bytes = USUAL_FREQUENCIES * copies * 8.0 * n * (n + patterns as f64);
         if self.is_compressed() {
             0.0
         } else {
@@ -205,7 +210,8 @@ mod tests {
     use crate::bem::mesh::boxes::SolidBox;
     use crate::bem::mesh::panel::BoundaryMesh;
     use crate::bem::mesh::symmetry::Parity;
-    use crate::bem::solver::problem::{Patterns, SurfacePressure};
+    use crate::bem::solver::neumann::Patterns;
+    use crate::bem::solver::problem::SurfacePressure;
     use nalgebra::DMatrix;
 
     /// Half a box of 0.5 m above the floor, in both parities about its mirror plane.
@@ -260,8 +266,8 @@ mod tests {
             let ways = sweep.plan(&problem, &hz, &data);
             let mut assembled = 0;
             for (&hz, way) in hz.iter().zip(&ways) {
-                if let Way::Assemble(number) = way {
-                    let values = sweep.unphased(&problem, hz, &problem.equations(hz, &data).unwrap());
+                if let Origin::Assemble(number) = way {
+                    let values = sweep.without_phase(&problem, hz, &problem.equations(hz, &data).unwrap());
                     sweep.keep(number.unwrap(), values);
                     assembled += 1;
                 }
@@ -269,7 +275,7 @@ mod tests {
             println!("{assembled} of {} assembled", hz.len());
             assert!(assembled <= most, "{assembled}");
             for (&hz, way) in hz.iter().zip(&ways) {
-                if let Way::Interpolate(weights) = way {
+                if let Origin::Interpolate(weights) = way {
                     let sums = sweep.interpolate(weights, problem.boundary().nodes());
                     let found = problem.solutions(hz, sums, &data);
                     let error = difference(&found, &problem.solve_prepared(hz, &data).unwrap());
@@ -288,6 +294,6 @@ mod tests {
             .map(|i| problem.lowest_resonance() * (0.55 + 0.01 * f64::from(i)))
             .collect();
         let ways = sweep.plan(&problem, &hz, &data);
-        assert!(ways.iter().all(|way| matches!(way, Way::Assemble(None))), "{ways:?}");
+        assert!(ways.iter().all(|way| matches!(way, Origin::Assemble(None))), "{ways:?}");
     }
 }

@@ -5,7 +5,7 @@ use crate::bem::mesh::boundary::Boundary;
 use crate::bem::mesh::panel::PanelShape;
 use crate::bem::mesh::rules;
 use crate::bem::mesh::symmetry::{Image, Parity};
-use crate::bem::solver::problem::Patterns;
+use crate::bem::solver::neumann::Patterns;
 use crate::checks::{InputError, same_length};
 use nailnoise_meshes::{FaceKind, Surface};
 use nalgebra::{DMatrix, Matrix4, Vector2, Vector3};

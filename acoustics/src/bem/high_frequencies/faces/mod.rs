@@ -6,7 +6,7 @@ mod points;
 use crate::air::Air;
 use crate::bem::mesh::boundary::Boundary;
 use crate::bem::mesh::symmetry::Image;
-use crate::bem::solver::problem::Patterns;
+use crate::bem::solver::neumann::Patterns;
 use coplanar::{CoplanarPanels, Face, Wall};
 use faer::linalg::matmul::matmul;
 use faer::{Accum, Mat, Par};
