@@ -15,8 +15,8 @@ const PIECE: usize = 128;
 /// V in pieces of [`PIECE`] columns, so that it grows without being copied and no more of it is in memory than is used.
 pub(crate) struct Columns {
     rows: usize,
-    /// Pages that the system hands out as zeros are not written before a column is, and then by all threads: to get them takes
-    /// longer than to copy the column.
+    /// Memory comes zeroed from the system. Its pages are touched only when a column is written, by all threads, because page
+    /// faults cost more than the copy.
     pieces: Vec<Vec<f64>>,
 }
 
@@ -49,7 +49,7 @@ impl Columns {
         MatRef::from_column_major_slice(values, self.rows, range.len())
     }
 
-    /// The parts of `range` that stand together, each with its place in the range.
+    /// The contiguous parts of `range`, each with its place in the range.
     fn parts(&self, range: Range<usize>) -> impl Iterator<Item = (usize, MatRef<'_, f64>)> {
         let pieces = range.start / PIECE..range.end.div_ceil(PIECE);
         pieces.map(move |p| {
@@ -86,7 +86,7 @@ impl Columns {
             .map(|start| start..(start + PIECE).min(s.nrows()))
             .collect();
         let rows = self.rows;
-        // Rows that stand together in all pieces.
+        // Rows that are contiguous in all pieces.
         let mut chunks: Vec<Vec<MatMut<'_, f64>>> = (0..rows.div_ceil(ROWS)).map(|_| Vec::new()).collect();
         for piece in &mut self.pieces {
             let mut rest = MatMut::from_column_major_slice_mut(piece, rows, PIECE);

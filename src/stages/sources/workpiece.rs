@@ -67,8 +67,8 @@ impl WorkpieceSound {
     }
 }
 
-/// What the workpiece with its support radiates. It is apart from [`WorkpieceSource`] because only that one waits for the end of
-/// all records, which the tool may set: its modes take longer than this.
+/// What the workpiece with its support radiates. Separate from [`WorkpieceSource`], which alone needs the end of all records.
+/// That end may depend on the tool, whose modes take longer to compute.
 #[derive(Serialize)]
 pub struct WorkpieceRadiated {
     /// What it is computed from.

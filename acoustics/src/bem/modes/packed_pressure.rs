@@ -3,11 +3,11 @@
 use nalgebra::{Complex, DMatrix};
 use serde::{Deserialize, Serialize};
 
-/// A number plus 1.5 x 2^52 has the nearest integer in its lowest bits.
+/// Adding 1.5 x 2^52 rounds to the nearest integer, which is then in the lowest bits.
 const NEAREST: f64 = 6_755_399_441_055_744.0;
 
-/// The pressure of one parity on a surface, unknowns x modes, in 16 bits a number: its rounding, 1.5e-5 of the mode's largest
-/// part, is far below the error of the equations, and hundreds of frequencies are held and kept.
+/// The pressure of one parity on a surface, unknowns x modes, in 16 bits a number, because hundreds of frequencies are
+/// held and kept. The rounding, 1.5e-5 of the mode's largest part, is comparable with the error of the equations.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub(crate) struct PackedPressure {
     unknowns: usize,

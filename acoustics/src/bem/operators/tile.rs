@@ -65,7 +65,7 @@ pub(crate) struct RightHandSide<'a> {
 }
 
 impl<'a> RightHandSide<'a> {
-    /// Zero, to be summed up.
+    /// Zero sums.
     pub(crate) fn zeros(blocks: &[Block], patterns: &'a PatternsOnBlocks) -> Self {
         let zeros = |b: &Block| Mat::zeros(patterns.order.len(), 2 * b.nodes.len());
         Self {

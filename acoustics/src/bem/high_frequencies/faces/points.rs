@@ -15,7 +15,7 @@ const AVERAGED: usize = 16;
 /// Step of a kernel's table over distance, in units of 1/k at the highest frequency.
 const STEP: f64 = 0.05;
 
-/// A number plus 1.5 x 2^52 is rounded to the nearest integer, which stands in its lowest bits.
+/// Adding 1.5 x 2^52 rounds to the nearest integer, which is then in the lowest bits.
 const NEAREST: f64 = 6_755_399_441_055_744.0;
 
 /// Quadrature points of some panels.

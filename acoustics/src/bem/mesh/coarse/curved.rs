@@ -210,7 +210,7 @@ impl Nearest {
             for number in self.ring(middle, ring) {
                 let (centre, radius) = self.spheres[number as usize];
                 let known = best.as_ref().map_or(f64::INFINITY, |(known, _)| *known);
-                // Few triangles are left after this, so that the search among those is short.
+                // Few triangles pass this test, so the search in `seen` is short.
                 if (p - centre).norm_squared() > (known + radius).powi(2) || seen.contains(&number) {
                     continue;
                 }
