@@ -128,7 +128,7 @@ impl Columns {
     }
 }
 
-/// Copies columns to where they stand one behind the other; threads share them.
+/// Copies columns to contiguous memory; threads share them.
 fn copy(from: MatRef<'_, f64>, to: &mut [f64]) {
     let columns = to.par_chunks_mut(from.nrows().max(1)).enumerate();
     columns.for_each(|(j, to)| {
