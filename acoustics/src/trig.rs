@@ -87,8 +87,8 @@ pub(crate) mod single {
     const PI_REST: f32 = -8.742_278e-8;
     /// Adding and subtracting 1.5 x 2^23 rounds to the nearest integer.
     const ROUND: f32 = 12_582_912.0;
-    /// sin t = t + t³ S(t²) and cos t = 1 + t² C(t²) on |t| <= pi/2 with the least largest error, 5e-9 and 2e-10; highest
-    /// power first.
+    /// sin t = t + t³ S(t²) and cos t = 1 + t² C(t²) on |t| <= pi/2: minimax polynomials with errors of 5e-9 and
+    /// 2e-10; highest power first.
     const SINE: [f32; 4] = [2.600_024_6e-6, -1.980_660_2e-4, 8.333_017e-3, -0.166_666_57];
     const COSINE: [f32; 5] = [-2.607_682e-7, 2.476_187_1e-5, -1.388_840_3e-3, 4.166_664e-2, -0.5];
 

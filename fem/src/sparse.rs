@@ -130,7 +130,7 @@ impl<'a> Split<'a> {
                     Row::scatter(&to[..part.len()], y);
                 });
             };
-            // The columns of the top are as many as those of a few subtrees.
+            // The top has about as many columns as a few subtrees.
             rayon::join(of_subtrees, || {
                 self.multiply(top, &self.beyond[subtrees.len()], reached, top_to);
             });

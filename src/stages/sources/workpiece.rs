@@ -77,7 +77,7 @@ pub struct WorkpieceRadiated {
     pub at_microphones: Stored<Box<dyn Radiator>>,
 }
 
-/// Sound over frequency and time, and its pressures at the microphones where more than its power is known.
+/// Sound over frequency and time, and the pressures at the microphones if the radiator gives them.
 pub struct Radiated {
     sound: Sound,
     pressures: Option<Pressures>,

@@ -82,7 +82,7 @@ impl<'a> RangeSolver<'a> {
         Self { problem, ..self }
     }
 
-    /// Keeps equations, so that those of other frequencies are interpolated, which pays off if a range is sampled with this
+    /// Keeps the equations of some frequencies and interpolates those of others. This pays off if a range is sampled with this
     /// mesh. A compressed matrix is not interpolated.
     #[must_use]
     pub(crate) fn with_interpolated_equations(self) -> Self {

@@ -306,7 +306,7 @@ fn in_rows(waves: &[f32], count: usize, directions: usize) -> MatRef<'_, f32> {
     MatRef::from_row_major_slice(waves, count, CHUNK).subcols(0, directions)
 }
 
-/// k d_a y_a less whole turns, in double precision before it is rounded.
+/// k d_a y_a modulo 2 pi, reduced in double precision and then rounded to single.
 fn phases(along: &[f64; CHUNK], y: f64) -> [f32; CHUNK] {
     along.map(|k| {
         let turns = (k * y / TAU).round();
@@ -319,7 +319,7 @@ fn turns(odd: [bool; 3]) -> usize {
     odd.into_iter().filter(|&odd| odd).count()
 }
 
-/// e^{jk d.y} with its images at the points of a block, in a chunk of directions, for all parities.
+/// Evaluates e^{jk d.y} and its images at the points of a block for a chunk of directions and all parities.
 ///
 /// In single precision. The phase at the middle of the block is reduced in double precision, so that the error does not grow
 /// with the distance from the origin, only with that from the middle.
@@ -438,7 +438,8 @@ struct Point<'a> {
 }
 
 impl Point<'_> {
-    /// Adds the value of a wave and its derivative along the normal in some directions of the chunk.
+    /// Stores the value of a wave, and adds its derivative along the normal at the unknowns, for as many directions of the chunk as a
+    /// vector holds.
     #[inline(always)]
     fn add_to<S: Simd>(&self, simd: S, [on_p, on_v]: [&mut [f32]; 2], row: usize, wave: Factor<S::f32s>, factor: f32) {
         let start = self.number * CHUNK + row;

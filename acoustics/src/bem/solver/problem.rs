@@ -320,7 +320,8 @@ impl Exterior {
         solved.collect()
     }
 
-    /// dp/dn = -j omega rho v turns -(S + alpha K' + alpha/2) dp/dn into j omega rho (...) v.
+    /// Factor j omega rho of the right-hand side: with dp/dn = -j omega rho v, -(S + alpha K' + alpha/2) dp/dn is
+    /// j omega rho (S + alpha K' + alpha/2) v.
     fn right_hand_factor(&self, hz: f64) -> Complex<f64> {
         Complex::new(0.0, 2.0 * PI * hz * self.air.density)
     }

@@ -1,4 +1,4 @@
-//! The equations of many frequencies: assembled at some, interpolated at the others.
+//! Interpolation over frequency: the equations are assembled at some frequencies and interpolated at the others.
 //!
 //! The operators are integrals of e^{-jkr} times polynomials of k, with r from 0 to the largest distance D of two points,
 //! images among them. Divided by the common phase e^{-jkD/2}, e^{-jkr} has an n-th derivative of at most (D/2)^n. The

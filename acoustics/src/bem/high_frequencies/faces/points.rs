@@ -142,7 +142,8 @@ impl Kernel {
     }
 }
 
-/// Adds the kernel at the distances of a place to `sums`; the distances in steps of its table are left in `steps`.
+/// Adds the kernel between a place and each point to `sums`; `steps` is work space for the distances over the step of the
+/// table.
 struct FromPlace<'a> {
     kernel: &'a Kernel,
     place: &'a Vector3<f64>,
