@@ -68,13 +68,20 @@ impl Stage for Requirements {
 
     fn compute(&self, _: &Progress) -> Result<Usable, Error> {
         let (meshed, body) = (self.meshed.get()?, self.kind.name());
-        let mesh = &meshed.imported.mesh;
+        // Independent of each other; what they find keeps its order.
+        let of_model = || self.model.get().map(drop);
+        let of_pieces = || meshed.check_pieces(body);
+        let of_radiation = || match &self.radiating {
+            Some(radiating) => radiating.check(&Surface::of(&meshed.imported.mesh)),
+            None => Ok(()),
+        };
+        let ((of_model, of_pieces), of_radiation) = rayon::join(|| rayon::join(of_model, of_pieces), of_radiation);
         let mut problems = Vec::new();
         let mut check = |result: Result<(), Error>| problems.extend(result.err().into_iter().flat_map(Error::parts));
-        check(self.model.get().map(drop));
-        check(meshed.check_pieces(body));
+        check(of_model);
+        check(of_pieces);
         for sensor in &self.sensors {
-            check(sensor.load_vector(mesh, body).map(drop));
+            check(sensor.load_vector(&meshed.imported.mesh, body).map(drop));
         }
         if let Some(expected) = self.mass.filter(|_| meshed.unplaced.is_empty()) {
             let found = meshed.mass()?;
@@ -82,9 +89,7 @@ impl Stage for Requirements {
                 check(Err(Error::OtherMass { found, tool: expected }));
             }
         }
-        if let Some(radiating) = &self.radiating {
-            check(radiating.check(&Surface::of(mesh)));
-        }
+        check(of_radiation);
         Error::of_body(body, problems)?;
         Ok(Usable {
             surfaces: meshed.surfaces.clone(),

@@ -166,14 +166,13 @@ impl MeshRanges {
     }
 
     /// Peak of memory \[GB\], about: as many frequencies as there are threads on the most expensive mesh, beside the
-    /// velocities of all modes on all meshes.
+    /// integrals that are kept and the velocities of all modes on all meshes.
     fn gigabytes(&self, few: f64) -> f64 {
         let threads = rayon::current_num_threads() as f64;
-        let of_mesh = |(mesh, _, stored): (&MeshRange, f64, bool)| {
-            let estimate = mesh.problem.estimate();
-            let shared = if stored { estimate.bytes_shared } else { 0.0 };
-            shared + threads * estimate.bytes_with(patterns(mesh))
-        };
+        let of_mesh =
+            |(mesh, ..): (&MeshRange, f64, bool)| threads * mesh.problem.estimate().bytes_with(patterns(mesh));
+        let stored = self.all(few).filter(|(.., stored)| *stored);
+        let shared: f64 = stored.map(|(mesh, ..)| mesh.problem.estimate().bytes_shared).sum();
         let velocities = |(mesh, ..): (&MeshRange, f64, bool)| {
             let values = |patterns: &Patterns| 8.0 * patterns.velocities.len() as f64;
             mesh.patterns.iter().map(values).sum::<f64>()
@@ -188,7 +187,7 @@ impl MeshRanges {
         let sampled = self.levels.iter().take(self.levels.len().max(2) - 1);
         let equations = sampled.map(|mesh| mesh.problem.bytes_of_kept_equations(patterns(mesh)));
         let (both, _) = equations.fold((0.0, 0.0), |(most, last): (f64, f64), own| (most.max(last + own), own));
-        let kept = kept + both;
+        let kept = kept + both + shared;
         1e-9 * (self.all(few).map(of_mesh).fold(0.0, f64::max) + self.all(few).map(velocities).sum::<f64>() + kept)
     }
 

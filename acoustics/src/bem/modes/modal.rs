@@ -194,29 +194,37 @@ impl ModalBem {
         let counts: Vec<usize> = chosen.iter().map(|pick| pick.modes.len()).collect();
         let tops: Vec<f64> = levels.iter().map(|level| level.top_hz).collect();
         let resolved: Vec<f64> = levels.iter().map(MeshRange::resolved_hz).collect();
-        let mut low = sampling.range_hz[0];
-        let mut coarser: Option<RangeSolver<'_>> = None;
-        let mut alike: Option<RangeSolver<'_>> = None;
-        let mut masses = MassSamples::default();
-        for (number, level) in levels.into_iter().enumerate() {
-            let range = Sampling {
-                range_hz: [low, level.top_hz],
-                ..*sampling
-            };
-            low = level.top_hz;
+        // Whether the mesh before resolves a range as well as the range's own, so that the results differ only by the shape,
+        // smoothly over frequency.
+        let is_resolved_before = |number: usize| number > 0 && resolved[number - 1] >= tops[number] * (1.0 - 1e-9);
+        let prepare = |(number, level): (usize, MeshRange)| {
             // The solver also predicts the next range, and the last one solves the averages.
             let next = tops.get(number + 1).copied();
             let last = number + 2 == tops.len() && next.is_some_and(|next| resolved[number] >= next);
             let kept_to = next.filter(|_| !last).unwrap_or(bands.same_mesh_to_hz());
-            let follows = coarser.as_ref().is_some_and(|coarser| coarser.follows(level.top_hz));
             let mut solver = RangeSolver::new(level, kept_to, &chosen, progress)?.keeping_pressures();
-            if !follows {
+            if !is_resolved_before(number) {
                 solver = solver.with_near_field_cache(kept_to);
             }
             // The last of several meshes is solved at few frequencies: those of corrections and averages.
             if number == 0 || next.is_some() {
                 solver = solver.with_interpolated_equations();
             }
+            Ok(solver)
+        };
+        let solvers: Vec<Result<_, AcousticsError>> = levels.into_par_iter().enumerate().map(prepare).collect();
+        let mut low = sampling.range_hz[0];
+        let mut coarser: Option<RangeSolver<'_>> = None;
+        let mut alike: Option<RangeSolver<'_>> = None;
+        let mut masses = MassSamples::default();
+        for (number, solver) in solvers.into_iter().enumerate() {
+            let solver = solver?;
+            let range = Sampling {
+                range_hz: [low, tops[number]],
+                ..*sampling
+            };
+            low = tops[number];
+            let follows = is_resolved_before(number);
             let predictor = coarser.as_ref().unwrap_or(&solver);
             let at = |solver: &RangeSolver<'_>, hz: &[f64]| {
                 let solved = solver.at_all(hz)?.into_iter();

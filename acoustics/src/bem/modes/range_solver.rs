@@ -5,10 +5,9 @@ use crate::bem::modes::mesh_range::MeshRange;
 use crate::bem::modes::packed_pressure::PackedPressure;
 use crate::bem::modes::summary::Summary;
 use crate::bem::solver::neumann::{NeumannData, Patterns};
-use crate::bem::solver::problem::{Exterior, SurfacePressure};
+use crate::bem::solver::problem::{Assembly, Exterior, SurfacePressure};
 use crate::bem::solver::sweep::{EquationSweep, Origin};
 use crate::error::AcousticsError;
-use crate::interpolation::each;
 use crate::radiation::{PackedHermitian, Resistance};
 use rayon::prelude::*;
 use std::collections::HashMap;
@@ -35,8 +34,6 @@ pub(crate) type Mean = (f64, Vec<Vec<Resistance>>);
 /// Solutions on one mesh range, shared by its parities: the kernels are evaluated once per frequency.
 pub(crate) struct RangeSolver<'a> {
     problem: Exterior,
-    /// Highest frequency at which the mesh has as many panels per wavelength as are asked for \[Hz\].
-    resolved_hz: f64,
     data: Vec<NeumannData>,
     /// Whether solutions contain the pressure on the surface.
     keeps_pressures: bool,
@@ -57,16 +54,17 @@ impl<'a> RangeSolver<'a> {
         progress: &'a (dyn Fn() + Sync),
     ) -> Result<Self, AcousticsError> {
         let per_wavelength = level.problem.panels_per_wavelength() * (level.top_hz / highest_hz).min(1.0);
-        let resolved_hz = level.resolved_hz();
         let problem = level.problem.with_panels_per_wavelength(per_wavelength)?;
-        let data = chosen
-            .iter()
-            .zip(&level.patterns)
-            .map(|(pick, p)| problem.neumann_data(&pick.of(p)));
+        let data = || {
+            let chosen = chosen.par_iter().zip(&level.patterns);
+            chosen
+                .map(|(pick, p)| problem.neumann_data(&pick.of(p)))
+                .collect::<Vec<_>>()
+        };
+        let (data, _) = rayon::join(data, || problem.near());
         Ok(Self {
-            data: data.collect::<Result<_, _>>()?,
+            data: data.into_iter().collect::<Result<_, _>>()?,
             problem,
-            resolved_hz,
             keeps_pressures: false,
             sweep: None,
             progress,
@@ -113,29 +111,28 @@ impl<'a> RangeSolver<'a> {
         self.data.iter().map(NeumannData::patterns)
     }
 
-    /// Whether the mesh resolves a range up to `top_hz` as well as the mesh of that range, so that the results differ
-    /// only by the shape, smoothly over frequency.
-    pub(crate) fn follows(&self, top_hz: f64) -> bool {
-        self.resolved_hz >= top_hz * (1.0 - 1e-9)
-    }
-
     /// Solution at one frequency.
     pub(crate) fn at(&self, hz: f64) -> Result<Arc<Solved>, AcousticsError> {
-        if let Some(known) = self.known(hz) {
-            return Ok(known);
+        match self.known(hz) {
+            Some(known) => Ok(known),
+            None => self.solve(hz, Assembly::Serial),
         }
-        self.evaluated(hz, &self.problem.solve_prepared(hz, &self.data)?)
+    }
+
+    fn solve(&self, hz: f64, assembly: Assembly) -> Result<Arc<Solved>, AcousticsError> {
+        self.evaluated(hz, &self.problem.solve_prepared(hz, &self.data, assembly)?)
     }
 
     /// Solutions at several frequencies, in parallel.
     pub(crate) fn at_all(&self, hz: &[f64]) -> Result<Vec<Arc<Solved>>, AcousticsError> {
-        if let Some(sweep) = &self.sweep {
-            let mut new: Vec<f64> = hz.iter().copied().filter(|&hz| self.known(hz).is_none()).collect();
-            new.sort_by(f64::total_cmp);
-            new.dedup();
-            self.sweep_over(&mut sweep.lock().unwrap_or_else(PoisonError::into_inner), &new)?;
+        let mut new: Vec<f64> = hz.iter().copied().filter(|&hz| self.known(hz).is_none()).collect();
+        new.sort_by(f64::total_cmp);
+        new.dedup();
+        match &self.sweep {
+            Some(sweep) => self.sweep_over(&mut sweep.lock().unwrap_or_else(PoisonError::into_inner), &new)?,
+            None => each_of(&new, |&hz, assembly| self.solve(hz, assembly)).map(drop)?,
         }
-        each(|hz| self.at(hz))(hz)
+        hz.iter().map(|&hz| self.at(hz)).collect()
     }
 
     /// Solves at new frequencies: equations are assembled at some of them, then interpolated at the others.
@@ -151,18 +148,13 @@ impl<'a> RangeSolver<'a> {
                 Origin::Interpolate(weights) => interpolated.push((hz, weights)),
             }
         }
-        // One frequency per task, because all take equally long.
-        let kept: Vec<_> = assembled
-            .par_iter()
-            .with_max_len(1)
-            .map(|&(hz, number)| {
-                let sums = self.problem.equations(hz, &self.data)?;
-                let kept = number.map(|number| (number, sweep.without_phase(&self.problem, hz, &sums)));
-                self.evaluated(hz, &self.problem.solutions(hz, sums, &self.data))?;
-                Ok(kept)
-            })
-            .collect();
-        match kept.into_iter().collect::<Result<Vec<_>, AcousticsError>>() {
+        let kept = each_of(&assembled, |&(hz, number), assembly| {
+            let sums = self.problem.equations(hz, &self.data, assembly)?;
+            let kept = number.map(|number| (number, sweep.without_phase(&self.problem, hz, &sums)));
+            self.evaluated(hz, &self.problem.solutions(hz, sums, &self.data))?;
+            Ok(kept)
+        });
+        match kept {
             Ok(kept) => kept
                 .into_iter()
                 .flatten()
@@ -173,16 +165,12 @@ impl<'a> RangeSolver<'a> {
                 return Err(error);
             }
         }
-        let solved: Vec<_> = interpolated
-            .par_iter()
-            .with_max_len(1)
-            .map(|(hz, weights)| {
-                let sums = sweep.interpolate(weights, self.problem.boundary().nodes());
-                self.evaluated(*hz, &self.problem.solutions(*hz, sums, &self.data))
-                    .map(|_| ())
-            })
-            .collect();
-        solved.into_iter().collect()
+        each_of(&interpolated, |(hz, weights), _| {
+            let sums = sweep.interpolate(&self.problem, weights);
+            self.evaluated(*hz, &self.problem.solutions(*hz, sums, &self.data))
+                .map(drop)
+        })?;
+        Ok(())
     }
 
     fn known(&self, hz: f64) -> Option<Arc<Solved>> {
@@ -285,4 +273,17 @@ impl<'a> RangeSolver<'a> {
         summary.difference_db = summary.difference_db.max(worst.0);
         summary.asymmetry = summary.asymmetry.max(worst.1);
     }
+}
+
+/// Treats an even number of frequencies in parallel, each serially, because all take equally long; the last of an odd number is
+/// shared by threads. The error is that of the first frequency that has one.
+fn each_of<T: Sync, R: Send>(
+    frequencies: &[T],
+    one: impl Fn(&T, Assembly) -> Result<R, AcousticsError> + Sync,
+) -> Result<Vec<R>, AcousticsError> {
+    let (even, last) = frequencies.split_at(frequencies.len() / 2 * 2);
+    let serially = even.par_iter().with_max_len(1).map(|item| one(item, Assembly::Serial));
+    let mut found: Vec<_> = serially.collect();
+    found.extend(last.iter().map(|item| one(item, Assembly::Halves)));
+    found.into_iter().collect()
 }

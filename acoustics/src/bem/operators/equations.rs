@@ -54,26 +54,39 @@ impl Sums {
         values
     }
 
-    /// From the array of [`Sums::flat`].
-    pub(crate) fn from_flat(values: &[f32], n: usize) -> Self {
-        let (matrix, right) = values.split_at(2 * n * n);
+    /// From the array of [`Sums::flat`], of which `fill` writes the values from a number on.
+    pub(crate) fn from_flat([n, patterns]: [usize; 2], fill: impl Fn(usize, &mut [f32])) -> Self {
         let mut sums = Self {
             matrix: Mat::zeros(n, n),
             transposed: Mat::new(),
-            right: [0, 1].map(|_| Mat::zeros(n, right.len() / (2 * n).max(1))),
+            right: [0, 1].map(|_| Mat::zeros(n, patterns)),
         };
+        let mut column = vec![0.0; 2 * n];
         for j in 0..n {
+            fill(2 * n * j, &mut column);
             let to = sums.matrix.col_as_slice_mut(j).iter_mut();
-            to.zip(column(matrix, n, j))
+            to.zip(column.chunks_exact(2))
                 .for_each(|(to, z)| *to = Complex::new(z[0], z[1]));
         }
-        for (part, to) in sums.right.iter_mut().enumerate() {
-            for m in 0..to.ncols() {
+        for m in 0..patterns {
+            fill(2 * n * (n + m), &mut column);
+            for (part, to) in sums.right.iter_mut().enumerate() {
                 let to = to.col_as_slice_mut(m).iter_mut();
-                to.zip(column(right, n, m)).for_each(|(to, z)| *to = f64::from(z[part]));
+                to.zip(column.chunks_exact(2))
+                    .for_each(|(to, z)| *to = f64::from(z[part]));
             }
         }
         sums
+    }
+
+    /// Adds the sums of other tiles, before [`Sums::join`].
+    pub(crate) fn add(&mut self, other: &Self) {
+        self.matrix += &other.matrix;
+        self.transposed += &other.transposed;
+        self.right
+            .iter_mut()
+            .zip(&other.right)
+            .for_each(|(to, from)| *to += from);
     }
 
     /// Adds both parts of the matrix, square by square.
@@ -150,11 +163,6 @@ impl Sums {
         let left: f64 = rest.iter().map(Complex::norm_sqr).sum();
         if left > 0.0 { (left / size).sqrt() } else { 0.0 }
     }
-}
-
-/// Column `j` of an array of complex columns of `n` values.
-fn column(from: &[f32], n: usize, j: usize) -> std::slice::ChunksExact<'_, f32> {
-    from[2 * n * j..2 * n * (j + 1)].chunks_exact(2)
 }
 
 /// Overwrites the right-hand sides with the solutions and the matrix with its factors.

@@ -16,11 +16,15 @@ use nailnoise_meshes::FaceKind;
 use nailnoise_meshes::gauss_legendre;
 use nalgebra::{DMatrix, Vector3};
 use pulp::{Arch, Simd, WithSimd};
+use rayon::prelude::*;
 use rustfft::num_complex::Complex;
 use std::f64::consts::{PI, TAU};
 
 /// Directions worked on at once.
 const CHUNK: usize = 48;
+
+/// Shares of the directions that threads take.
+const SHARES: usize = 2;
 
 /// A quadrature point: position, vector area, area, unknowns and velocity values with their corner functions.
 pub(crate) struct Source {
@@ -75,12 +79,22 @@ impl Exterior {
         let across = sources.iter().map(|s| s.position.xy().norm()).fold(0.0, f64::max);
         let planes = boundary.planes().map(|plane| plane.is_some());
         let directions = directions([k * radius, k * across], planes);
+        let of_share = |directions: &[(Vector3<f64>, f64)]| {
+            let mut totals: Vec<Mat<f64>> = all.iter().map(|(v, _)| Mat::zeros(v.nrows(), v.nrows())).collect();
+            self.in_directions(all, k, directions, |chunk, parts| {
+                for (part, total) in parts.iter().zip(&mut totals) {
+                    part.add_power(chunk, k, self.air().impedance(), total);
+                }
+            });
+            totals
+        };
+        // Shares that threads can take, the same on any number of them.
+        let share = directions.len().div_ceil(SHARES).next_multiple_of(CHUNK).max(CHUNK);
+        let shares: Vec<Vec<Mat<f64>>> = directions.par_chunks(share).map(of_share).collect();
         let mut totals: Vec<Mat<f64>> = all.iter().map(|(v, _)| Mat::zeros(v.nrows(), v.nrows())).collect();
-        self.in_directions(all, k, &directions, |chunk, parts| {
-            for (part, total) in parts.iter().zip(&mut totals) {
-                part.add_power(chunk, k, self.air().impedance(), total);
-            }
-        });
+        for share in shares {
+            totals.iter_mut().zip(share).for_each(|(total, part)| *total += part);
+        }
         Ok(totals.iter().map(resistance).collect())
     }
 
@@ -219,7 +233,7 @@ impl<'a> Radiating<'a> {
             }),
             velocities,
             parts: if planes == [true; 3] {
-                vec![turns(odd) % 2]
+                vec![powers_of_j(odd) % 2]
             } else {
                 vec![0, 1]
             },
@@ -315,7 +329,7 @@ fn phases(along: &[f64; CHUNK], y: f64) -> [f32; CHUNK] {
 }
 
 /// Number of factors j of the standing waves between three planes.
-fn turns(odd: [bool; 3]) -> usize {
+fn powers_of_j(odd: [bool; 3]) -> usize {
     odd.into_iter().filter(|&odd| odd).count()
 }
 
@@ -500,7 +514,7 @@ impl Waves<'_, '_> {
                         between_planes(simd, z, odd[2]),
                     ],
                 );
-                let (to, sign) = match turns(*odd) {
+                let (to, sign) = match powers_of_j(*odd) {
                     0 => ([p_re, v_re], 1.0),
                     1 => ([p_im, v_im], 1.0),
                     2 => ([p_re, v_re], -1.0),

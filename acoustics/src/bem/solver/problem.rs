@@ -7,13 +7,14 @@ use crate::bem::mesh::rules;
 use crate::bem::mesh::symmetry::{Image, Parity};
 use crate::bem::operators::blocks::{Block, blocks};
 use crate::bem::operators::equations::Sums;
-use crate::bem::operators::near::NearField;
+use crate::bem::operators::near::{NearAt, NearField};
 use crate::bem::operators::tile::{RightHandSide, Tile};
 use crate::bem::operators::wave::Wave;
 use crate::bem::solver::neumann::{NeumannData, Patterns};
 use crate::checks::{InputError, positive};
 use faer::Mat;
 use nalgebra::{Complex, DMatrix};
+use rayon::prelude::*;
 use serde::Serialize;
 use std::f64::consts::PI;
 use std::sync::OnceLock;
@@ -83,6 +84,15 @@ impl EquationSolver {
     pub fn is_auto(&self) -> bool {
         *self == Self::Auto
     }
+}
+
+/// How the kernels of a frequency are evaluated. The sums of the two ways differ by rounding.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Assembly {
+    /// One after another, which needs the least memory.
+    Serial,
+    /// In halves that two threads can share, for a frequency that is solved alone.
+    Halves,
 }
 
 /// How the coupling parameter alpha varies with the wavenumber.
@@ -274,42 +284,49 @@ impl Exterior {
     }
 
     /// Pressure on the surface for patterns of several parities: the kernels are evaluated once, every parity has one
-    /// matrix and one factorisation for all its patterns; on one thread.
+    /// matrix and one factorisation for all its patterns. Threads share the parities.
     ///
     /// # Errors
     /// As [`Exterior::solve`].
     pub fn solve_parities(&self, hz: f64, patterns: &[Patterns]) -> Result<Vec<SurfacePressure>, BemError> {
+        self.solve_prepared(hz, &self.prepared(hz, patterns)?, Assembly::Serial)
+    }
+
+    /// Patterns as the equations take them, for a frequency that the mesh resolves.
+    pub(crate) fn prepared(&self, hz: f64, patterns: &[Patterns]) -> Result<Vec<NeumannData>, BemError> {
         positive("frequency [Hz]", hz)?;
         self.check_resolution(hz)?;
-        let data: Vec<NeumannData> = patterns
-            .iter()
-            .map(|p| self.neumann_data(p))
-            .collect::<Result<_, _>>()?;
-        self.solve_prepared(hz, &data)
+        let data: Vec<_> = patterns.par_iter().map(|p| self.neumann_data(p)).collect();
+        data.into_iter().collect()
     }
 
     /// The same for prepared patterns.
-    pub(crate) fn solve_prepared(&self, hz: f64, all: &[NeumannData]) -> Result<Vec<SurfacePressure>, BemError> {
+    pub(crate) fn solve_prepared(
+        &self,
+        hz: f64,
+        all: &[NeumannData],
+        assembly: Assembly,
+    ) -> Result<Vec<SurfacePressure>, BemError> {
         if self.is_compressed() {
             self.check_resolution(hz)?;
             return self.solve_compressed(hz, all);
         }
-        Ok(self.solutions(hz, self.equations(hz, all)?, all))
+        Ok(self.solutions(hz, self.equations(hz, all, assembly)?, all))
     }
 
     /// 1/2 - K + alpha W, and (S + alpha (1/2 + K')) v, for every parity at the frequency `hz`.
     ///
     /// # Errors
     /// A frequency above what the mesh resolves.
-    pub(crate) fn equations(&self, hz: f64, all: &[NeumannData]) -> Result<Vec<Sums>, BemError> {
+    pub(crate) fn equations(&self, hz: f64, all: &[NeumannData], assembly: Assembly) -> Result<Vec<Sums>, BemError> {
         self.check_resolution(hz)?;
-        Ok(self.assemble(self.wave(hz), all))
+        Ok(self.assemble(self.wave(hz), all, assembly))
     }
 
     /// The pressures that solve the equations of a frequency, or equations that differ by a factor on both sides.
     pub(crate) fn solutions(&self, hz: f64, sums: Vec<Sums>, all: &[NeumannData]) -> Vec<SurfacePressure> {
         let factor = self.right_hand_factor(hz);
-        let solved = sums.into_iter().zip(all).map(|(mut sums, data)| {
+        let solved = sums.into_par_iter().zip(all).map(|(mut sums, data)| {
             self.hold_odd(data.parity(), &mut sums);
             SurfacePressure {
                 hz,
@@ -376,8 +393,8 @@ impl Exterior {
     }
 
     /// 1/2 - K + alpha W, and (S + alpha (1/2 + K')) v, for every parity.
-    fn assemble(&self, wave: Wave, all: &[NeumannData]) -> Vec<Sums> {
-        let mut sums = self.integrals(wave, all);
+    fn assemble(&self, wave: Wave, all: &[NeumannData], assembly: Assembly) -> Vec<Sums> {
+        let mut sums = self.integrals(wave, all, assembly);
         for (sums, data) in sums.iter_mut().zip(all) {
             self.add_mass(&mut sums.matrix, 0.5);
             // alpha is imaginary.
@@ -387,21 +404,45 @@ impl Exterior {
     }
 
     /// -K + alpha W, and (S + alpha K') v, for every parity.
-    pub(crate) fn integrals(&self, wave: Wave, all: &[NeumannData]) -> Vec<Sums> {
+    pub(crate) fn integrals(&self, wave: Wave, all: &[NeumannData], assembly: Assembly) -> Vec<Sums> {
+        let near = self.near().at(&self.boundary, wave.k);
+        let of_every = |step: usize, first: usize| {
+            let rows = (first..self.blocks.len()).step_by(step);
+            self.integrals_of_blocks(wave, all, &near, rows)
+        };
+        let mut sums = match assembly {
+            Assembly::Serial => of_every(1, 0),
+            Assembly::Halves => {
+                let (mut even, odd) = rayon::join(|| of_every(2, 0), || of_every(2, 1));
+                even.par_iter_mut().zip(odd).for_each(|(even, odd)| even.add(&odd));
+                even
+            }
+        };
+        sums.par_iter_mut().for_each(Sums::join);
+        sums
+    }
+
+    /// The integrals between some blocks and all that are not before them.
+    fn integrals_of_blocks(
+        &self,
+        wave: Wave,
+        all: &[NeumannData],
+        near: &NearAt<'_>,
+        rows: impl Iterator<Item = usize>,
+    ) -> Vec<Sums> {
         let n = self.boundary.nodes();
         let on_blocks = all.iter().map(NeumannData::on_blocks);
         let mut right_hand_sides: Vec<_> = on_blocks.map(|p| RightHandSide::zeros(&self.blocks, p)).collect();
         let mut sums: Vec<Sums> = all.iter().map(|data| Sums::zeros(n, data.count())).collect();
         let mut tile = Tile::default();
-        let near = self.near().at(&self.boundary, wave.k);
-        for i in 0..self.blocks.len() {
+        for i in rows {
             for j in i..self.blocks.len() {
                 tile.add(
                     self.boundary.planes(),
                     &self.images,
                     wave,
                     (&self.blocks, [i, j]),
-                    &near,
+                    near,
                     &mut right_hand_sides,
                     &mut sums,
                 );
@@ -409,7 +450,6 @@ impl Exterior {
         }
         for (sums, right_hand_side) in sums.iter_mut().zip(&right_hand_sides) {
             right_hand_side.spread(&self.blocks, &mut sums.right);
-            sums.join();
         }
         sums
     }

@@ -2,12 +2,12 @@ use crate::bem::error::BemError;
 use crate::bem::mesh::panel::PanelShape;
 use crate::bem::solver::cost::{FrequencyCost, PATTERNS, SurfaceSize};
 use crate::bem::solver::neumann::{NeumannData, Patterns};
-use crate::bem::solver::problem::{Exterior, SurfacePressure, only};
-use crate::checks::positive;
+use crate::bem::solver::problem::{Assembly, Exterior, SurfacePressure, only};
 use crate::radiation::error::RadiationError;
 use crate::radiation::{RadiatingSurface, Resistance};
 use faer::Mat;
 use nalgebra::{DMatrix, Point3};
+use rayon::prelude::*;
 use std::f64::consts::TAU;
 
 /// Radiation resistance at one frequency, evaluated twice.
@@ -125,13 +125,8 @@ impl Exterior {
     /// # Errors
     /// See [`Exterior::solve`].
     pub fn resistance_parities(&self, hz: f64, patterns: &[Patterns]) -> Result<Vec<TwoEvaluations>, BemError> {
-        positive("frequency [Hz]", hz)?;
-        self.check_resolution(hz)?;
-        let data: Vec<NeumannData> = patterns
-            .iter()
-            .map(|p| self.neumann_data(p))
-            .collect::<Result<_, _>>()?;
-        let solutions = self.solve_prepared(hz, &data)?;
+        let data = self.prepared(hz, patterns)?;
+        let solutions = self.solve_prepared(hz, &data, Assembly::Serial)?;
         self.two_evaluations(&data, &solutions)
     }
 
@@ -142,10 +137,12 @@ impl Exterior {
         solutions: &[SurfacePressure],
     ) -> Result<Vec<TwoEvaluations>, BemError> {
         let all: Vec<(&Mat<f32>, &SurfacePressure)> = data.iter().map(NeumannData::at_points).zip(solutions).collect();
-        let far_fields = self.far_field_resistances(&all)?.into_iter();
-        let both = data.iter().zip(solutions).zip(far_fields);
-        both.map(|((data, solution), far_field)| self.evaluated_twice(data, solution, far_field))
-            .collect()
+        let far_fields = self.far_field_resistances(&all)?;
+        let both = data.par_iter().zip(solutions).zip(far_fields);
+        let evaluated: Vec<_> = both
+            .map(|((data, solution), far_field)| self.evaluated_twice(data, solution, far_field))
+            .collect();
+        evaluated.into_iter().collect()
     }
 
     fn evaluated_twice(
