@@ -16,7 +16,8 @@ DefineConstant[
   nose_width = 20, nose_depth = 30, nose_wall = 6, nose_height = 110, nose_overlap = 2,
   arm_depth = 12, arm_height = 30, arm_reach = 39,
   sleeve_radius = 30, sleeve_wall = 2, sleeve_height = 150, sleeve_fit = 10,
-  size = 12
+  size = 12,
+  optimise = 1 // how folded elements are mended: 1 by optimisation of each, 2 by the elastic analogy before that
 ];
 
 floor = nose_height;
@@ -224,5 +225,5 @@ If (near < least)
 EndIf
 Mesh.CharacteristicLengthMin = least;
 Mesh.ElementOrder = 2;
-Mesh.HighOrderOptimize = 2;
+Mesh.HighOrderOptimize = optimise;
 Mesh.ScalingFactor = 0.001;

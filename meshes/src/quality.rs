@@ -43,6 +43,13 @@ pub struct Jacobian {
     pub ratio: f64,
 }
 
+impl Jacobian {
+    /// Whether the element is inverted or flat somewhere; NaN counts as that.
+    fn is_inverted(&self) -> bool {
+        self.determinant.is_nan() || self.determinant <= 0.0
+    }
+}
+
 /// Ratio of Jacobians below which an element is called poor; its strains are wrong at its worst corner.
 pub const POOR: f64 = 0.1;
 
@@ -63,6 +70,13 @@ impl Mesh {
             determinant: low,
             ratio: if high > 0.0 { low / high } else { -1.0 },
         }
+    }
+
+    /// How many elements are inverted or flat.
+    pub(crate) fn inverted(&self) -> usize {
+        (0..self.element_count())
+            .filter(|&element| self.jacobian(element).is_inverted())
+            .count()
     }
 
     /// dx/dxi of an element.
@@ -110,8 +124,7 @@ impl Mesh {
         let jacobians = (0..self.element_count()).map(|element| self.jacobian(element));
         let (mut worst, mut inverted, mut poor) = (None::<Jacobian>, 0, 0);
         for j in jacobians {
-            // Written so that a NaN counts as inverted.
-            inverted += usize::from(j.determinant.is_nan() || j.determinant <= 0.0);
+            inverted += usize::from(j.is_inverted());
             poor += usize::from(j.ratio.is_nan() || j.ratio < POOR);
             if worst.is_none_or(|w| j.ratio.is_nan() || j.ratio < w.ratio) {
                 worst = Some(j);

@@ -85,10 +85,7 @@ pub(super) fn standards(graph: &Graph, design: &Design, kinds: &[BodyKind]) -> R
     let structure = |design: &Design| bodies(graph, design, kinds);
     let first = structure(&standards.first)?;
     let mut all = vec![(SurfaceModes(vec![first.clone()]), "standard bodies of the same shape")];
-    // Tools differ less from the first than blocks and tables do.
-    if kinds.contains(&BodyKind::Workpiece)
-        && let Some(second) = &standards.second
-    {
+    if let Some(second) = &standards.second {
         all.push((
             SurfaceModes(vec![first, structure(second)?]),
             "two standard structures of the same shape",
@@ -124,7 +121,8 @@ pub(super) fn by_shape(
 ) -> Radiation {
     let own = solved(graph, (shape, places), SurfaceModes(vec![bodies.to_vec()]));
     let (mut powers, mut pressures) = (Vec::new(), Vec::new());
-    for (standard, name) in standards {
+    for (number, (standard, name)) in standards.iter().enumerate() {
+        let limit = shape.limit(number + 1 < standards.len());
         let of_standard = solved(graph, (shape, places), standard.clone());
         if of_standard.matrix.key() == own.matrix.key() && powers.is_empty() {
             return own;
@@ -138,11 +136,13 @@ pub(super) fn by_shape(
             fit: fit.clone(),
             known: of_standard.matrix,
             name,
+            limit,
         });
         pressures.push(Standard {
             fit,
             known: of_standard.pressures,
             name,
+            limit,
         });
     }
     if powers.is_empty() {
@@ -609,13 +609,17 @@ mod tests {
         let standards = standards(&graph, &design, &[BodyKind::Tool]).unwrap();
         let bodies = vec![BodyStages::add(&graph, &design, BodyKind::Tool, true).unwrap().body];
         let [shape, _] = tool_shapes(&design);
-        let fitted = ShapeFit {
-            shape: shape.clone(),
-            standard: standards[0].0.clone(),
-            bodies: bodies.clone(),
-        };
-        let fitted = graph.get(fitted).unwrap();
-        assert!(fitted.fit.is_some() && !fitted.holds(), "{:?}", fitted.lacking);
+        assert_eq!(standards.len(), 2);
+        for (standard, _) in &standards {
+            let fitted = graph.get(ShapeFit {
+                shape: shape.clone(),
+                standard: standard.clone(),
+                bodies: bodies.clone(),
+            });
+            let fitted = fitted.unwrap();
+            println!("lacking at most {:.1e}", fitted.worst());
+            assert!(fitted.fit.is_some() && !fitted.holds(), "{:?}", fitted.lacking);
+        }
         let at = (&shape, &inputs::radiation::tool_places(&design));
         let own = solved(&graph, at, SurfaceModes(vec![bodies.clone()]))
             .matrix

@@ -72,7 +72,7 @@ impl Stage for ToolSolution {
     }
 
     fn compute(&self, progress: &Progress) -> Result<Solution, Error> {
-        self.elements.compute(&self.modes.get()?.surfaces()[0], progress)
+        self.elements.compute(&self.modes.get()?.surfaces(), progress)
     }
 }
 
@@ -99,8 +99,7 @@ impl Stage for ToolCapSolution {
 
     fn compute(&self, progress: &Progress) -> Result<Solution, Error> {
         let modes = self.modes.get()?;
-        self.elements
-            .compute_with_cap(&modes.surfaces()[0], &self.cap, progress)
+        self.elements.compute_with_cap(&modes.surfaces(), &self.cap, progress)
     }
 }
 

@@ -9,7 +9,8 @@ use crate::error::Error;
 use crate::stages::bodies::{Body, MovingSurface};
 use crate::stages::{Input, Stored, all};
 
-/// Structures of one shape: each of the same bodies with the same meshes, but of other materials or loads.
+/// Structures of one shape: each of the same bodies, but of other materials or loads. Their meshes are the same or, where a
+/// structure is a single body, other ones of the same outer surface.
 #[derive(Clone, Serialize)]
 pub struct SurfaceModes(pub Vec<Vec<Stored<Body>>>);
 
@@ -19,43 +20,52 @@ impl SurfaceModes {
         self.0.iter().flatten().map(|body| body as &dyn Input).collect()
     }
 
-    /// The modes of each body, those of all structures side by side.
+    /// The modes of each body, those of all structures with the same meshes side by side.
     ///
     /// # Errors
     /// Those of the stages that make the bodies.
     pub fn get(&self) -> Result<JoinedModes, Error> {
         let structures: Vec<Vec<Arc<Body>>> = self.0.iter().map(|bodies| all(bodies)).collect::<Result<_, _>>()?;
-        let modes = |place: usize| {
-            let columns = structures.iter().flat_map(|bodies| bodies[place].skin.column_iter());
-            DMatrix::from_columns(&columns.collect::<Vec<_>>())
+        let mut structures = structures.into_iter();
+        let bodies = structures.next().unwrap_or_default();
+        let same_points = |other: &Vec<Arc<Body>>| {
+            let mut pairs = bodies.iter().zip(other);
+            pairs.all(|(body, other)| body.surface.points == other.surface.points)
         };
-        let joined = match &structures[..] {
-            [] | [_] => None,
-            [first, ..] => Some((0..first.len()).map(modes).collect()),
+        let (alike, others): (Vec<_>, Vec<_>) = structures.partition(same_points);
+        let modes = |(place, body): (usize, &Arc<Body>)| {
+            let columns = alike.iter().flat_map(|bodies| bodies[place].skin.column_iter());
+            DMatrix::from_columns(&body.skin.column_iter().chain(columns).collect::<Vec<_>>())
         };
+        let joined = (!alike.is_empty()).then(|| bodies.iter().enumerate().map(modes).collect());
         Ok(JoinedModes {
-            bodies: structures.into_iter().next().unwrap_or_default(),
             joined,
+            bodies,
+            others: others.into_iter().flatten().collect(),
         })
     }
 }
 
-/// The bodies of the first structure in the modes of all.
+/// The bodies of the first structure in the modes of all that have their meshes, and the bodies of the others.
 pub struct JoinedModes {
     bodies: Vec<Arc<Body>>,
-    /// Modes of all structures on the surface of each body; none where there is only one structure.
+    /// Modes of all structures on the surface of each body; none where no other structure has the same meshes.
     joined: Option<Vec<DMatrix<f32>>>,
+    /// Bodies with other meshes of the same outer surface.
+    others: Vec<Arc<Body>>,
 }
 
 impl JoinedModes {
-    /// The surfaces of the bodies, and how they move.
+    /// The surfaces of the bodies, and how they move; behind them those of bodies with other meshes.
     pub fn surfaces(&self) -> Vec<MovingSurface<'_>> {
         let own = self.bodies.iter().map(|body| body.moving_surface());
+        let others = self.others.iter().map(|body| body.moving_surface());
         match &self.joined {
-            None => own.collect(),
+            None => own.chain(others).collect(),
             Some(joined) => own
                 .zip(joined)
                 .map(|(surface, modes)| MovingSurface { modes, ..surface })
+                .chain(others)
                 .collect(),
         }
     }

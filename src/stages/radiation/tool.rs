@@ -88,13 +88,14 @@ pub struct ToolRadiation {
 }
 
 impl ToolRadiation {
-    /// The solution in standard air: it depends on the wavelength alone.
+    /// The solution in standard air, on the mesh of the first of several bodies of one shape, in the modes of all: it depends on
+    /// the wavelength alone.
     ///
     /// # Errors
     /// Those of mesh and boundary elements.
-    pub fn compute(&self, body: &MovingSurface<'_>, progress: &Progress) -> Result<Solution, Error> {
+    pub fn compute(&self, bodies: &[MovingSurface<'_>], progress: &Progress) -> Result<Solution, Error> {
         self.solve(
-            &self.housing(body, None)?,
+            &self.housings(bodies, None)?,
             ("tool", "boundary elements of the tool"),
             progress,
         )
@@ -106,12 +107,12 @@ impl ToolRadiation {
     /// As [`Self::compute`], and [`Error::NoCapSurface`].
     pub fn compute_with_cap(
         &self,
-        body: &MovingSurface<'_>,
+        bodies: &[MovingSurface<'_>],
         cap: &CapSurface,
         progress: &Progress,
     ) -> Result<Solution, Error> {
         self.solve(
-            &self.housing(body, Some(cap))?,
+            &self.housings(bodies, Some(cap))?,
             ("tool with its cap apart", "boundary elements of the tool's cap"),
             progress,
         )
@@ -119,16 +120,16 @@ impl ToolRadiation {
 
     fn solve(
         &self,
-        housing: &Housing,
+        housings: &[Housing],
         (body, task): (&str, &'static str),
         progress: &Progress,
     ) -> Result<Solution, Error> {
         let air = Air::default();
-        let levels = self.of_housing(housing, &air)?;
+        let levels = self.of_housings(housings, &air)?;
         let top_hz = levels.iter().map(|level| level.top_hz).fold(0.0, f64::max);
         let ranges = MeshRanges {
             solves: solves(&levels, &self.resolution.mean_bands(top_hz)),
-            means: self.mean_ranges(housing, top_hz, &air)?,
+            means: self.mean_ranges(housings, top_hz, &air)?,
             levels,
             lowest_hz: LOWEST_SAMPLE.min(0.1 * top_hz),
         };
@@ -154,7 +155,7 @@ impl ToolRadiation {
             surface,
             modes: &modes,
         };
-        places.check(&self.levels(&body, cap, &Air::default())?)
+        places.check(&self.levels(&[body], cap, &Air::default())?)
     }
 
     /// The housing's own mesh, its nose closed, up to the frequency that it resolves.
@@ -162,7 +163,7 @@ impl ToolRadiation {
     /// # Errors
     /// Those of the mesh.
     pub fn level(&self, body: &MovingSurface<'_>, air: &Air) -> Result<MeshRange, Error> {
-        self.finest(body, None, air)
+        self.finest(&[*body], None, air)
     }
 
     /// The housing in panels that resolve the waves at a frequency \[Hz\]: those of its own mesh, and parts of those
@@ -174,12 +175,22 @@ impl ToolRadiation {
         self.of_finer_mesh(&self.housing(body, None)?, hz, air)
     }
 
-    /// The housing's own mesh, with each mode of the cap alone behind those of the whole where it is apart.
+    /// The housing's own mesh, with each mode of the cap alone behind those of the whole where it is apart. The modes of further
+    /// bodies of the same shape follow those of the first, on the mesh of the first.
     ///
     /// # Errors
     /// As [`Self::level`], [`Error::OpenCavity`], and [`Error::NoCapSurface`].
-    pub fn finest(&self, body: &MovingSurface<'_>, cap: Option<&CapSurface>, air: &Air) -> Result<MeshRange, Error> {
-        self.of_own_mesh(&self.housing(body, cap)?, air)
+    pub fn finest(
+        &self,
+        bodies: &[MovingSurface<'_>],
+        cap: Option<&CapSurface>,
+        air: &Air,
+    ) -> Result<MeshRange, Error> {
+        joined(&self.housings(bodies, cap)?, |housing| self.of_own_mesh(housing, air))
+    }
+
+    fn housings(&self, bodies: &[MovingSurface<'_>], cap: Option<&CapSurface>) -> Result<Vec<Housing>, Error> {
+        bodies.iter().map(|body| self.housing(body, cap)).collect()
     }
 
     /// The housing's outer surface in motion.
@@ -256,9 +267,10 @@ impl ToolRadiation {
     }
 
     /// The meshes of the means above the highest single frequency.
-    fn mean_ranges(&self, housing: &Housing, top_hz: f64, air: &Air) -> Result<MeanRanges, Error> {
-        self.resolution
-            .mean_ranges(top_hz, |hz| self.of_finer_mesh(housing, hz, air))
+    fn mean_ranges(&self, housings: &[Housing], top_hz: f64, air: &Air) -> Result<MeanRanges, Error> {
+        self.resolution.mean_ranges(top_hz, |hz| {
+            joined(housings, |housing| self.of_finer_mesh(housing, hz, air))
+        })
     }
 
     /// The meshes on which the housing is solved.
@@ -267,24 +279,24 @@ impl ToolRadiation {
     /// As [`Self::finest`].
     pub fn levels(
         &self,
-        body: &MovingSurface<'_>,
+        bodies: &[MovingSurface<'_>],
         cap: Option<&CapSurface>,
         air: &Air,
     ) -> Result<Vec<MeshRange>, Error> {
-        self.of_housing(&self.housing(body, cap)?, air)
+        self.of_housings(&self.housings(bodies, cap)?, air)
     }
 
     /// The housing's mesh, below it where that saves much a coarser one of the same surface, which resolves the same waves:
     /// alone in the lower part of the range, in the upper part to predict the matrix between the few frequencies of the
     /// finer.
-    fn of_housing(&self, housing: &Housing, air: &Air) -> Result<Vec<MeshRange>, Error> {
+    fn of_housings(&self, housings: &[Housing], air: &Air) -> Result<Vec<MeshRange>, Error> {
         let panels = self.resolution.panels;
-        let fine = self.of_own_mesh(housing, air)?;
+        let fine = joined(housings, |housing| self.of_own_mesh(housing, air))?;
         let boundary = fine.problem.boundary();
         let edge = air.sound_speed / (panels * fine.top_hz);
         let worth_while = WORTH_WHILE * boundary.mesh().panels.len() as f64;
         // A coarser surface would have wide panels at the rims of gaps.
-        if !housing.rims.is_empty() {
+        if housings.iter().any(|housing| !housing.rims.is_empty()) {
             return Ok(vec![fine]);
         }
         // A surface that cannot be coarsened is solved as it is.
@@ -340,6 +352,25 @@ fn refuse_open_cavities(outline: &BoundaryMesh) -> Result<(), Error> {
     }
 }
 
+/// The mesh of the first housing in the motions of all, each carried over from its own mesh. A motion of another surface is
+/// left out; how much the rest holds is stated with every fit.
+fn joined(housings: &[Housing], range: impl Fn(&Housing) -> Result<MeshRange, Error>) -> Result<MeshRange, Error> {
+    let mut all = range(&housings[0])?;
+    for housing in &housings[1..] {
+        let other = range(housing)?;
+        let boundary = all.problem.boundary();
+        for (to, from) in all.patterns.iter_mut().zip(&other.patterns) {
+            let Some(carried) = boundary.interpolate_from(other.problem.boundary(), &from.velocities) else {
+                continue;
+            };
+            let first = to.velocities.ncols();
+            to.velocities.resize_horizontally_mut(first + carried.ncols(), 0.0);
+            to.velocities.columns_range_mut(first..).copy_from(&carried);
+        }
+    }
+    Ok(all)
+}
+
 /// Velocity patterns (corner values of the panels x modes), and behind them the same with `part` of the panels alone in
 /// motion.
 fn beside_part(velocities: DMatrix<f64>, mesh: &BoundaryMesh, part: &[bool]) -> DMatrix<f64> {
@@ -378,7 +409,8 @@ mod tests {
     use crate::graph::Graph;
     use crate::stages::bodies::BodyKind;
     use nailnoise_acoustics::bem::EquationSolver;
-    use nailnoise_meshes::Grid;
+    use nailnoise_meshes::{ElementKind, Grid, Mesh};
+    use nalgebra::Point3;
 
     /// A cube of 3 x 3 x 3 cells with a cavity that is called `plenum`, whose wall has a hole or none.
     fn outline(hole: bool) -> BoundaryMesh {
@@ -428,6 +460,68 @@ mod tests {
         }
     }
 
+    /// A cube of 0.3 m, of tetrahedra with straight sides, six in each of so many cells an axis, and where it moves as
+    /// (0, 0, z) and as (y, x, 0).
+    fn strained(divisions: usize) -> (Surface, DMatrix<f32>) {
+        let points = divisions + 1;
+        let coordinates = |number: usize| [number % points, number / points % points, number / (points * points)];
+        let step = 0.3 / divisions as f64;
+        let nodes: Vec<Point3<f64>> = (0..points.pow(3))
+            .map(|number| Point3::from(coordinates(number).map(|n| n as f64 * step)))
+            .collect();
+        let strides = [1, points, points * points];
+        // Along three edges from the lowest corner of a cell to its highest.
+        let paths = [[0, 1, 2], [1, 2, 0], [2, 0, 1], [0, 2, 1], [2, 1, 0], [1, 0, 2]];
+        let mut connectivity = Vec::new();
+        for first in (0..nodes.len()).filter(|&number| coordinates(number).iter().all(|&n| n < divisions)) {
+            for (number, [a, b, c]) in paths.into_iter().enumerate() {
+                let second = first + strides[a];
+                let third = second + strides[b];
+                let last = third + strides[c];
+                // The second half turns the other way round.
+                connectivity.extend(if number < 3 {
+                    [first, second, third, last]
+                } else {
+                    [first, second, last, third]
+                });
+            }
+        }
+        let elements = connectivity.len() / 4;
+        let surface = Surface::of(&Mesh {
+            nodes,
+            kinds: vec![ElementKind::Tet4; elements],
+            offsets: (0..=elements).map(|element| 4 * element).collect(),
+            connectivity,
+            parts: vec![0; elements],
+            part_names: vec!["cube".to_owned()],
+            groups: vec![],
+        });
+        let modes = DMatrix::from_fn(3 * surface.points.len(), 2, |dof, mode| {
+            let at = surface.points[dof / 3];
+            let displacement = [[0.0, 0.0, at.z], [at.y, at.x, 0.0]][mode][dof % 3];
+            displacement as f32
+        });
+        (surface, modes)
+    }
+
+    #[test]
+    fn the_modes_of_another_mesh_follow_on_the_first() {
+        let (elements, ..) = shaken(None);
+        let ([first, other], air) = ([2, 3].map(strained), Air::default());
+        let [own, further] = [&first, &other].map(|(surface, modes)| MovingSurface {
+            body: "tool",
+            surface,
+            modes,
+        });
+        let alone = elements.finest(&[own], None, &air).unwrap();
+        let both = elements.finest(&[own, further], None, &air).unwrap();
+        let [alone, both] = [&alone, &both].map(|range| &range.patterns[0].velocities);
+        assert!(alone.column(0).amax() > 0.2 && alone.column(1).amax() > 0.2);
+        assert_eq!((both.ncols(), both.columns(0, 2)), (4, alone.columns(0, 2)));
+        // Linear motions of flat sides arrive unchanged.
+        assert!((both.columns(2, 2) - alone).amax() < 1e-6);
+    }
+
     /// A block of 0.3 m on the ground of the tool's coordinates, in the motion of a rigid body along z, as a housing
     /// with its upper side as the cap.
     fn shaken(mean_top_hz: Option<f64>) -> (ToolRadiation, Surface, DMatrix<f32>) {
@@ -467,7 +561,7 @@ mod tests {
         let (cap, air) = (CapSurface::Named("cap_outside"), Air::default());
         let housing = elements.housing(&body, Some(&cap)).unwrap();
         let single = elements.of_own_mesh(&housing, &air).unwrap();
-        let means = elements.mean_ranges(&housing, single.top_hz, &air).unwrap();
+        let means = elements.mean_ranges(&[housing], single.top_hz, &air).unwrap();
         // The cover of its mouth is a fan of triangles.
         assert!((single.top_hz - 270.0).abs() < 1.0, "{}", single.top_hz);
         assert_eq!(means.finer.len(), 3);
@@ -504,7 +598,7 @@ mod tests {
             modes: &modes,
         };
         let housing = elements.housing(&body, None).unwrap();
-        let means = elements.mean_ranges(&housing, 270.0, &Air::default()).unwrap();
+        let means = elements.mean_ranges(&[housing], 270.0, &Air::default()).unwrap();
         assert!(means.finer.is_empty() && means.to_hz.is_none());
     }
 }
