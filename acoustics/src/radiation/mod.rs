@@ -42,7 +42,6 @@ pub(crate) use packed::PackedHermitian;
 pub use part::PartOfSurface;
 pub use rayleigh::Rayleigh;
 pub use resistance::Resistance;
-pub(crate) use sampled::ROUND;
 pub use sampled::{SampledRadiation, Sampling};
 pub use sand::{AbsorbingSand, MovingSand, miki_admittance};
 pub use spectra::ModalSpectra;

@@ -22,7 +22,7 @@ enum Norm {
 }
 
 /// Samples added to an interval at a time and computed in parallel.
-pub(crate) const ROUND: usize = 4;
+const ROUND: usize = 4;
 
 /// Widest interval if signals are interpolated to the tolerance too, as a ratio of frequencies: the root of R varies
 /// faster than R.

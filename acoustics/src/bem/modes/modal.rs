@@ -18,9 +18,7 @@ use crate::bem::modes::surface_pressures::SurfacePressures;
 use crate::checks::{InputError, same_length};
 use crate::error::AcousticsError;
 use crate::fluid_loading::Impedance;
-use crate::radiation::{
-    AveragedResistance, Erp, ModalRadiation, ModalSpectra, ROUND, Resistance, SampledRadiation, Sampling,
-};
+use crate::radiation::{AveragedResistance, Erp, ModalRadiation, ModalSpectra, Resistance, SampledRadiation, Sampling};
 use nalgebra::{Complex, DMatrix, DVector};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
@@ -33,7 +31,8 @@ const REST: &str = "far field less surface";
 /// Name of all patches of the surface together.
 const SURFACE: &str = "surface";
 
-/// Samples added at a time when a mesh corrects a coarser one that resolves the same frequencies.
+/// Samples added at a time when a mesh corrects a coarser one. They are the most expensive ones, and the difference of two meshes
+/// is smoother over frequency than the resistance itself.
 const FEW: usize = 2;
 
 /// Modal radiation of a body by boundary elements: R(f) of every parity with respect to the mirror planes.
@@ -231,9 +230,8 @@ impl ModalBem {
                 Ok(solved.map(|solved| solved.resistances()).collect())
             };
             let mut found = SampledRadiation::of_rounds("BEM", &counts, &patches, &range, |hz| at(predictor, hz))?;
-            let round = if follows { FEW } else { ROUND };
             let correction = match &coarser {
-                Some(_) => SampledRadiation::correct(&mut found, (&range, round), |hz| at(&solver, hz))?,
+                Some(_) => SampledRadiation::correct(&mut found, (&range, FEW), |hz| at(&solver, hz))?,
                 None => None,
             };
             // All parities are sampled at the same frequencies.
