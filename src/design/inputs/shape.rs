@@ -1,11 +1,11 @@
 //! Standard bodies: the shape of a design's bodies with the materials, the nail and its place, the tool's walls, lumped
 //! masses and places of loads of the N80CB.
 //!
-//! The radiation of boundary elements is solved for the modes of these bodies, and kept. Assumption: on the outer surface
-//! the modes of any body of this shape combine from them. How well is stated for every design. Where it does not hold, a
-//! second structure of other materials, for the tool also of other walls, is added to them ([`varied`]). Where that does not hold either, the radiation is solved for
-//! the design's own modes. For a design with the N80CB's own materials the standard bodies are its bodies, and nothing is
-//! assumed.
+//! The radiation of boundary elements is solved for the modes of these bodies, and kept. Assumption: on the outer surface the
+//! modes of any body of this shape combine from them. How well is stated for every design. Where it does not hold, a second
+//! structure of other materials, for the tool also of other walls, is added to them ([`varied`]). Where that does not hold
+//! either, the radiation is solved for the design's own modes. For a design with the N80CB's own materials the standard bodies
+//! are its bodies, and nothing is assumed.
 
 use std::sync::OnceLock;
 
@@ -46,10 +46,11 @@ const WITHIN_TOOL: [&str; 7] = [
 /// one structure; with a second they lacked up to 6e-4, at these places as at a tenth and nine tenths, in this order or the other.
 const RANGE_SHARES: [f64; 2] = [0.75, 0.25];
 
-/// Places in the ranges of [`WITHIN_TOOL`], alternately. Of ten draws of walls, materials and lumped masses, one structure lacked up to
-/// 4.5e-3, and more than 1e-3 in five; with a second these lacked 2.3e-4 to 4.2e-4, and one 1.3e-3. A magazine of 2 mm lacks 6.4e-3 with one and 4.6e-4 with two, where places at three
-/// quarters and a quarter leave 2.1e-3. One of 1.5 mm, at the end of its range, lacks 3.1e-2 with one and 1.4e-3 with two; 2.7e-3 with
-/// places at a quarter and three quarters, and 1.9e-3 at 0.02 and 0.98.
+/// Places in the ranges of [`WITHIN_TOOL`], alternately. Of ten draws of walls, materials and lumped masses, one structure lacked
+/// up to 4.5e-3, and more than 1e-3 in five; with a second these lacked 2.3e-4 to 4.2e-4, and one 1.3e-3. A magazine of 2 mm
+/// lacks 6.4e-3 with one and 4.6e-4 with two, where places at three quarters and a quarter leave 2.1e-3. One of 1.5 mm, at the
+/// end of its range, lacks 3.1e-2 with one and 1.4e-3 with two; 2.7e-3 with places at a quarter and three quarters, and 1.9e-3 at
+/// 0.02 and 0.98.
 const TOOL_SHARES: [f64; 2] = [0.1, 0.9];
 
 /// Largest difference of the barrel's radii \[m\] that is rounding.
