@@ -1,5 +1,7 @@
 //! What a run requires of a body, checked as soon as it is meshed and before time is spent on its modes.
 
+use std::sync::Arc;
+
 use nailnoise_meshes::Surface;
 use serde::{Deserialize, Serialize};
 
@@ -68,14 +70,18 @@ impl Stage for Requirements {
 
     fn compute(&self, _: &Progress) -> Result<Usable, Error> {
         let (meshed, body) = (self.meshed.get()?, self.kind.name());
+        let of_model = self.model.get().map(drop);
+        let others = match &self.radiating {
+            Some(Radiating::Workpiece(_, bodies, _)) => all(bodies)?,
+            _ => Vec::new(),
+        };
         // Independent of each other; what they find keeps its order.
-        let of_model = || self.model.get().map(drop);
         let of_pieces = || meshed.check_pieces(body);
         let of_radiation = || match &self.radiating {
-            Some(radiating) => radiating.check(&Surface::of(&meshed.imported.mesh)),
+            Some(radiating) => radiating.check(&Surface::of(&meshed.imported.mesh), &others),
             None => Ok(()),
         };
-        let ((of_model, of_pieces), of_radiation) = rayon::join(|| rayon::join(of_model, of_pieces), of_radiation);
+        let (of_pieces, of_radiation) = rayon::join(of_pieces, of_radiation);
         let mut problems = Vec::new();
         let mut check = |result: Result<(), Error>| problems.extend(result.err().into_iter().flat_map(Error::parts));
         check(of_model);
@@ -98,15 +104,12 @@ impl Stage for Requirements {
 }
 
 impl Radiating {
-    fn check(&self, own: &Surface) -> Result<(), Error> {
+    fn check(&self, own: &Surface, others: &[Arc<Meshed>]) -> Result<(), Error> {
         match self {
             Self::Tool(radiation, cap, places) => radiation.check(own, cap.as_ref(), places),
-            Self::Workpiece(radiation, bodies, places) => {
-                let surfaces: Vec<Surface> = all(bodies)?
-                    .iter()
-                    .map(|meshed| Surface::of(&meshed.imported.mesh))
-                    .collect();
-                radiation.check(&surfaces, places)
+            Self::Workpiece(radiation, _, places) => {
+                let surfaces = others.iter().map(|meshed| Surface::of(&meshed.imported.mesh));
+                radiation.check(&surfaces.collect::<Vec<_>>(), places)
             }
         }
     }

@@ -9,7 +9,7 @@
 
 use std::sync::OnceLock;
 
-use nailnoise_meshes::ToolDimensions;
+use nailnoise_meshes::{ToolDimensions, gmsh};
 
 use super::bodies::geometry;
 use crate::design::{Design, Entry, Value};
@@ -77,7 +77,7 @@ fn varied() -> Option<&'static Design> {
         let of_tool = at_shares(&entries, &WITHIN_TOOL, TOOL_SHARES);
         let changes: Vec<(&str, Value)> = of_block_and_table.chain(of_tool).collect();
         design.set(&changes).ok()?;
-        // Its modes then also serve for other masses, and it is lighter than any tool.
+        // Its mass need not be that of the tool.
         design.body.lumped = false;
         Some(design)
     };
@@ -159,8 +159,8 @@ fn with_inside_of(dimensions: &ToolDimensions, from: &ToolDimensions) -> ToolDim
 pub(crate) struct Standards {
     /// With the materials and the nail of the N80CB.
     pub(crate) first: Design,
-    /// With other materials, and other walls of a tool that has the outer dimensions of the N80CB, for motion that the first does not
-    /// hold.
+    /// With other materials, and other walls of a tool that has the outer dimensions of the N80CB, for motion that the first does
+    /// not hold; none where a mesh of it could not be made.
     pub(crate) second: Option<Design>,
 }
 
@@ -179,11 +179,17 @@ pub(crate) fn standards(design: &Design, kinds: &[BodyKind]) -> Result<Option<St
     }
     let mut second = varied().map(|varied| with_materials_of(design, varied));
     if let Some(varied) = &second
-        && !same_meshes(&first, varied, kinds)?
+        && !(same_meshes(&first, varied, kinds)? && can_mesh(varied, kinds)?)
     {
         second = None;
     }
     Ok(Some(Standards { first, second }))
+}
+
+/// Whether the tool of a design can be meshed: a tool whose own mesh ships must not need gmsh.
+fn can_mesh(design: &Design, kinds: &[BodyKind]) -> Result<bool, Error> {
+    let of_tool = !kinds.contains(&BodyKind::Tool) || !geometry(design, BodyKind::Tool, false)?.mesh.needs_gmsh();
+    Ok(of_tool || gmsh::is_found())
 }
 
 /// Whether the bodies of two designs have the same outer surfaces.

@@ -26,12 +26,12 @@ use crate::stages::{Code, Input, NotKept, Postcard, Progress, Stage, Stored, all
 /// others are added, or the matrix is solved for the body's own modes.
 const LIMIT: f64 = 1e-3;
 
-/// The same for the first of two structures of a tool. With walls of which one lacks 1.4e-4 and 3.6e-4, levels of the tool differed
+/// The same for a single structure of a tool. With walls of which one lacks 1.4e-4 and 3.6e-4, levels of the tool differed
 /// by up to 0.025 and 0.28 dB (at 8 kHz, above boundary elements, where the damping by radiation is that of the fit); with two, of which
 /// they lack 2.3e-5 and 1.7e-5, by 0.004 and 0.008 dB. Alloys and masses of which one lacks at most 1.2e-5 differed by 0.003 dB.
 const LIMIT_OF_FIRST_TOOL: f64 = 5e-5;
 
-/// The same for both structures of a tool. Walls of which they lack 3.6e-4, 4.2e-4 and 5.6e-4 gave levels that differed by up to 0.006,
+/// The same for two structures of a tool. Walls of which they lack 3.6e-4, 4.2e-4 and 5.6e-4 gave levels that differed by up to 0.006,
 /// 0.016 and 0.034 dB.
 const LIMIT_OF_BOTH_TOOLS: f64 = 5e-4;
 
@@ -85,8 +85,8 @@ impl RadiatingShape {
         let air = Air::default();
         match self {
             Self::Workpiece(elements) => elements.finest(surfaces, &air),
-            Self::Tool(elements) => elements.finest(surfaces, None, &air).map(Some),
-            Self::Cap(elements, cap) => elements.finest(surfaces, Some(cap), &air).map(Some),
+            Self::Tool(elements) => elements.finest(surfaces, None, &air),
+            Self::Cap(elements, cap) => elements.finest(surfaces, Some(cap), &air),
         }
     }
 
@@ -100,11 +100,11 @@ impl RadiatingShape {
         }
     }
 
-    /// Largest share of the energy that the modes of standard bodies may lack, after which others may be tried or not.
-    pub(crate) fn limit(&self, others: bool) -> f64 {
+    /// Largest share of the energy that the modes of some standard structures may lack.
+    pub(crate) fn limit(&self, structures: usize) -> f64 {
         match self {
             Self::Workpiece(_) => LIMIT,
-            Self::Tool(_) | Self::Cap(..) if others => LIMIT_OF_FIRST_TOOL,
+            Self::Tool(_) | Self::Cap(..) if structures < 2 => LIMIT_OF_FIRST_TOOL,
             Self::Tool(_) | Self::Cap(..) => LIMIT_OF_BOTH_TOOLS,
         }
     }

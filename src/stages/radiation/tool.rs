@@ -126,10 +126,11 @@ impl ToolRadiation {
     ) -> Result<Solution, Error> {
         let air = Air::default();
         let levels = self.of_housings(housings, &air)?;
-        let top_hz = levels.iter().map(|level| level.top_hz).fold(0.0, f64::max);
+        let finest = levels.last().ok_or(OTHER_SURFACE)?;
+        let top_hz = finest.top_hz;
         let ranges = MeshRanges {
             solves: solves(&levels, &self.resolution.mean_bands(top_hz)),
-            means: self.mean_ranges(housings, top_hz, &air)?,
+            means: self.mean_ranges(&housings[0], finest, &air)?,
             levels,
             lowest_hz: LOWEST_SAMPLE.min(0.1 * top_hz),
         };
@@ -163,7 +164,7 @@ impl ToolRadiation {
     /// # Errors
     /// Those of the mesh.
     pub fn level(&self, body: &MovingSurface<'_>, air: &Air) -> Result<MeshRange, Error> {
-        self.finest(&[*body], None, air)
+        self.finest(&[*body], None, air)?.ok_or(OTHER_SURFACE)
     }
 
     /// The housing in panels that resolve the waves at a frequency \[Hz\]: those of its own mesh, and parts of those
@@ -176,7 +177,7 @@ impl ToolRadiation {
     }
 
     /// The housing's own mesh, with each mode of the cap alone behind those of the whole where it is apart. The modes of further
-    /// bodies of the same shape follow those of the first, on the mesh of the first.
+    /// bodies of the same shape follow those of the first, on the mesh of the first; none where their surfaces differ.
     ///
     /// # Errors
     /// As [`Self::level`], [`Error::OpenCavity`], and [`Error::NoCapSurface`].
@@ -185,8 +186,23 @@ impl ToolRadiation {
         bodies: &[MovingSurface<'_>],
         cap: Option<&CapSurface>,
         air: &Air,
-    ) -> Result<MeshRange, Error> {
-        joined(&self.housings(bodies, cap)?, |housing| self.of_own_mesh(housing, air))
+    ) -> Result<Option<MeshRange>, Error> {
+        self.joined(&self.housings(bodies, cap)?, air)
+    }
+
+    /// The mesh of the first housing in the motions of all, each carried over from its own mesh; none where the surfaces differ.
+    fn joined(&self, housings: &[Housing], air: &Air) -> Result<Option<MeshRange>, Error> {
+        let mut all = self.of_own_mesh(&housings[0], air)?;
+        for housing in &housings[1..] {
+            let other = self.of_own_mesh(housing, air)?;
+            let boundary = all.problem.boundary();
+            for (to, from) in all.patterns.iter_mut().zip(&other.patterns) {
+                let carried = boundary.interpolate_from(other.problem.boundary(), &from.velocities);
+                let Some(carried) = carried else { return Ok(None) };
+                append(&mut to.velocities, &carried);
+            }
+        }
+        Ok(Some(all))
     }
 
     fn housings(&self, bodies: &[MovingSurface<'_>], cap: Option<&CapSurface>) -> Result<Vec<Housing>, Error> {
@@ -266,10 +282,18 @@ impl ToolRadiation {
         })
     }
 
-    /// The meshes of the means above the highest single frequency.
-    fn mean_ranges(&self, housings: &[Housing], top_hz: f64, air: &Air) -> Result<MeanRanges, Error> {
-        self.resolution.mean_ranges(top_hz, |hz| {
-            joined(housings, |housing| self.of_finer_mesh(housing, hz, air))
+    /// The meshes of the means above the highest single frequency, with the motions of further bodies as the finest mesh below has
+    /// them.
+    fn mean_ranges(&self, housing: &Housing, finest: &MeshRange, air: &Air) -> Result<MeanRanges, Error> {
+        self.resolution.mean_ranges(finest.top_hz, |hz| {
+            let mut finer = self.of_finer_mesh(housing, hz, air)?;
+            let boundary = finer.problem.boundary();
+            for (to, from) in finer.patterns.iter_mut().zip(&finest.patterns) {
+                let further = from.velocities.columns_range(to.velocities.ncols()..).into_owned();
+                let carried = boundary.interpolate_from(finest.problem.boundary(), &further);
+                append(&mut to.velocities, &carried.ok_or(OTHER_SURFACE)?);
+            }
+            Ok(finer)
         })
     }
 
@@ -291,12 +315,12 @@ impl ToolRadiation {
     /// finer.
     fn of_housings(&self, housings: &[Housing], air: &Air) -> Result<Vec<MeshRange>, Error> {
         let panels = self.resolution.panels;
-        let fine = joined(housings, |housing| self.of_own_mesh(housing, air))?;
+        let fine = self.joined(housings, air)?.ok_or(OTHER_SURFACE)?;
         let boundary = fine.problem.boundary();
         let edge = air.sound_speed / (panels * fine.top_hz);
         let worth_while = WORTH_WHILE * boundary.mesh().panels.len() as f64;
         // A coarser surface would have wide panels at the rims of gaps.
-        if housings.iter().any(|housing| !housing.rims.is_empty()) {
+        if !housings[0].rims.is_empty() {
             return Ok(vec![fine]);
         }
         // A surface that cannot be coarsened is solved as it is.
@@ -352,23 +376,15 @@ fn refuse_open_cavities(outline: &BoundaryMesh) -> Result<(), Error> {
     }
 }
 
-/// The mesh of the first housing in the motions of all, each carried over from its own mesh. A motion of another surface is
-/// left out; how much the rest holds is stated with every fit.
-fn joined(housings: &[Housing], range: impl Fn(&Housing) -> Result<MeshRange, Error>) -> Result<MeshRange, Error> {
-    let mut all = range(&housings[0])?;
-    for housing in &housings[1..] {
-        let other = range(housing)?;
-        let boundary = all.problem.boundary();
-        for (to, from) in all.patterns.iter_mut().zip(&other.patterns) {
-            let Some(carried) = boundary.interpolate_from(other.problem.boundary(), &from.velocities) else {
-                continue;
-            };
-            let first = to.velocities.ncols();
-            to.velocities.resize_horizontally_mut(first + carried.ncols(), 0.0);
-            to.velocities.columns_range_mut(first..).copy_from(&carried);
-        }
-    }
-    Ok(all)
+/// Bodies whose surfaces differ have no common modes.
+const OTHER_SURFACE: Error = Error::OtherModes {
+    body: "standard bodies",
+};
+
+fn append(velocities: &mut DMatrix<f64>, further: &DMatrix<f64>) {
+    let first = velocities.ncols();
+    velocities.resize_horizontally_mut(first + further.ncols(), 0.0);
+    velocities.columns_range_mut(first..).copy_from(further);
 }
 
 /// Velocity patterns (corner values of the panels x modes), and behind them the same with `part` of the panels alone in
@@ -513,8 +529,8 @@ mod tests {
             surface,
             modes,
         });
-        let alone = elements.finest(&[own], None, &air).unwrap();
-        let both = elements.finest(&[own, further], None, &air).unwrap();
+        let alone = elements.finest(&[own], None, &air).unwrap().unwrap();
+        let both = elements.finest(&[own, further], None, &air).unwrap().unwrap();
         let [alone, both] = [&alone, &both].map(|range| &range.patterns[0].velocities);
         assert!(alone.column(0).amax() > 0.2 && alone.column(1).amax() > 0.2);
         assert_eq!((both.ncols(), both.columns(0, 2)), (4, alone.columns(0, 2)));
@@ -561,7 +577,7 @@ mod tests {
         let (cap, air) = (CapSurface::Named("cap_outside"), Air::default());
         let housing = elements.housing(&body, Some(&cap)).unwrap();
         let single = elements.of_own_mesh(&housing, &air).unwrap();
-        let means = elements.mean_ranges(&[housing], single.top_hz, &air).unwrap();
+        let means = elements.mean_ranges(&housing, &single, &air).unwrap();
         // The cover of its mouth is a fan of triangles.
         assert!((single.top_hz - 270.0).abs() < 1.0, "{}", single.top_hz);
         assert_eq!(means.finer.len(), 3);
@@ -598,7 +614,8 @@ mod tests {
             modes: &modes,
         };
         let housing = elements.housing(&body, None).unwrap();
-        let means = elements.mean_ranges(&[housing], 270.0, &Air::default()).unwrap();
+        let single = elements.of_own_mesh(&housing, &Air::default()).unwrap();
+        let means = elements.mean_ranges(&housing, &single, &Air::default()).unwrap();
         assert!(means.finer.is_empty() && means.to_hz.is_none());
     }
 }

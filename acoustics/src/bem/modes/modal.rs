@@ -31,9 +31,9 @@ const REST: &str = "far field less surface";
 /// Name of all patches of the surface together.
 const SURFACE: &str = "surface";
 
-/// Samples added at a time when a mesh corrects a coarser one. They are the most expensive ones, and the difference of two meshes
-/// is smoother over frequency than the resistance itself.
-const FEW: usize = 2;
+/// Samples added at a time when a mesh corrects a coarser one, which are the most expensive ones: where the coarser mesh resolves the
+/// same frequencies, so that the difference is smooth, and where it does not.
+const FEW: [usize; 2] = [2, 3];
 
 /// Modal radiation of a body by boundary elements: R(f) of every parity with respect to the mirror planes.
 ///
@@ -230,8 +230,9 @@ impl ModalBem {
                 Ok(solved.map(|solved| solved.resistances()).collect())
             };
             let mut found = SampledRadiation::of_rounds("BEM", &counts, &patches, &range, |hz| at(predictor, hz))?;
+            let round = FEW[usize::from(!follows)];
             let correction = match &coarser {
-                Some(_) => SampledRadiation::correct(&mut found, (&range, FEW), |hz| at(&solver, hz))?,
+                Some(_) => SampledRadiation::correct(&mut found, (&range, round), |hz| at(&solver, hz))?,
                 None => None,
             };
             // All parities are sampled at the same frequencies.

@@ -5,7 +5,7 @@ use crate::bem::modes::mesh_range::MeshRange;
 use crate::bem::modes::packed_pressure::PackedPressure;
 use crate::bem::modes::summary::Summary;
 use crate::bem::solver::neumann::{NeumannData, Patterns};
-use crate::bem::solver::problem::{Assembly, Exterior, SurfacePressure};
+use crate::bem::solver::problem::{Exterior, SurfacePressure, Threads};
 use crate::bem::solver::sweep::{EquationSweep, Origin};
 use crate::error::AcousticsError;
 use crate::radiation::{PackedHermitian, Resistance};
@@ -115,12 +115,12 @@ impl<'a> RangeSolver<'a> {
     pub(crate) fn at(&self, hz: f64) -> Result<Arc<Solved>, AcousticsError> {
         match self.known(hz) {
             Some(known) => Ok(known),
-            None => self.solve(hz, Assembly::Serial),
+            None => self.solve(hz, Threads::One),
         }
     }
 
-    fn solve(&self, hz: f64, assembly: Assembly) -> Result<Arc<Solved>, AcousticsError> {
-        self.evaluated(hz, &self.problem.solve_prepared(hz, &self.data, assembly)?)
+    fn solve(&self, hz: f64, threads: Threads) -> Result<Arc<Solved>, AcousticsError> {
+        self.evaluated(hz, &self.problem.solve_prepared(hz, &self.data, threads)?, threads)
     }
 
     /// Solutions at several frequencies, in parallel.
@@ -130,7 +130,7 @@ impl<'a> RangeSolver<'a> {
         new.dedup();
         match &self.sweep {
             Some(sweep) => self.sweep_over(&mut sweep.lock().unwrap_or_else(PoisonError::into_inner), &new)?,
-            None => each_of(&new, |&hz, assembly| self.solve(hz, assembly)).map(drop)?,
+            None => each_of(&new, |&hz, threads| self.solve(hz, threads)).map(drop)?,
         }
         hz.iter().map(|&hz| self.at(hz)).collect()
     }
@@ -148,10 +148,10 @@ impl<'a> RangeSolver<'a> {
                 Origin::Interpolate(weights) => interpolated.push((hz, weights)),
             }
         }
-        let kept = each_of(&assembled, |&(hz, number), assembly| {
-            let sums = self.problem.equations(hz, &self.data, assembly)?;
+        let kept = each_of(&assembled, |&(hz, number), threads| {
+            let sums = self.problem.equations(hz, &self.data, threads)?;
             let kept = number.map(|number| (number, sweep.without_phase(&self.problem, hz, &sums)));
-            self.evaluated(hz, &self.problem.solutions(hz, sums, &self.data))?;
+            self.evaluated(hz, &self.problem.solutions(hz, sums, &self.data, threads), threads)?;
             Ok(kept)
         });
         match kept {
@@ -165,9 +165,9 @@ impl<'a> RangeSolver<'a> {
                 return Err(error);
             }
         }
-        each_of(&interpolated, |(hz, weights), _| {
-            let sums = sweep.interpolate(&self.problem, weights);
-            self.evaluated(*hz, &self.problem.solutions(*hz, sums, &self.data))
+        each_of(&interpolated, |(hz, weights), threads| {
+            let sums = sweep.interpolate(&self.problem, weights, threads);
+            self.evaluated(*hz, &self.problem.solutions(*hz, sums, &self.data, threads), threads)
                 .map(drop)
         })?;
         Ok(())
@@ -179,8 +179,13 @@ impl<'a> RangeSolver<'a> {
     }
 
     /// Both evaluations of the resistance by the pressures of one frequency.
-    fn evaluated(&self, hz: f64, solutions: &[SurfacePressure]) -> Result<Arc<Solved>, AcousticsError> {
-        let two = self.problem.two_evaluations(&self.data, solutions)?;
+    fn evaluated(
+        &self,
+        hz: f64,
+        solutions: &[SurfacePressure],
+        threads: Threads,
+    ) -> Result<Arc<Solved>, AcousticsError> {
+        let two = self.problem.two_evaluations(&self.data, solutions, threads)?;
         {
             let mut worst = self.worst.lock().unwrap_or_else(PoisonError::into_inner);
             let loudest = two.iter().map(|t| t.far_field.amax()).fold(0.0, f64::max);
@@ -275,15 +280,15 @@ impl<'a> RangeSolver<'a> {
     }
 }
 
-/// Treats an even number of frequencies in parallel, each serially, because all take equally long; the last of an odd number is
-/// shared by threads. The error is that of the first frequency that has one.
+/// Treats an even number of frequencies in parallel, each by one thread, because all take equally long; two threads share
+/// the last of an odd number. The error is that of the first frequency that has one.
 fn each_of<T: Sync, R: Send>(
     frequencies: &[T],
-    one: impl Fn(&T, Assembly) -> Result<R, AcousticsError> + Sync,
+    one: impl Fn(&T, Threads) -> Result<R, AcousticsError> + Sync,
 ) -> Result<Vec<R>, AcousticsError> {
     let (even, last) = frequencies.split_at(frequencies.len() / 2 * 2);
-    let serially = even.par_iter().with_max_len(1).map(|item| one(item, Assembly::Serial));
+    let serially = even.par_iter().with_max_len(1).map(|item| one(item, Threads::One));
     let mut found: Vec<_> = serially.collect();
-    found.extend(last.iter().map(|item| one(item, Assembly::Halves)));
+    found.extend(last.iter().map(|item| one(item, Threads::Two)));
     found.into_iter().collect()
 }

@@ -32,7 +32,7 @@ impl Sums {
     }
 
     /// `factor` times the matrix and the right-hand sides as one array, column by column, real before imaginary part of each
-    /// value; after [`Sums::join`].
+    /// value; after [`Sums::joined`].
     pub(crate) fn flat(&self, factor: Complex<f64>) -> Vec<f32> {
         let [re, im] = &self.right;
         let (n, patterns) = re.shape();
@@ -79,7 +79,7 @@ impl Sums {
         sums
     }
 
-    /// Adds the sums of other tiles, before [`Sums::join`].
+    /// Adds the sums of other tiles, before [`Sums::joined`].
     pub(crate) fn add(&mut self, other: &Self) {
         self.matrix += &other.matrix;
         self.transposed += &other.transposed;
@@ -89,8 +89,8 @@ impl Sums {
             .for_each(|(to, from)| *to += from);
     }
 
-    /// Adds both parts of the matrix, square by square.
-    pub(crate) fn join(&mut self) {
+    /// With both parts of the matrix added, square by square.
+    pub(crate) fn joined(mut self) -> Self {
         const SIDE: usize = 32;
         let n = self.matrix.nrows();
         for (left, top) in (0..n)
@@ -105,9 +105,10 @@ impl Sums {
             }
         }
         self.transposed = Mat::new();
+        self
     }
 
-    /// Replaces the equation of an unknown by the condition that it is zero; after [`Sums::join`].
+    /// Replaces the equation of an unknown by the condition that it is zero; after [`Sums::joined`].
     pub(crate) fn hold(&mut self, node: usize) {
         self.matrix
             .row_mut(node)
@@ -122,7 +123,7 @@ impl Sums {
 
     /// `factor` times the inverse of the matrix times the right-hand sides, unknowns x patterns.
     ///
-    /// After [`Sums::join`]. In single precision; if the residual of a mixture of all patterns exceeds [`RESIDUAL`], in
+    /// After [`Sums::joined`]. In single precision; if the residual of a mixture of all patterns exceeds [`RESIDUAL`], in
     /// double precision.
     pub(crate) fn solve(self, factor: Complex<f64>) -> DMatrix<Complex<f64>> {
         let [re, im] = &self.right;
@@ -212,8 +213,7 @@ mod tests {
                 sums.right[1][(i, m)] = 0.1 * m as f64;
             }
         }
-        sums.join();
-        sums
+        sums.joined()
     }
 
     fn residuals(tilt: f64, diagonal: f64) -> [f64; 3] {

@@ -7,7 +7,7 @@ use crate::bem::operators::blocks::{Block, N, W, X, fields};
 use crate::bem::operators::far::corner_values;
 use crate::bem::operators::kernel::load;
 use crate::bem::solver::neumann::at_points;
-use crate::bem::solver::problem::{Exterior, SurfacePressure};
+use crate::bem::solver::problem::{Exterior, SurfacePressure, Threads};
 use crate::checks::same_length;
 use crate::trig::single::sin_cos;
 use faer::linalg::matmul::matmul;
@@ -16,14 +16,13 @@ use nailnoise_meshes::FaceKind;
 use nailnoise_meshes::gauss_legendre;
 use nalgebra::{DMatrix, Vector3};
 use pulp::{Arch, Simd, WithSimd};
-use rayon::prelude::*;
 use rustfft::num_complex::Complex;
 use std::f64::consts::{PI, TAU};
 
 /// Directions worked on at once.
 const CHUNK: usize = 48;
 
-/// Shares of the directions that threads take.
+/// Shares of the directions that two threads take.
 const SHARES: usize = 2;
 
 /// A quadrature point: position, vector area, area, unknowns and velocity values with their corner functions.
@@ -59,7 +58,7 @@ impl Exterior {
         solution: &SurfacePressure,
     ) -> Result<DMatrix<f64>, BemError> {
         self.check_velocities(velocities)?;
-        let mut all = self.far_field_resistances(&[(&at_points(self.blocks(), velocities), solution)])?;
+        let mut all = self.far_field_resistances(&[(&at_points(self.blocks(), velocities), solution)], Threads::One)?;
         Ok(all.pop().unwrap_or_default())
     }
 
@@ -68,6 +67,7 @@ impl Exterior {
     pub(crate) fn far_field_resistances(
         &self,
         all: &[(&Mat<f32>, &SurfacePressure)],
+        threads: Threads,
     ) -> Result<Vec<DMatrix<f64>>, BemError> {
         let boundary = self.boundary();
         for (_, solution) in all {
@@ -90,7 +90,7 @@ impl Exterior {
         };
         // Shares that threads can take, the same on any number of them.
         let share = directions.len().div_ceil(SHARES).next_multiple_of(CHUNK).max(CHUNK);
-        let shares: Vec<Vec<Mat<f64>>> = directions.par_chunks(share).map(of_share).collect();
+        let shares = threads.map(directions.chunks(share).collect(), of_share);
         let mut totals: Vec<Mat<f64>> = all.iter().map(|(v, _)| Mat::zeros(v.nrows(), v.nrows())).collect();
         for share in shares {
             totals.iter_mut().zip(share).for_each(|(total, part)| *total += part);

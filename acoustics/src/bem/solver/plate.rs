@@ -17,7 +17,7 @@ use crate::bem::error::BemError;
 use crate::bem::mesh::boundary::Boundary;
 use crate::bem::operators::wave::Wave;
 use crate::bem::solver::neumann::Patterns;
-use crate::bem::solver::problem::{Assembly, Exterior, SurfacePressure};
+use crate::bem::solver::problem::{Exterior, SurfacePressure, Threads};
 use crate::checks::positive;
 use nalgebra::{Complex, DMatrix};
 use std::f64::consts::PI;
@@ -73,7 +73,7 @@ impl Plate {
         let mut pressure = DMatrix::zeros(self.boundary().nodes(), data.count());
         for mut sums in self
             .surface
-            .integrals(Wave { k, coupling }, std::slice::from_ref(&data), Assembly::Serial)
+            .integrals(Wave { k, coupling }, std::slice::from_ref(&data), Threads::One)
         {
             match self.wetted {
                 Wetted::OneInBaffle => self.surface.add_mass(&mut sums.matrix, 0.5),

@@ -86,13 +86,24 @@ impl EquationSolver {
     }
 }
 
-/// How the kernels of a frequency are evaluated. The sums of the two ways differ by rounding.
+/// How many threads may work on one frequency. With two the kernels are summed in two halves: the equations differ by rounding.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Assembly {
-    /// One after another, which needs the least memory.
-    Serial,
-    /// In halves that two threads can share, for a frequency that is solved alone.
-    Halves,
+pub(crate) enum Threads {
+    /// Where every thread has a frequency of its own. A thread that waited for a part of one would begin another one, with its own
+    /// matrices.
+    One,
+    /// For a frequency that is solved alone.
+    Two,
+}
+
+impl Threads {
+    /// Maps the parities of a frequency.
+    pub(crate) fn map<T: Send, R: Send>(self, items: Vec<T>, of: impl Fn(T) -> R + Send + Sync) -> Vec<R> {
+        match self {
+            Self::One => items.into_iter().map(of).collect(),
+            Self::Two => items.into_par_iter().map(of).collect(),
+        }
+    }
 }
 
 /// How the coupling parameter alpha varies with the wavenumber.
@@ -284,20 +295,19 @@ impl Exterior {
     }
 
     /// Pressure on the surface for patterns of several parities: the kernels are evaluated once, every parity has one
-    /// matrix and one factorisation for all its patterns. Threads share the parities.
+    /// matrix and one factorisation for all its patterns; on one thread.
     ///
     /// # Errors
     /// As [`Exterior::solve`].
     pub fn solve_parities(&self, hz: f64, patterns: &[Patterns]) -> Result<Vec<SurfacePressure>, BemError> {
-        self.solve_prepared(hz, &self.prepared(hz, patterns)?, Assembly::Serial)
+        self.solve_prepared(hz, &self.prepared(hz, patterns)?, Threads::One)
     }
 
     /// Patterns as the equations take them, for a frequency that the mesh resolves.
     pub(crate) fn prepared(&self, hz: f64, patterns: &[Patterns]) -> Result<Vec<NeumannData>, BemError> {
         positive("frequency [Hz]", hz)?;
         self.check_resolution(hz)?;
-        let data: Vec<_> = patterns.par_iter().map(|p| self.neumann_data(p)).collect();
-        data.into_iter().collect()
+        patterns.iter().map(|p| self.neumann_data(p)).collect()
     }
 
     /// The same for prepared patterns.
@@ -305,36 +315,42 @@ impl Exterior {
         &self,
         hz: f64,
         all: &[NeumannData],
-        assembly: Assembly,
+        threads: Threads,
     ) -> Result<Vec<SurfacePressure>, BemError> {
         if self.is_compressed() {
             self.check_resolution(hz)?;
             return self.solve_compressed(hz, all);
         }
-        Ok(self.solutions(hz, self.equations(hz, all, assembly)?, all))
+        Ok(self.solutions(hz, self.equations(hz, all, threads)?, all, threads))
     }
 
     /// 1/2 - K + alpha W, and (S + alpha (1/2 + K')) v, for every parity at the frequency `hz`.
     ///
     /// # Errors
     /// A frequency above what the mesh resolves.
-    pub(crate) fn equations(&self, hz: f64, all: &[NeumannData], assembly: Assembly) -> Result<Vec<Sums>, BemError> {
+    pub(crate) fn equations(&self, hz: f64, all: &[NeumannData], threads: Threads) -> Result<Vec<Sums>, BemError> {
         self.check_resolution(hz)?;
-        Ok(self.assemble(self.wave(hz), all, assembly))
+        Ok(self.assemble(self.wave(hz), all, threads))
     }
 
     /// The pressures that solve the equations of a frequency, or equations that differ by a factor on both sides.
-    pub(crate) fn solutions(&self, hz: f64, sums: Vec<Sums>, all: &[NeumannData]) -> Vec<SurfacePressure> {
+    pub(crate) fn solutions(
+        &self,
+        hz: f64,
+        sums: Vec<Sums>,
+        all: &[NeumannData],
+        threads: Threads,
+    ) -> Vec<SurfacePressure> {
         let factor = self.right_hand_factor(hz);
-        let solved = sums.into_par_iter().zip(all).map(|(mut sums, data)| {
+        let parities: Vec<_> = sums.into_iter().zip(all).collect();
+        threads.map(parities, |(mut sums, data)| {
             self.hold_odd(data.parity(), &mut sums);
             SurfacePressure {
                 hz,
                 parity: data.parity(),
                 pressure: sums.solve(factor),
             }
-        });
-        solved.collect()
+        })
     }
 
     /// Factor j omega rho of the right-hand side: with dp/dn = -j omega rho v, -(S + alpha K' + alpha/2) dp/dn is
@@ -393,8 +409,8 @@ impl Exterior {
     }
 
     /// 1/2 - K + alpha W, and (S + alpha (1/2 + K')) v, for every parity.
-    fn assemble(&self, wave: Wave, all: &[NeumannData], assembly: Assembly) -> Vec<Sums> {
-        let mut sums = self.integrals(wave, all, assembly);
+    fn assemble(&self, wave: Wave, all: &[NeumannData], threads: Threads) -> Vec<Sums> {
+        let mut sums = self.integrals(wave, all, threads);
         for (sums, data) in sums.iter_mut().zip(all) {
             self.add_mass(&mut sums.matrix, 0.5);
             // alpha is imaginary.
@@ -404,22 +420,21 @@ impl Exterior {
     }
 
     /// -K + alpha W, and (S + alpha K') v, for every parity.
-    pub(crate) fn integrals(&self, wave: Wave, all: &[NeumannData], assembly: Assembly) -> Vec<Sums> {
+    pub(crate) fn integrals(&self, wave: Wave, all: &[NeumannData], threads: Threads) -> Vec<Sums> {
         let near = self.near().at(&self.boundary, wave.k);
         let of_every = |step: usize, first: usize| {
             let rows = (first..self.blocks.len()).step_by(step);
             self.integrals_of_blocks(wave, all, &near, rows)
         };
-        let mut sums = match assembly {
-            Assembly::Serial => of_every(1, 0),
-            Assembly::Halves => {
+        let sums = match threads {
+            Threads::One => of_every(1, 0),
+            Threads::Two => {
                 let (mut even, odd) = rayon::join(|| of_every(2, 0), || of_every(2, 1));
                 even.par_iter_mut().zip(odd).for_each(|(even, odd)| even.add(&odd));
                 even
             }
         };
-        sums.par_iter_mut().for_each(Sums::join);
-        sums
+        threads.map(sums, Sums::joined)
     }
 
     /// The integrals between some blocks and all that are not before them.

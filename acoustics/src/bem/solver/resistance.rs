@@ -2,12 +2,11 @@ use crate::bem::error::BemError;
 use crate::bem::mesh::panel::PanelShape;
 use crate::bem::solver::cost::{FrequencyCost, PATTERNS, SurfaceSize};
 use crate::bem::solver::neumann::{NeumannData, Patterns};
-use crate::bem::solver::problem::{Assembly, Exterior, SurfacePressure, only};
+use crate::bem::solver::problem::{Exterior, SurfacePressure, Threads, only};
 use crate::radiation::error::RadiationError;
 use crate::radiation::{RadiatingSurface, Resistance};
 use faer::Mat;
 use nalgebra::{DMatrix, Point3};
-use rayon::prelude::*;
 use std::f64::consts::TAU;
 
 /// Radiation resistance at one frequency, evaluated twice.
@@ -126,8 +125,8 @@ impl Exterior {
     /// See [`Exterior::solve`].
     pub fn resistance_parities(&self, hz: f64, patterns: &[Patterns]) -> Result<Vec<TwoEvaluations>, BemError> {
         let data = self.prepared(hz, patterns)?;
-        let solutions = self.solve_prepared(hz, &data, Assembly::Serial)?;
-        self.two_evaluations(&data, &solutions)
+        let solutions = self.solve_prepared(hz, &data, Threads::One)?;
+        self.two_evaluations(&data, &solutions, Threads::One)
     }
 
     /// Both evaluations of solutions of one frequency, parity by parity.
@@ -135,13 +134,14 @@ impl Exterior {
         &self,
         data: &[NeumannData],
         solutions: &[SurfacePressure],
+        threads: Threads,
     ) -> Result<Vec<TwoEvaluations>, BemError> {
         let all: Vec<(&Mat<f32>, &SurfacePressure)> = data.iter().map(NeumannData::at_points).zip(solutions).collect();
-        let far_fields = self.far_field_resistances(&all)?;
-        let both = data.par_iter().zip(solutions).zip(far_fields);
-        let evaluated: Vec<_> = both
-            .map(|((data, solution), far_field)| self.evaluated_twice(data, solution, far_field))
-            .collect();
+        let far_fields = self.far_field_resistances(&all, threads)?;
+        let both: Vec<_> = data.iter().zip(solutions).zip(far_fields).collect();
+        let evaluated = threads.map(both, |((data, solution), far_field)| {
+            self.evaluated_twice(data, solution, far_field)
+        });
         evaluated.into_iter().collect()
     }
 

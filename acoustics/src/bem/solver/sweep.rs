@@ -18,10 +18,9 @@
 
 use crate::bem::operators::equations::Sums;
 use crate::bem::solver::neumann::NeumannData;
-use crate::bem::solver::problem::{Coupling, Exterior};
+use crate::bem::solver::problem::{Coupling, Exterior, Threads};
 use nalgebra::Complex;
 use pulp::Arch;
-use rayon::prelude::*;
 
 /// Largest error of interpolated equations relative to an entry, by the estimate above.
 const TOLERANCE: f64 = 1e-5;
@@ -127,7 +126,7 @@ impl EquationSweep {
             1.0
         };
         let factor = Complex::from_polar(size, k * self.half_distance);
-        sums.par_iter().map(|sums| sums.flat(factor)).collect()
+        sums.iter().map(|sums| sums.flat(factor)).collect()
     }
 
     /// Keeps equations under a number that [`Self::plan`] gave.
@@ -136,7 +135,7 @@ impl EquationSweep {
     }
 
     /// Interpolated equations, up to the factor of [`Self::without_phase`].
-    pub(crate) fn interpolate(&self, problem: &Exterior, weights: &[(usize, f32)]) -> Vec<Sums> {
+    pub(crate) fn interpolate(&self, problem: &Exterior, weights: &[(usize, f32)], threads: Threads) -> Vec<Sums> {
         let parities = weights.first().map_or(0, |(number, _)| self.kept[*number].values.len());
         let of_parity = |parity: usize| {
             let known: Vec<(&[f32], f32)> = weights
@@ -149,7 +148,7 @@ impl EquationSweep {
                 Arch::new().dispatch(|| combine(&known, start, to));
             })
         };
-        (0..parities).into_par_iter().map(of_parity).collect()
+        threads.map((0..parities).collect(), of_parity)
     }
 
     /// Estimated error of the equations of a wavenumber by interpolation, and weights of those kept: of the nearest ones,
@@ -218,7 +217,7 @@ mod tests {
     use crate::bem::mesh::panel::BoundaryMesh;
     use crate::bem::mesh::symmetry::Parity;
     use crate::bem::solver::neumann::Patterns;
-    use crate::bem::solver::problem::{Assembly, SurfacePressure};
+    use crate::bem::solver::problem::SurfacePressure;
     use nalgebra::DMatrix;
 
     /// Half a box of 0.5 m and of some thickness \[m\] above the floor, in both parities about its mirror plane.
@@ -270,7 +269,7 @@ mod tests {
         let (mut assembled, mut worst) = (0, 0.0_f64);
         for (&hz, way) in hz.iter().zip(&ways) {
             if let Origin::Assemble(number) = way {
-                let sums = problem.equations(hz, &data, Assembly::Serial).unwrap();
+                let sums = problem.equations(hz, &data, Threads::One).unwrap();
                 let values = sweep.without_phase(&problem, hz, &sums);
                 sweep.keep(number.unwrap(), values);
                 assembled += 1;
@@ -278,8 +277,13 @@ mod tests {
         }
         for (&hz, way) in hz.iter().zip(&ways) {
             if let Origin::Interpolate(weights) = way {
-                let found = problem.solutions(hz, sweep.interpolate(&problem, weights), &data);
-                let exact = problem.solve_prepared(hz, &data, Assembly::Serial).unwrap();
+                let found = problem.solutions(
+                    hz,
+                    sweep.interpolate(&problem, weights, Threads::One),
+                    &data,
+                    Threads::One,
+                );
+                let exact = problem.solve_prepared(hz, &data, Threads::One).unwrap();
                 let error = difference(&found, &exact);
                 println!("{hz:7.1} Hz: {} weights, {error:.1e}", weights.len());
                 worst = worst.max(error);
@@ -308,7 +312,7 @@ mod tests {
         let (problem, data) = problem(0.2);
         assert!(problem.blocks().len() > 1);
         let [all, halves] =
-            [Assembly::Serial, Assembly::Halves].map(|assembly| problem.equations(600.0, &data, assembly).unwrap());
+            [Threads::One, Threads::Two].map(|threads| problem.equations(600.0, &data, threads).unwrap());
         for (all, halves) in all.iter().zip(&halves) {
             let pairs = all
                 .flat(Complex::from(1.0))
