@@ -127,7 +127,7 @@ pub fn tool_ships(spec: &Tool) -> bool {
 
 impl Tool {
     /// Processor time that gmsh may take with the elastic analogy \[s\]: 20 s, and 38 ms for each square of an element's side on the
-    /// walls, about five times what the shipped dimensions take with it (5 to 9 s with the sides of the design). Without it they take
+    /// walls, about five times what the shipped dimensions take with it (4 to 9 s). Without it they take
     /// 1.4 to 1.9 s, and gmsh has a third of this time. Dimensions that fold the body into itself can keep gmsh busy without end.
     fn seconds(&self) -> f64 {
         let barrel = self.barrel_radius(self.sleeve_radius);
