@@ -290,6 +290,9 @@ impl ToolRadiation {
             let boundary = finer.problem.boundary();
             for (to, from) in finer.patterns.iter_mut().zip(&finest.patterns) {
                 let further = from.velocities.columns_range(to.velocities.ncols()..).into_owned();
+                if further.is_empty() {
+                    continue;
+                }
                 let carried = boundary.interpolate_from(finest.problem.boundary(), &further);
                 append(&mut to.velocities, &carried.ok_or(OTHER_SURFACE)?);
             }
