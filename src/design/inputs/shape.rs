@@ -48,7 +48,7 @@ const RANGE_SHARES: [f64; 2] = [0.75, 0.25];
 
 /// Places in the ranges of [`WITHIN_TOOL`], alternately. Of ten draws of walls, materials and lumped masses, one structure lacked
 /// up to 4.5e-3, and more than 1e-3 in five; with a second these lacked 2.3e-4 to 4.2e-4, and one 1.3e-3. A magazine of 2 mm
-/// lacks 6.4e-3 with one and 4.6e-4 with two, where places at three quarters and a quarter leave 2.1e-3. One of 1.5 mm, at the
+/// lacks 6.4e-3 with one and 3.5e-4 with two, where places at three quarters and a quarter leave 2.1e-3. One of 1.5 mm, at the
 /// end of its range, lacks 3.1e-2 with one and 1.4e-3 with two; 2.7e-3 with places at a quarter and three quarters, and 1.9e-3 at
 /// 0.02 and 0.98.
 const TOOL_SHARES: [f64; 2] = [0.1, 0.9];
