@@ -335,7 +335,7 @@ mod tests {
     use super::*;
     use crate::{Block, block};
 
-    /// A cube of one element, inverted where two of its corners change places.
+    /// A cube of one element. To swap two of its corners inverts it.
     fn cube(inverted: bool, mending: Mending) -> Imported {
         let mut mesh = block(&Block {
             size: [1.0; 3],

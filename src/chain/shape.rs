@@ -1,6 +1,7 @@
 //! Radiation by shape: the matrix that boundary elements solve for standard bodies, carried over to the design's.
 
 use nailnoise_acoustics::bem::{ModalBem, ModalPressures};
+use nailnoise_meshes::gmsh;
 
 use super::{BodyStages, solved_bodies};
 use crate::design::{Design, inputs};
@@ -85,7 +86,10 @@ pub(super) fn standards(graph: &Graph, design: &Design, kinds: &[BodyKind]) -> R
     let structure = |design: &Design| bodies(graph, design, kinds);
     let first = structure(&standards.first)?;
     let mut all = vec![(SurfaceModes(vec![first.clone()]), "standard bodies of the same shape")];
-    if let Some(second) = &standards.second {
+    // Without gmsh, a design whose own meshes need none does without the second structure.
+    if let Some(second) = &standards.second
+        && (!inputs::shape::needs_gmsh(second, kinds)? || gmsh::is_found())
+    {
         all.push((
             SurfaceModes(vec![first, structure(second)?]),
             "two standard structures of the same shape",

@@ -9,7 +9,7 @@
 
 use std::sync::OnceLock;
 
-use nailnoise_meshes::{ToolDimensions, gmsh};
+use nailnoise_meshes::ToolDimensions;
 
 use super::bodies::geometry;
 use crate::design::{Design, Entry, Value};
@@ -160,7 +160,7 @@ pub(crate) struct Standards {
     /// With the materials and the nail of the N80CB.
     pub(crate) first: Design,
     /// With other materials, and other walls of a tool that has the outer dimensions of the N80CB, for motion that the first does
-    /// not hold; none where a mesh of it could not be made.
+    /// not hold.
     pub(crate) second: Option<Design>,
 }
 
@@ -179,17 +179,21 @@ pub(crate) fn standards(design: &Design, kinds: &[BodyKind]) -> Result<Option<St
     }
     let mut second = varied().map(|varied| with_materials_of(design, varied));
     if let Some(varied) = &second
-        && !(same_meshes(&first, varied, kinds)? && can_mesh(varied, kinds)?)
+        && !same_meshes(&first, varied, kinds)?
     {
         second = None;
     }
     Ok(Some(Standards { first, second }))
 }
 
-/// Whether the tool of a design can be meshed: a tool whose own mesh ships must not need gmsh.
-fn can_mesh(design: &Design, kinds: &[BodyKind]) -> Result<bool, Error> {
-    let of_tool = !kinds.contains(&BodyKind::Tool) || !geometry(design, BodyKind::Tool, false)?.mesh.needs_gmsh();
-    Ok(of_tool || gmsh::is_found())
+/// Whether gmsh makes the mesh of one of these bodies.
+///
+/// # Errors
+/// Those of the bodies' materials and mesh files.
+pub(crate) fn needs_gmsh(design: &Design, kinds: &[BodyKind]) -> Result<bool, Error> {
+    kinds.iter().try_fold(false, |needed, &kind| {
+        Ok(needed || geometry(design, kind, false)?.mesh.needs_gmsh())
+    })
 }
 
 /// Whether the bodies of two designs have the same outer surfaces.

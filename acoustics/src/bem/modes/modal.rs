@@ -31,8 +31,8 @@ const REST: &str = "far field less surface";
 /// Name of all patches of the surface together.
 const SURFACE: &str = "surface";
 
-/// Samples added at a time when a mesh corrects a coarser one, which are the most expensive ones: where the coarser mesh resolves the
-/// same frequencies, so that the difference is smooth, and where it does not.
+/// Samples that a mesh adds at a time to correct a coarser one: where the coarser mesh resolves the same frequencies, so that the
+/// difference is smooth, and where it does not. These samples are the most expensive ones.
 const FEW: [usize; 2] = [2, 3];
 
 /// Modal radiation of a body by boundary elements: R(f) of every parity with respect to the mirror planes.

@@ -220,7 +220,7 @@ mod tests {
     use crate::bem::solver::problem::SurfacePressure;
     use nalgebra::DMatrix;
 
-    /// Half a box of 0.5 m and of some thickness \[m\] above the floor, in both parities about its mirror plane.
+    /// Half a box of 0.5 m with a given thickness \[m\] above the floor, in both parities about its mirror plane.
     fn problem(thickness: f64) -> (Exterior, Vec<NeumannData>) {
         let (mirrors, floor) = ([Some(0.0), None], 0.0);
         let block = SolidBox {
