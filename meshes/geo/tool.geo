@@ -71,6 +71,13 @@ If (sleeve_fit > 0)
   sleeve() += BooleanDifference{ Volume{112}; Delete; }{ Volume{113}; Delete; };
 EndIf
 
+// All of this is symmetric about y = 0: the half above is meshed, and nailnoise adds its image.
+far = 2*(roof + cap_height + handle_length + magazine_offset + magazine_radius + magazine_height + cap_radius);
+Box(200) = {-far, 0, -far, 2*far, far, 2*far};
+whole() = BooleanIntersection{ Volume{whole()}; Delete; }{ Volume{200}; };
+nose() = BooleanIntersection{ Volume{nose()}; Delete; }{ Volume{200}; };
+sleeve() = BooleanIntersection{ Volume{sleeve()}; Delete; }{ Volume{200}; Delete; };
+
 BooleanFragments{ Volume{whole()}; Delete; }{ Volume{nose(), sleeve()}; Delete; }
 
 // Parts, found again by where they lie.
@@ -84,7 +91,8 @@ Physical Volume("housing") = {rest()};
 Physical Volume("nose") = {steel()};
 Physical Volume("sleeve") = {tube()};
 
-// Surfaces on which forces and lumped masses act. Each of them exists once in this geometry.
+// Surfaces on which forces and lumped masses act. Each of them exists once in this geometry, half of it above the plane of
+// symmetry.
 tip() = Surface In BoundingBox {-w - e, -d - e, -e, w + e, d + e, e};
 Physical Surface("nose_tip") = {tip()};
 // The bore: the sleeve's inner side, below the seat of the head valve.
@@ -146,10 +154,10 @@ outer() = {};
 hollow() = {};
 For k In {0 : #grips() - 1}
   box() = BoundingBox Surface{grips(k)};
-  // The sides of the cavity are smaller than the outer ones.
-  If (box(4) - box(1) > 2*hr - 0.1)
+  // The sides of the cavity are smaller than the outer ones; in the plane of symmetry a surface has no width.
+  If (box(4) - box(1) > hr - 0.1)
     outer() += grips(k);
-  Else
+  ElseIf (box(4) - box(1) > 0.1)
     hollow() += grips(k);
   EndIf
 EndFor
@@ -164,7 +172,7 @@ cans() = Surface In BoundingBox {magazine_offset - mr - e, -h - e, magazine_leve
 ends() = {};
 For k In {0 : #cans() - 1}
   box() = BoundingBox Surface{cans(k)};
-  If (box(4) - box(1) < 0.1 && Fabs(Fabs(box(1)) - h) < 0.1)
+  If (box(4) - box(1) < 0.1 && Fabs(box(1) - h) < 0.1)
     ends() += cans(k);
   EndIf
 EndFor

@@ -24,6 +24,7 @@ pub mod msh;
 mod open_surface;
 mod points;
 mod quality;
+mod reflection;
 mod regular;
 mod size;
 mod smooth;

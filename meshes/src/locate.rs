@@ -1,5 +1,7 @@
 //! From points to nodes: where a point lies in a mesh, and with which weights its nodes carry a value to it.
 
+use std::collections::BTreeMap;
+
 use nalgebra::{Matrix2, Matrix3, Point3, Vector2, Vector3};
 
 use crate::{FaceKind, Mesh, MeshError};
@@ -110,14 +112,16 @@ impl Mesh {
         Err(outside(point, format!("the face group \"{group}\""), nearest))
     }
 
-    /// The element behind the face of a group nearest to `point`, and the weights with which its own shape functions,
-    /// carried on beyond the face if need be, take a value to the point itself: every linear field arrives unchanged.
-    /// Nodes without weight are left out.
+    /// The weights with which the shape functions of the element behind the face of a group nearest to `point`, carried on
+    /// beyond the face if need be, take a value to the point itself: every linear field arrives unchanged. Where faces are
+    /// equally near, as where the foot lies on their common edge, the weights are the mean of those of their elements, so
+    /// that a symmetric mesh has symmetric weights. Nodes without weight are left out.
     ///
     /// # Errors
     /// [`MeshError::UnknownGroup`], or [`MeshError::Outside`] when no face is within `tolerance` \[m\].
     pub fn locate_near(&self, group: &str, point: Point3<f64>, tolerance: f64) -> Result<Location, MeshError> {
-        let (mut nearest, mut nearest_box, mut best) = (f64::INFINITY, f64::INFINITY, None);
+        let (mut nearest, mut nearest_box) = (f64::INFINITY, f64::INFINITY);
+        let mut near: Vec<(f64, usize)> = Vec::new();
         for &face in &self.group(group)?.faces {
             let nodes = self.face_nodes(face);
             let gap = box_distance(nodes.iter().map(|&i| self.nodes[i]), point);
@@ -131,36 +135,43 @@ impl Mesh {
             // Beside the face the foot is taken back to it, as far as the size of the face says.
             let size = box_size(&corners);
             let distance = distance.max(kind.outside(xi.into()).max(0.0) * size);
-            if distance < nearest {
-                (nearest, best) = (distance, Some(face.element));
+            let same = SLACK * size;
+            if distance < nearest - same {
+                near.clear();
+            }
+            if distance <= nearest + same {
+                nearest = nearest.min(distance);
+                near.push((distance, face.element));
             }
         }
         let place = || format!("the face group \"{group}\"");
-        let element = match best {
-            Some(element) if nearest <= tolerance => element,
-            Some(_) => return Err(outside(point, place(), nearest)),
-            None => return Err(outside(point, place(), nearest_box)),
+        let Some(&(_, element)) = near.first() else {
+            return Err(outside(point, place(), nearest_box));
         };
-        let (_, shape) = invert(self, element, point);
-        let view = self.element(element);
-        let x: Vector3<f64> = view
-            .nodes
-            .iter()
-            .zip(&shape)
-            .map(|(&i, w)| self.nodes[i].coords * *w)
-            .sum();
-        let size = box_size(&view.nodes.iter().map(|&i| self.nodes[i]).collect::<Vec<_>>());
-        // Newton's method has not found the point when the element is too curved for its surroundings.
-        let miss = (x - point.coords).norm();
-        if miss.is_nan() || miss > 1e-10 * size {
+        if nearest > tolerance {
             return Err(outside(point, place(), nearest));
         }
-        let kept = view.nodes.iter().zip(&shape).filter(|(_, w)| w.abs() > 1e-13);
-        let (nodes, weights) = kept.map(|(&node, &w)| (node, w)).unzip();
+        let mut weights: BTreeMap<usize, f64> = BTreeMap::new();
+        for &(_, element) in &near {
+            let (_, shape) = invert(self, element, point);
+            let view = self.element(element);
+            let at = |(&node, weight): (&usize, &f64)| self.nodes[node].coords * *weight;
+            let x: Vector3<f64> = view.nodes.iter().zip(&shape).map(at).sum();
+            let size = box_size(&view.nodes.iter().map(|&i| self.nodes[i]).collect::<Vec<_>>());
+            // Newton's method has not found the point when the element is too curved for its surroundings.
+            let miss = (x - point.coords).norm();
+            if miss.is_nan() || miss > 1e-10 * size {
+                return Err(outside(point, place(), nearest));
+            }
+            for (&node, weight) in view.nodes.iter().zip(&shape) {
+                *weights.entry(node).or_insert(0.0) += weight / near.len() as f64;
+            }
+        }
+        weights.retain(|_, weight| weight.abs() > 1e-13);
         Ok(Location {
             element,
-            nodes,
-            weights,
+            nodes: weights.keys().copied().collect(),
+            weights: weights.into_values().collect(),
         })
     }
 }

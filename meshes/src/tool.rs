@@ -146,7 +146,8 @@ impl Tool {
 /// The mesh of a tool body: quadratic tetrahedra, parts `housing`, `nose` and `sleeve`, face groups `nose_tip`,
 /// `gas_bore`, `bumper_seat`, `seat`, `cap`, `handle`, `magazine`, `supply` (within the handle), `plenum` (within the cap)
 /// and `sleeve_outside`, and `fit_slave` (the sleeve's upper end), which is to be tied to `fit_master` (the barrel's inner
-/// side; `barrel_inside` where the sleeve stands free).
+/// side; `barrel_inside` where the sleeve stands free). The mesh is symmetric about y = 0, as the body is: gmsh meshes the
+/// half above, and the other is its image.
 ///
 /// A mesh that ships is taken where it was made for these dimensions and `anew` is not asked for; gmsh makes any other.
 ///
@@ -174,6 +175,7 @@ pub fn tool(spec: &Tool, anew: bool) -> Result<Imported, MeshError> {
         seconds: Some(spec.seconds()),
     })?;
     built.mesh.straighten();
+    built.add_image();
     built.comment = signature;
     Ok(built)
 }

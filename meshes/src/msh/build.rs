@@ -45,6 +45,16 @@ pub struct Imported {
     pub comment: String,
 }
 
+impl Imported {
+    /// Adds the image of the mesh in the plane y = 0, see [`Mesh::add_image`]; elements and nodes keep the numbers of those
+    /// that they are images of.
+    pub(crate) fn add_image(&mut self) {
+        let images = self.mesh.add_image();
+        self.element_numbers = images.elements.iter().map(|&of| self.element_numbers[of]).collect();
+        self.node_numbers = images.nodes.iter().map(|&of| self.node_numbers[of]).collect();
+    }
+}
+
 impl Raw {
     /// Makes a mesh; lengths are multiplied by `scale` unless a comment of the file gives metres as the unit.
     pub(super) fn build(self, scale: f64) -> Result<Imported, MshError> {
