@@ -25,6 +25,7 @@ pub use mesh::gaps::{Gap, Gaps, Rim};
 pub use mesh::outline::ClosedOutline;
 pub use mesh::panel::{BoundaryMesh, Panel, PanelPoint};
 pub use mesh::subdivision::Subdivision;
+pub use mesh::symmetric_part::SymmetricPart;
 pub use mesh::symmetry::Parity;
 pub use modes::band_fields::{BandFields, SurfaceBand, WholeSurface};
 pub use modes::mean_ranges::MeanRanges;

@@ -7,11 +7,11 @@
 //! source at the height h by sin(2 k h)/(2 k h), ripples of 170 Hz below a table that would require three times as many
 //! frequencies and cancel in every band that is wider; its reflection at a microphone is the sound at the microphone's image.
 
-use nailnoise_acoustics::Air;
 use nailnoise_acoustics::bem::{
     BemError, Boundary, BoundaryMesh, ClosedOutline, Exterior, Gaps, MeanBands, MeanRanges, MeshRange, Panel, Parity,
-    Patterns, Rim,
+    Patterns, Rim, SymmetricPart,
 };
+use nailnoise_acoustics::{Air, InputError};
 use nailnoise_meshes::Surface;
 use nalgebra::DMatrix;
 use serde::Serialize;
@@ -213,26 +213,28 @@ impl ToolRadiation {
     fn housing(&self, body: &MovingSurface<'_>, cap: Option<&CapSurface>) -> Result<Housing, Error> {
         let outline = ClosedOutline::new(body.surface, self.floor)?;
         refuse_open_cavities(&outline.mesh)?;
-        let boundary = Boundary::new(outline.mesh.clone(), self.floor)?;
+        let motion = outline.motion(body.surface, body.modes);
+        let part = SymmetricPart::of(outline.mesh);
+        let boundary = Boundary::symmetric(part.mesh.clone(), part.mirrors(), self.floor)?;
         Ok(Housing {
             rims: Gaps::of(&boundary).coarse_rims(),
-            motion: outline.motion(body.surface, body.modes),
-            cap: cap.map(|cap| cap.panels(&outline.mesh)).transpose()?,
-            mesh: outline.mesh,
+            motions: part.by_parity(motion),
+            mirrors: part.mirrors(),
+            cap: cap.map(|cap| cap.panels(&part.mesh)).transpose()?,
+            mesh: part.mesh,
         })
     }
 
     /// The housing's own mesh.
     fn of_own_mesh(&self, housing: &Housing, air: &Air) -> Result<MeshRange, Error> {
-        let boundary = Boundary::new(housing.mesh.clone(), self.floor)?;
+        let boundary = Boundary::symmetric(housing.mesh.clone(), housing.mirrors, self.floor)?;
         let top_hz = boundary.highest_hz(air.sound_speed, self.resolution.panels);
         let top_hz = top_hz.min(self.resolution.top_hz);
         if !housing.rims.is_empty() {
             return self.of_panels_within(housing, boundary.mesh().longest_edge(), top_hz, air);
         }
         let part = housing.cap.as_ref().map(|cap| of_panels(&boundary, |panel| cap[panel]));
-        let velocities = boundary.project_displacements(&housing.motion)?;
-        self.range(boundary, (velocities, part), top_hz, air)
+        self.range(boundary, (&housing.motions, part), top_hz, air)
     }
 
     /// The housing in finer panels, which resolve the waves at `top_hz`.
@@ -247,31 +249,38 @@ impl ToolRadiation {
             .mesh
             .subdivided_fine_at(edge, &housing.rims, MOST_AT_GAPS)
             .map_err(BemError::from)?;
-        let motion = finer.fields(&housing.motion).map_err(BemError::from)?;
-        let boundary = Boundary::new(finer.mesh, self.floor)?;
+        let motions = housing
+            .motions
+            .iter()
+            .map(|(parity, motion)| Ok((*parity, finer.fields(motion)?)));
+        let motions: Vec<_> = motions.collect::<Result<_, InputError>>().map_err(BemError::from)?;
+        let boundary = Boundary::symmetric(finer.mesh, housing.mirrors, self.floor)?;
         let part = housing
             .cap
             .as_ref()
             .map(|cap| of_panels(&boundary, |panel| cap[finer.parents[panel]]));
-        let velocities = boundary.project_displacements(&motion)?;
-        self.range(boundary, (velocities, part), top_hz, air)
+        self.range(boundary, (&motions, part), top_hz, air)
     }
 
-    /// A boundary with velocities of all panels, and behind them those of a part alone.
+    /// A boundary with velocities of all panels, and behind them those of a part alone, from displacements of every parity.
     fn range(
         &self,
         boundary: Boundary,
-        (mut velocities, part): (DMatrix<f64>, Option<Vec<bool>>),
+        (motions, part): (&[(Parity, DMatrix<f64>)], Option<Vec<bool>>),
         top_hz: f64,
         air: &Air,
     ) -> Result<MeshRange, Error> {
-        if let Some(part) = part {
-            velocities = beside_part(velocities, boundary.mesh(), &part);
-        }
-        let patterns = vec![Patterns {
-            parity: Parity::default(),
-            velocities,
-        }];
+        let of_parity = |(parity, motion): &(Parity, DMatrix<f64>)| {
+            let velocities = boundary.project_displacements(motion)?;
+            Ok::<_, Error>(Patterns {
+                parity: *parity,
+                velocities: match &part {
+                    Some(part) => beside_part(velocities, boundary.mesh(), part),
+                    None => velocities,
+                },
+            })
+        };
+        let patterns = motions.iter().map(of_parity).collect::<Result<_, _>>()?;
         let problem = Exterior::new(boundary, air)
             .with_panels_per_wavelength(self.resolution.panels)?
             .with_equation_solver(self.resolution.equations);
@@ -351,13 +360,14 @@ impl ToolRadiation {
     }
 }
 
-/// The outer surface of a housing, its nose closed.
+/// The outer surface of a housing, its nose closed; where it is symmetric, the part above its mirror planes.
 struct Housing {
     mesh: BoundaryMesh,
+    mirrors: [Option<f64>; 2],
     /// Rims of the thin gaps that its panels are too wide for.
     rims: Vec<Rim>,
-    /// Displacements at the mesh's points, (3 x points) x modes.
-    motion: DMatrix<f64>,
+    /// Displacements of every parity at the mesh's points, (3 x points) x modes.
+    motions: Vec<(Parity, DMatrix<f64>)>,
     /// The panels of the cap, where it is apart.
     cap: Option<Vec<bool>>,
 }
@@ -473,7 +483,9 @@ mod tests {
                 modes: &modes,
             };
             let housing = radiation.housing(&body, None).unwrap();
-            let gaps = Gaps::of(&Boundary::new(housing.mesh.clone(), radiation.floor).unwrap());
+            let boundary = Boundary::symmetric(housing.mesh.clone(), housing.mirrors, radiation.floor);
+            assert_eq!(housing.mirrors, [None, Some(0.0)]);
+            let gaps = Gaps::of(&boundary.unwrap());
             println!("{name}: {:?}", gaps.iter().collect::<Vec<_>>());
             assert!(housing.rims.is_empty(), "{:?}", gaps.worst());
         }
@@ -599,7 +611,8 @@ mod tests {
                 for (pattern, flow) in flows.iter_mut().enumerate() {
                     let own = velocities.view((row, pattern), (corners, 1));
                     assert!(upper || pattern == 0 || own.amax() < 1e-12);
-                    *flow += f64::from(u8::from(upper)) * own.mean() * boundary.mesh().panel_area(number);
+                    let area = boundary.copies() as f64 * boundary.mesh().panel_area(number);
+                    *flow += f64::from(u8::from(upper)) * own.mean() * area;
                 }
                 row += corners;
             }

@@ -9,4 +9,5 @@ pub(crate) mod outline;
 pub(crate) mod panel;
 pub(crate) mod rules;
 pub(crate) mod subdivision;
+pub(crate) mod symmetric_part;
 pub(crate) mod symmetry;

@@ -51,6 +51,14 @@ impl Parity {
             .collect()
     }
 
+    /// The same parity about the other plane, and this one about the plane of constant x (axis 0) or y (axis 1).
+    pub(crate) fn with(self, axis: usize, odd: bool) -> Self {
+        match axis {
+            0 => Self { odd_x: odd, ..self },
+            _ => Self { odd_y: odd, ..self },
+        }
+    }
+
     /// Axes along which the field changes its sign, a bit each.
     pub(crate) fn odd_axes(self) -> usize {
         self.axes().into()

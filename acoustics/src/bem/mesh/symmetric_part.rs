@@ -1,0 +1,202 @@
+//! The part of a symmetric surface that stands for the whole: even and odd motions radiate apart, each on that part alone.
+
+use crate::bem::mesh::panel::{BoundaryMesh, Panel};
+use crate::bem::mesh::symmetry::Parity;
+use nalgebra::{DMatrix, Point3};
+use std::collections::{HashMap, HashSet};
+
+/// Distance within which a point and the image of another are one, relative to the surface's largest extent.
+const SAME_POINT: f64 = 1e-8;
+
+/// A surface, or the part of it above the planes of constant x and y in which it is symmetric.
+#[derive(Clone, Debug)]
+pub struct SymmetricPart {
+    /// All points of the surface, and the panels of the part.
+    pub mesh: BoundaryMesh,
+    /// The planes of constant x and y \[m\].
+    mirrors: [Option<f64>; 2],
+    /// For each of these planes the image of each point; points of no panel are their own.
+    images: [Vec<usize>; 2],
+}
+
+impl SymmetricPart {
+    /// Of a surface whose points and panels are their own images in planes through its middle. A surface without such a plane
+    /// is its own part.
+    pub fn of(mesh: BoundaryMesh) -> Self {
+        let mut part = Self {
+            mesh,
+            mirrors: [None; 2],
+            images: [Vec::new(), Vec::new()],
+        };
+        for axis in 0..2 {
+            let Some((plane, images)) = mirror(&part.mesh, axis) else {
+                continue;
+            };
+            let middle = |points: &[Point3<f64>], corners: &[usize]| {
+                corners.iter().map(|&corner| points[corner][axis]).sum::<f64>() / corners.len() as f64
+            };
+            let BoundaryMesh { points, panels, .. } = &mut part.mesh;
+            panels.retain(|panel| middle(points, panel.corners()) > plane);
+            part.mirrors[axis] = Some(plane);
+            part.images[axis] = images;
+        }
+        part
+    }
+
+    /// The planes of constant x and y \[m\].
+    pub fn mirrors(&self) -> [Option<f64>; 2] {
+        self.mirrors
+    }
+
+    /// Displacements of all points, (3 x points) x modes, as the sum of displacements of every parity: on either side of a
+    /// plane with the image point's displacement u' and the reflection S, even are (u + S u')/2 and odd (u - S u')/2.
+    pub fn by_parity(&self, displacements: DMatrix<f64>) -> Vec<(Parity, DMatrix<f64>)> {
+        let mut parts = vec![(Parity::default(), displacements)];
+        for axis in (0..2).filter(|&axis| self.mirrors[axis].is_some()) {
+            let of_parity = |odd: bool, u: &DMatrix<f64>| {
+                let mut part = DMatrix::zeros(u.nrows(), u.ncols());
+                for (mut to, from) in part.column_iter_mut().zip(u.column_iter()) {
+                    for row in 0..from.len() {
+                        let (point, component) = (row / 3, row % 3);
+                        let image = from[3 * self.images[axis][point] + component];
+                        let opposite = odd != (component == axis);
+                        to[row] = 0.5 * (from[row] + if opposite { -image } else { image });
+                    }
+                }
+                part
+            };
+            parts = parts
+                .iter()
+                .flat_map(|(parity, u)| [false, true].map(|odd| (parity.with(axis, odd), of_parity(odd, u))))
+                .collect();
+        }
+        parts
+    }
+}
+
+/// The plane across an axis in the middle of the panels, and the image of every point in it; none where the panels are not
+/// their own images, or lie on both sides of the plane.
+fn mirror(mesh: &BoundaryMesh, axis: usize) -> Option<(f64, Vec<usize>)> {
+    let used: HashSet<usize> = mesh.panels.iter().flat_map(|panel| panel.nodes()).copied().collect();
+    let bounds = |axis: usize| {
+        let along = used.iter().map(|&point| mesh.points[point][axis]);
+        along.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], x| {
+            [low.min(x), high.max(x)]
+        })
+    };
+    let extent = (0..3).map(bounds).map(|[low, high]| high - low).fold(0.0, f64::max);
+    let [low, high] = bounds(axis);
+    let (plane, unit) = (0.5 * (low + high), SAME_POINT * extent);
+    let cell = |point: usize, sign: f64| {
+        let at = mesh.points[point].coords;
+        [0, 1, 2].map(|k| (if k == axis { sign * (at[k] - plane) } else { at[k] } / unit).round() as i64)
+    };
+    let places: HashMap<[i64; 3], usize> = used.iter().map(|&point| (cell(point, 1.0), point)).collect();
+    let mut images: Vec<usize> = (0..mesh.points.len()).collect();
+    for &point in &used {
+        images[point] = *places.get(&cell(point, -1.0))?;
+    }
+    let sorted = |mut nodes: Vec<usize>, patch: usize| {
+        nodes.sort_unstable();
+        (patch, nodes)
+    };
+    let own = |panel: &Panel| sorted(panel.nodes().to_vec(), panel.patch);
+    let panels: HashSet<(usize, Vec<usize>)> = mesh.panels.iter().map(own).collect();
+    let symmetric = mesh.panels.iter().all(|panel| {
+        let image = panel.nodes().iter().map(|&node| images[node]).collect();
+        let side = |&node: &usize| mesh.points[node][axis] - plane;
+        let on_one_side =
+            panel.nodes().iter().all(|node| side(node) >= -unit) || panel.nodes().iter().all(|node| side(node) <= unit);
+        on_one_side && panels.contains(&sorted(image, panel.patch))
+    });
+    symmetric.then_some((plane, images))
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+
+    use super::*;
+    use crate::Air;
+    use crate::bem::{Boundary, Exterior, Patterns, SolidBox};
+
+    /// A box of 0.4 x 0.6 x 0.2 m around a place, in panels of 0.1 m.
+    fn solid(at: [f64; 2]) -> BoundaryMesh {
+        let solid = SolidBox {
+            part: 0,
+            low: [at[0] - 0.2, at[1] - 0.3, 0.1],
+            high: [at[0] + 0.2, at[1] + 0.3, 0.3],
+        };
+        BoundaryMesh::of_boxes(&[solid], [None; 3], 0.11, vec!["box".to_owned()], |_| 0).unwrap()
+    }
+
+    /// Displacements without any symmetry.
+    fn motion(mesh: &BoundaryMesh) -> DMatrix<f64> {
+        DMatrix::from_fn(3 * mesh.points.len(), 2, |row, mode| {
+            let at = mesh.points[row / 3];
+            (3.0 * at.x + 5.0 * at.y + 7.0 * at.z + (row % 3 + 2 * mode) as f64).sin()
+        })
+    }
+
+    #[test]
+    fn a_box_has_two_mirror_planes_wherever_it_is() {
+        let whole = solid([1.0, -2.0]);
+        let part = SymmetricPart::of(whole.clone());
+        for (mirror, middle) in part.mirrors().into_iter().zip([1.0, -2.0]) {
+            assert!((mirror.unwrap() - middle).abs() < 1e-12);
+        }
+        assert_eq!(4 * part.mesh.panels.len(), whole.panels.len());
+    }
+
+    #[test]
+    fn a_surface_without_symmetry_is_its_own_part() {
+        let mut whole = solid([0.0; 2]);
+        let corner = whole.panels[0].corners()[0];
+        whole.points[corner].x += 1e-3;
+        whole.points[corner].y += 1e-3;
+        let part = SymmetricPart::of(whole.clone());
+        assert_eq!(
+            (part.mirrors(), part.mesh.panels.len()),
+            ([None; 2], whole.panels.len())
+        );
+    }
+
+    #[test]
+    fn displacements_are_the_sum_of_their_parities() {
+        let part = SymmetricPart::of(solid([0.0; 2]));
+        let u = motion(&part.mesh);
+        let parts = part.by_parity(u.clone());
+        assert_eq!(parts.len(), 4);
+        let sum: DMatrix<f64> = parts.into_iter().map(|(_, u)| u).sum();
+        assert!((sum - u).amax() < 1e-15);
+    }
+
+    #[test]
+    fn the_part_radiates_the_power_of_the_whole() {
+        let (whole, hz) = (solid([0.0; 2]), 300.0);
+        let part = SymmetricPart::of(whole.clone());
+        let u = motion(&whole);
+        let power = |boundary: Boundary, motions: Vec<(Parity, DMatrix<f64>)>| {
+            let patterns: Vec<Patterns> = motions
+                .into_iter()
+                .map(|(parity, u)| Patterns {
+                    parity,
+                    velocities: boundary.project_displacements(&u).unwrap(),
+                })
+                .collect();
+            let found = Exterior::new(boundary, &Air::default())
+                .resistance_parities(hz, &patterns)
+                .unwrap();
+            found.into_iter().map(|two| two.far_field).sum::<DMatrix<f64>>()
+        };
+        let of_whole = power(
+            Boundary::new(whole, None).unwrap(),
+            vec![(Parity::default(), u.clone())],
+        );
+        let boundary = Boundary::symmetric(part.mesh.clone(), part.mirrors(), None).unwrap();
+        let of_part = power(boundary, part.by_parity(u));
+        let error = (&of_part - &of_whole).amax() / of_whole.amax();
+        println!("error of the part {error:.1e}");
+        assert!(error < 1e-4);
+    }
+}
