@@ -19,6 +19,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use faer::{Mat, MatRef};
 use nalgebra_sparse::CscMatrix;
+use rayon::prelude::*;
 
 use crate::eigenpairs::Pencil;
 use crate::factor::{Factor, Symbolic};
@@ -175,8 +176,8 @@ fn divided<'a>(system: &'a System, mirrors: &[&Mirror]) -> Result<Vec<Sector<'a>
         }]);
     }
     let orbits = Orbits::new(mirrors, system.equations.len());
-    let nodes = orbits.in_order_of_elimination(system)?;
     if mirrors.is_empty() {
+        let nodes = orbits.in_order_of_elimination(system)?;
         let mut place = vec![0; system.equations.len()];
         nodes.iter().flatten().enumerate().for_each(|(at, &e)| place[e] = at);
         let [stiffness, mass] = [&system.stiffness, &system.mass];
@@ -188,8 +189,13 @@ fn divided<'a>(system: &'a System, mirrors: &[&Mirror]) -> Result<Vec<Sector<'a>
             rows: Some(place.into_iter().map(|at| Some((at, 1.0))).collect()),
         }]);
     }
-    let columns = [&system.stiffness, &system.mass].map(|a| Columns::of(a, &orbits));
-    let sectors = (0..1 << mirrors.len()).map(|parities| orbits.sector(mirrors, parities, &nodes, &columns));
+    let (nodes, columns) = rayon::join(
+        || orbits.in_order_of_elimination(system),
+        || [&system.stiffness, &system.mass].map(|a| Columns::of(a, &orbits)),
+    );
+    let nodes = nodes?;
+    let parities = (0..1 << mirrors.len()).into_par_iter();
+    let sectors = parities.map(|parities| orbits.sector(mirrors, parities, &nodes, &columns));
     // A small body may have no vector of some combination.
     let sectors = sectors.filter(|s| s.as_ref().map_or(true, |s| s.len() > 0));
     sectors.collect()

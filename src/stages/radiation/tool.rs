@@ -280,7 +280,7 @@ impl ToolRadiation {
                 },
             })
         };
-        let patterns = motions.iter().map(of_parity).collect::<Result<_, _>>()?;
+        let patterns = motions.par_iter().map(of_parity).collect::<Result<_, _>>()?;
         let problem = Exterior::new(boundary, air)
             .with_panels_per_wavelength(self.resolution.panels)?
             .with_equation_solver(self.resolution.equations);

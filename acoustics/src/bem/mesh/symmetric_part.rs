@@ -3,6 +3,7 @@
 use crate::bem::mesh::panel::{BoundaryMesh, Panel};
 use crate::bem::mesh::symmetry::Parity;
 use nalgebra::{DMatrix, Point3};
+use rayon::prelude::*;
 use std::collections::{HashMap, HashSet};
 
 /// Distance within which a point and the image of another are one, relative to the surface's largest extent.
@@ -65,9 +66,9 @@ impl SymmetricPart {
                 }
                 part
             };
-            parts = parts
-                .iter()
-                .flat_map(|(parity, u)| [false, true].map(|odd| (parity.with(axis, odd), of_parity(odd, u))))
+            let both = parts.par_iter().flat_map(|part| [(false, part), (true, part)]);
+            parts = both
+                .map(|(odd, (parity, u))| (parity.with(axis, odd), of_parity(odd, u)))
                 .collect();
         }
         parts

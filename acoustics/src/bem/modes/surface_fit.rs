@@ -15,6 +15,7 @@ use crate::bem::modes::independent::{gram, independent, weighted, weights};
 use crate::bem::modes::mesh_range::MeshRange;
 use crate::matrix::real_product;
 use nalgebra::{Complex, DMatrix, DVectorView};
+use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use std::borrow::Cow;
 use std::f64::consts::TAU;
@@ -53,7 +54,7 @@ impl SurfaceFit {
         let modes = body.patterns.first().map_or(0, |p| p.velocities.ncols());
         let carried = body
             .patterns
-            .iter()
+            .par_iter()
             .map(|p| Carried::new(boundary, body, &p.velocities));
         let carried: Vec<Carried> = carried.collect::<Option<_>>()?;
         let squares: Vec<Vec<f64>> = carried.iter().map(|p| column_squares(&p.velocities, &areas)).collect();
