@@ -42,14 +42,14 @@ const OPTIMISE: &str = "optimise";
 /// The elastic analogy deforms the whole mesh, and takes three quarters of gmsh's time, although some twenty of 50 000 elements of a
 /// tool are folded. In 25 draws of all dimensions of the tool each left inverted elements in one draw, not the same.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Mending {
+enum HighOrderOptimization {
     /// Optimisation of each folded element with those around it.
     Each = 1,
     /// The elastic analogy, then optimisation.
     Elastic = 2,
 }
 
-impl Mending {
+impl HighOrderOptimization {
     /// Whole seconds of processor time of a limit with the elastic analogy \[s\].
     fn limit(self, seconds: f64) -> u64 {
         let share = match self {
@@ -185,23 +185,25 @@ fn start(command: &mut Command, program: &str) -> Result<Output, MeshError> {
 
 /// Meshes by a script, anew with the elastic analogy where the quick way leaves inverted elements.
 pub(crate) fn run(job: &Job<'_>) -> Result<Imported, MeshError> {
-    least_folded(|mending| attempt(job, mending))
+    with_fewest_inverted(|optimization| mesh_once(job, optimization))
 }
 
 /// The first mesh if it has no inverted elements, else the one with fewer; the first, too, where the second cannot be made,
 /// because straight sides mend it.
-fn least_folded(mut made: impl FnMut(Mending) -> Result<Imported, MeshError>) -> Result<Imported, MeshError> {
-    let quick = made(Mending::Each)?;
+fn with_fewest_inverted(
+    mut made: impl FnMut(HighOrderOptimization) -> Result<Imported, MeshError>,
+) -> Result<Imported, MeshError> {
+    let quick = made(HighOrderOptimization::Each)?;
     let inverted = quick.mesh.inverted();
     if inverted == 0 {
         return Ok(quick);
     }
-    let elastic = made(Mending::Elastic).ok();
+    let elastic = made(HighOrderOptimization::Elastic).ok();
     Ok(elastic.filter(|mesh| mesh.mesh.inverted() < inverted).unwrap_or(quick))
 }
 
 /// Runs a script in a temporary folder and reads the mesh.
-fn attempt(job: &Job<'_>, mending: Mending) -> Result<Imported, MeshError> {
+fn mesh_once(job: &Job<'_>, optimization: HighOrderOptimization) -> Result<Imported, MeshError> {
     let temporary = std::env::temp_dir();
     let folder = TemporaryFolder::new(&temporary, FOLDER).map_err(|source| MeshError::Write {
         path: temporary,
@@ -235,11 +237,11 @@ fn attempt(job: &Job<'_>, mending: Mending) -> Result<Imported, MeshError> {
         "-o",
         "mesh.msh",
     ]);
-    let mending_constant = (OPTIMISE, f64::from(mending as u8));
-    for (name, value) in job.constants.iter().chain([&mending_constant]) {
+    let constant = (OPTIMISE, f64::from(optimization as u8));
+    for (name, value) in job.constants.iter().chain([&constant]) {
         command.args(["-setnumber", name, &value.to_string()]);
     }
-    let seconds = job.seconds.map(|seconds| mending.limit(seconds));
+    let seconds = job.seconds.map(|seconds| optimization.limit(seconds));
     if let Some(seconds) = seconds {
         child::limit(&mut command, seconds);
     }
@@ -336,7 +338,7 @@ mod tests {
     use crate::{Block, block};
 
     /// A cube of one element. To swap two of its corners inverts it.
-    fn cube(inverted: bool, mending: Mending) -> Imported {
+    fn cube(inverted: bool, optimization: HighOrderOptimization) -> Imported {
         let mut mesh = block(&Block {
             size: [1.0; 3],
             divisions: [1; 3],
@@ -351,7 +353,7 @@ mod tests {
             element_numbers: vec![1],
             node_numbers: (1..=8).collect(),
             unused_nodes: 0,
-            comment: format!("{mending:?}"),
+            comment: format!("{optimization:?}"),
         }
     }
 
@@ -359,19 +361,19 @@ mod tests {
     fn the_elastic_analogy_is_for_meshes_that_are_inverted_without_it() {
         for (folded, expected) in [
             (&[][..], "Each"),
-            (&[Mending::Each], "Elastic"),
-            (&[Mending::Each, Mending::Elastic], "Each"),
+            (&[HighOrderOptimization::Each], "Elastic"),
+            (&[HighOrderOptimization::Each, HighOrderOptimization::Elastic], "Each"),
         ] {
-            let made = least_folded(|mending| Ok(cube(folded.contains(&mending), mending)));
+            let made = with_fewest_inverted(|optimization| Ok(cube(folded.contains(&optimization), optimization)));
             assert_eq!(made.unwrap().comment, expected);
         }
     }
 
     #[test]
-    fn both_scripts_take_the_way_of_mending() {
+    fn both_scripts_take_the_kind_of_optimization() {
         let tool = include_str!("../geo/tool.geo");
         for script in [SOLID, tool] {
-            assert!(script.contains(&format!("{OPTIMISE} = {}", Mending::Each as u8)));
+            assert!(script.contains(&format!("{OPTIMISE} = {}", HighOrderOptimization::Each as u8)));
             assert!(script.contains(&format!("Mesh.HighOrderOptimize = {OPTIMISE};")));
         }
     }
@@ -379,7 +381,7 @@ mod tests {
     #[test]
     fn an_attempt_without_the_analogy_has_a_third_of_the_time() {
         assert_eq!(
-            [Mending::Each, Mending::Elastic].map(|mending| mending.limit(38.5)),
+            [HighOrderOptimization::Each, HighOrderOptimization::Elastic].map(|optimization| optimization.limit(38.5)),
             [13, 39]
         );
     }

@@ -1,9 +1,11 @@
 //! Boundary elements of a body on several meshes: what is solved, what it costs, and the radiation matrix.
 
 use nailnoise_acoustics::bem::{
-    EquationSolver, Gap, Gaps, MeanBands, MeanRanges, MeshRange, ModalBem, Patterns, Receivers, SurfacePressures,
+    Boundary, EquationSolver, Exterior, Gap, Gaps, MeanBands, MeanRanges, MeshRange, ModalBem, Patterns, Receivers,
+    SurfacePressures,
 };
 use nailnoise_acoustics::radiation::Sampling;
+use nailnoise_acoustics::{AcousticsError, Air};
 use nalgebra::Point3;
 use serde::Serialize;
 
@@ -43,6 +45,24 @@ pub struct Resolution {
 }
 
 impl Resolution {
+    /// A surface in motion, solved with this resolution up to a frequency \[Hz\].
+    pub(super) fn range(
+        &self,
+        boundary: Boundary,
+        patterns: Vec<Patterns>,
+        top_hz: f64,
+        air: &Air,
+    ) -> Result<MeshRange, AcousticsError> {
+        let problem = Exterior::new(boundary, air)
+            .with_panels_per_wavelength(self.panels)?
+            .with_equation_solver(self.equations);
+        Ok(MeshRange {
+            problem,
+            top_hz,
+            patterns,
+        })
+    }
+
     /// Bands of the means above the highest single frequency of a body \[Hz\].
     pub(super) fn mean_bands(&self, top_hz: f64) -> MeanBands {
         MeanBands::new(top_hz, self.mean_top_hz)

@@ -8,12 +8,13 @@
 //! frequencies and cancel in every band that is wider; its reflection at a microphone is the sound at the microphone's image.
 
 use nailnoise_acoustics::bem::{
-    BemError, Boundary, BoundaryMesh, ClosedOutline, Exterior, Gaps, MeanBands, MeanRanges, MeshRange, Panel, Parity,
-    Patterns, Rim, SymmetricPart,
+    BemError, Boundary, BoundaryMesh, ClosedOutline, Gaps, MeanBands, MeanRanges, MeshRange, Panel, Parity, Patterns,
+    Rim, SymmetricPart,
 };
 use nailnoise_acoustics::{Air, InputError};
 use nailnoise_meshes::Surface;
 use nalgebra::DMatrix;
+use rayon::prelude::*;
 use serde::Serialize;
 
 use super::boundary_elements::{LOWEST_SAMPLE, MOST_AT_GAPS, MeshRanges, Places, Resolution, Solution};
@@ -194,12 +195,8 @@ impl ToolRadiation {
     fn joined(&self, housings: &[Housing], air: &Air) -> Result<Option<MeshRange>, Error> {
         let mut all = self.of_own_mesh(&housings[0], air)?;
         for housing in &housings[1..] {
-            let other = self.of_own_mesh(housing, air)?;
-            let boundary = all.problem.boundary();
-            for (to, from) in all.patterns.iter_mut().zip(&other.patterns) {
-                let carried = boundary.interpolate_from(other.problem.boundary(), &from.velocities);
-                let Some(carried) = carried else { return Ok(None) };
-                append(&mut to.velocities, &carried);
+            if !append(&mut all, &self.of_own_mesh(housing, air)?, 0) {
+                return Ok(None);
             }
         }
         Ok(Some(all))
@@ -281,14 +278,7 @@ impl ToolRadiation {
             })
         };
         let patterns = motions.par_iter().map(of_parity).collect::<Result<_, _>>()?;
-        let problem = Exterior::new(boundary, air)
-            .with_panels_per_wavelength(self.resolution.panels)?
-            .with_equation_solver(self.resolution.equations);
-        Ok(MeshRange {
-            problem,
-            top_hz,
-            patterns,
-        })
+        Ok(self.resolution.range(boundary, patterns, top_hz, air)?)
     }
 
     /// The meshes of the means above the highest single frequency, with the motions of further bodies as the finest mesh below has
@@ -296,16 +286,12 @@ impl ToolRadiation {
     fn mean_ranges(&self, housing: &Housing, finest: &MeshRange, air: &Air) -> Result<MeanRanges, Error> {
         self.resolution.mean_ranges(finest.top_hz, |hz| {
             let mut finer = self.of_finer_mesh(housing, hz, air)?;
-            let boundary = finer.problem.boundary();
-            for (to, from) in finer.patterns.iter_mut().zip(&finest.patterns) {
-                let further = from.velocities.columns_range(to.velocities.ncols()..).into_owned();
-                if further.is_empty() {
-                    continue;
-                }
-                let carried = boundary.interpolate_from(finest.problem.boundary(), &further);
-                append(&mut to.velocities, &carried.ok_or(OTHER_SURFACE)?);
+            let own = motions(&finer);
+            if motions(finest) == own || append(&mut finer, finest, own) {
+                Ok(finer)
+            } else {
+                Err(OTHER_SURFACE)
             }
-            Ok(finer)
         })
     }
 
@@ -348,14 +334,7 @@ impl ToolRadiation {
             })
         };
         let patterns: Vec<Patterns> = fine.patterns.iter().map(carried).collect::<Result<_, _>>()?;
-        let problem = Exterior::new(coarse, air)
-            .with_panels_per_wavelength(panels)?
-            .with_equation_solver(self.resolution.equations);
-        let below = MeshRange {
-            problem,
-            top_hz: ALONE * fine.top_hz,
-            patterns,
-        };
+        let below = self.resolution.range(coarse, patterns, ALONE * fine.top_hz, air)?;
         Ok(vec![below, fine])
     }
 }
@@ -394,10 +373,27 @@ const OTHER_SURFACE: Error = Error::OtherModes {
     body: "standard bodies",
 };
 
-fn append(velocities: &mut DMatrix<f64>, further: &DMatrix<f64>) {
-    let first = velocities.ncols();
-    velocities.resize_horizontally_mut(first + further.ncols(), 0.0);
-    velocities.columns_range_mut(first..).copy_from(further);
+/// Number of motions of every parity.
+fn motions(range: &MeshRange) -> usize {
+    range.patterns.first().map_or(0, |patterns| patterns.velocities.ncols())
+}
+
+/// Appends the motions of another mesh of the same surface from number `first` on; false where the surfaces differ.
+fn append(to: &mut MeshRange, from: &MeshRange, first: usize) -> bool {
+    let [own, other] = [&*to, from].map(|range| range.problem.boundary());
+    let carried = from.patterns.par_iter().map(|patterns| {
+        let further = patterns.velocities.columns_range(first..).into_owned();
+        own.interpolate_from(other, &further)
+    });
+    let Some(carried) = carried.collect::<Option<Vec<_>>>() else {
+        return false;
+    };
+    for (Patterns { velocities, .. }, further) in to.patterns.iter_mut().zip(carried) {
+        let known = velocities.ncols();
+        velocities.resize_horizontally_mut(known + further.ncols(), 0.0);
+        velocities.columns_range_mut(known..).copy_from(&further);
+    }
+    true
 }
 
 /// Velocity patterns (corner values of the panels x modes), and behind them the same with `part` of the panels alone in

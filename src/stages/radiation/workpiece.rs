@@ -7,8 +7,8 @@
 //! shape (`workpiece.mesh`) radiates from the faces of its own mesh.
 
 use nailnoise_acoustics::bem::{
-    BemError, Boundary, BoundaryMesh, Exterior, Gap, Gaps, MeanBands, MeanRanges, MeshRange, MovingPart, Parity,
-    Patterns, Rim, Side, SolidBox,
+    BemError, Boundary, BoundaryMesh, Gap, Gaps, MeanBands, MeanRanges, MeshRange, MovingPart, Parity, Patterns, Rim,
+    Side, SolidBox,
 };
 use nailnoise_acoustics::radiation::{Erp, RadiatingSurface};
 use nailnoise_acoustics::{AcousticsError, Air};
@@ -247,14 +247,12 @@ impl WorkpieceBoundaryElements {
         let top_hz = share * fine.top_hz;
         let boundary = self.boundary(share)?;
         let patterns = boundary.transfer(&parts)?;
-        let problem = Exterior::new(boundary, air)
-            .with_panels_per_wavelength(fine.panels)?
-            .with_equation_solver(fine.equations);
-        Ok(MeshRange {
-            problem,
-            top_hz: top_hz * (air.sound_speed / computed.sound_speed),
+        fine.range(
+            boundary,
             patterns,
-        })
+            top_hz * (air.sound_speed / computed.sound_speed),
+            air,
+        )
     }
 
     /// The faces of a block's own mesh up to the frequency that they resolve, or in finer panels up to `top_hz`.
@@ -284,14 +282,8 @@ impl WorkpieceBoundaryElements {
         };
         let resolved = boundary.highest_hz(computed.sound_speed, fine.panels);
         let top_hz = top_hz.unwrap_or_else(|| resolved.min(fine.top_hz));
-        let problem = Exterior::new(boundary, air)
-            .with_panels_per_wavelength(fine.panels)?
-            .with_equation_solver(fine.equations);
-        Ok(MeshRange {
-            problem,
-            top_hz: top_hz * (air.sound_speed / computed.sound_speed),
-            patterns: vec![patterns],
-        })
+        let top_hz = top_hz * (air.sound_speed / computed.sound_speed);
+        Ok(fine.range(boundary, vec![patterns], top_hz, air)?)
     }
 }
 

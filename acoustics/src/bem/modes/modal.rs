@@ -31,9 +31,12 @@ const REST: &str = "far field less surface";
 /// Name of all patches of the surface together.
 const SURFACE: &str = "surface";
 
-/// Samples that a mesh adds at a time to correct a coarser one: where the coarser mesh resolves the same frequencies, so that the
-/// difference is smooth, and where it does not. These samples are the most expensive ones.
-const FEW: [usize; 2] = [2, 3];
+/// Samples that a mesh adds at a time to correct a coarser one that does not resolve the same frequencies. These samples are the
+/// most expensive ones.
+const CORRECTIONS: usize = 3;
+
+/// The same where the coarser mesh resolves them, so that the difference is smooth.
+const CORRECTIONS_OF_SHAPE: usize = 2;
 
 /// Modal radiation of a body by boundary elements: R(f) of every parity with respect to the mirror planes.
 ///
@@ -230,7 +233,7 @@ impl ModalBem {
                 Ok(solved.map(|solved| solved.resistances()).collect())
             };
             let mut found = SampledRadiation::of_rounds("BEM", &counts, &patches, &range, |hz| at(predictor, hz))?;
-            let round = FEW[usize::from(!follows)];
+            let round = if follows { CORRECTIONS_OF_SHAPE } else { CORRECTIONS };
             let correction = match &coarser {
                 Some(_) => SampledRadiation::correct(&mut found, (&range, round), |hz| at(&solver, hz))?,
                 None => None,

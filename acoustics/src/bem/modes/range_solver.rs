@@ -130,7 +130,7 @@ impl<'a> RangeSolver<'a> {
         new.dedup();
         match &self.sweep {
             Some(sweep) => self.sweep_over(&mut sweep.lock().unwrap_or_else(PoisonError::into_inner), &new)?,
-            None => each_of(&new, |&hz, threads| self.solve(hz, threads)).map(drop)?,
+            None => solve_each(&new, |&hz, threads| self.solve(hz, threads)).map(drop)?,
         }
         hz.iter().map(|&hz| self.at(hz)).collect()
     }
@@ -148,7 +148,7 @@ impl<'a> RangeSolver<'a> {
                 Origin::Interpolate(weights) => interpolated.push((hz, weights)),
             }
         }
-        let kept = each_of(&assembled, |&(hz, number), threads| {
+        let kept = solve_each(&assembled, |&(hz, number), threads| {
             let sums = self.problem.equations(hz, &self.data, threads)?;
             let kept = number.map(|number| (number, sweep.without_phase(&self.problem, hz, &sums)));
             self.evaluated(hz, &self.problem.solutions(hz, sums, &self.data, threads), threads)?;
@@ -165,7 +165,7 @@ impl<'a> RangeSolver<'a> {
                 return Err(error);
             }
         }
-        each_of(&interpolated, |(hz, weights), threads| {
+        solve_each(&interpolated, |(hz, weights), threads| {
             let sums = sweep.interpolate(&self.problem, weights, threads);
             self.evaluated(*hz, &self.problem.solutions(*hz, sums, &self.data, threads), threads)
                 .map(drop)
@@ -282,7 +282,7 @@ impl<'a> RangeSolver<'a> {
 
 /// Treats an even number of frequencies in parallel, each by one thread, because all take equally long; two threads share
 /// the last of an odd number. The error is that of the first frequency that has one.
-fn each_of<T: Sync, R: Send>(
+fn solve_each<T: Sync, R: Send>(
     frequencies: &[T],
     one: impl Fn(&T, Threads) -> Result<R, AcousticsError> + Sync,
 ) -> Result<Vec<R>, AcousticsError> {

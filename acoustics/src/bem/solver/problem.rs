@@ -172,15 +172,6 @@ impl Exterior {
         self
     }
 
-    /// Sets the cap L_c \[m\] of the coupling parameter; the default is half the width of the body.
-    ///
-    /// # Errors
-    /// A length that is not positive.
-    pub fn with_coupling(mut self, length: f64) -> Result<Self, BemError> {
-        self.coupling = positive("cap of the coupling parameter [m]", length)?;
-        Ok(self)
-    }
-
     /// Sets the number of panels per wavelength below which frequencies are refused; the default is six.
     ///
     /// # Errors

@@ -109,11 +109,6 @@ impl LawOfDrive {
         }
     }
 
-    /// Whether the force depends on the speed of the nail.
-    pub fn depends_on_speed(&self) -> bool {
-        self.decay.is_some()
-    }
-
     /// Speeds of impact that the law may be used at \[m/s\]: those of the data of `inertia` and `energy`.
     pub fn impacts(&self) -> [f64; 2] {
         self.impacts
