@@ -21,8 +21,8 @@ const TOGETHER: f64 = 2.0;
 pub(super) enum RadiatingSurface {
     /// Boxes about two mirror planes above a floor, of this area in all \[m2\].
     Boxes(f64),
-    /// A body of triangles of this area \[m2\].
-    Body(f64),
+    /// A body of triangles of this area in all \[m2\], in so many symmetric parts.
+    Body(f64, f64),
 }
 
 impl RadiatingSurface {
@@ -40,14 +40,14 @@ impl RadiatingSurface {
                 };
                 (size, 0.0)
             }
-            Self::Body(area) => {
-                let panels = TRIANGLES * area / (edge * edge);
+            Self::Body(area, parts) => {
+                let panels = TRIANGLES * area / (edge * edge) / parts;
                 let size = SurfaceSize {
                     unknowns: 0.5 * panels,
                     panels,
                     values: 3.0 * panels,
-                    copies: 1.0,
-                    images: 1.0,
+                    copies: *parts,
+                    images: *parts,
                 };
                 (size, CLOSE * panels)
             }
