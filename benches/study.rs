@@ -7,7 +7,7 @@ use std::time::Instant;
 
 use nailnoise::Design;
 use nailnoise::stages::levels::{Levels, SourceLevels};
-use nailnoise::study::{Draw, Draws, Part, Request, Shot, StudyResult, variables};
+use nailnoise::study::{Draw, Draws, Request, Shot, StudyResult, variables};
 use nailnoise_acoustics::random::uniform;
 
 /// Bands of a source, and intervals between the events of a shot.
@@ -71,13 +71,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         ..Draws::default()
     };
     let held = resident("VmRSS")?;
-    let request = Request {
-        draws,
-        seed: 1,
-        shots_a_structure: None,
-        part: Part::All,
-        workpiece_sensors: false,
-    };
+    let request = Request::new(draws, 1);
     let begin = Instant::now();
     let result = StudyResult::new(&design, &request, &made, None);
     let most = resident("VmHWM")?;

@@ -212,12 +212,7 @@ pub fn deliver(
 /// Those of [`Chain::run`].
 pub fn page(graph: &Graph, design: &Design) -> Result<(Run, String), Error> {
     let made = || {
-        let chain = Chain::new(graph, design, Options::default())?;
-        let pictures = graph.add(BodyPictures {
-            moving: chain.moving.clone(),
-            surroundings: inputs::exports::surroundings(design)?,
-        });
-        chain.check_bodies()?;
+        let (chain, pictures) = with_pictures(graph, design)?;
         let mut outputs = chain.outputs();
         outputs.push(&pictures);
         graph.prepare(&outputs)?;
@@ -227,6 +222,17 @@ pub fn page(graph: &Graph, design: &Design) -> Result<(Run, String), Error> {
         Ok((run, report))
     };
     made().map_err(|error| located(design, error))
+}
+
+/// The chain of a design whose bodies a run can use, and the pictures of its report.
+fn with_pictures(graph: &Graph, design: &Design) -> Result<(Chain, Stored<Pictures>), Error> {
+    let chain = Chain::new(graph, design, Options::default())?;
+    let pictures = graph.add(BodyPictures {
+        moving: chain.moving.clone(),
+        surroundings: inputs::exports::surroundings(design)?,
+    });
+    chain.check_bodies()?;
+    Ok((chain, pictures))
 }
 
 /// A run with what its files are made of.
@@ -247,17 +253,12 @@ fn made(
     progress: &Progress,
 ) -> Result<Made, Error> {
     let graph = Graph::new(Arc::new(store.clone()), progress.observer());
-    let chain = Chain::new(&graph, design, Options::default())?;
-    let pictures = graph.add(BodyPictures {
-        moving: chain.moving.clone(),
-        surroundings: inputs::exports::surroundings(design)?,
-    });
+    let (chain, pictures) = with_pictures(&graph, design)?;
     let fields = graph.add(BodyFields {
         moving: chain.moving.clone(),
         cycle: chain.cycle.clone(),
         films: exports.films,
     });
-    chain.check_bodies()?;
     thread::scope(|scope| {
         // The cycle's tables are the longest of all.
         let of_cycle = scope.spawn(|| {

@@ -10,12 +10,15 @@ use nailnoise_acoustics::levels::level_energy;
 pub use nailnoise_acoustics::radiator::{
     FluidLoading, Loading, ModeShare, RadiationBand, RadiationReport, Uncertainty,
 };
+use nailnoise_dynamics::{CycleRecord, EnergyFlow, Events, LogEntry, Outcome, Summary};
 pub use nailnoise_quantities::Check;
 use schemars::generate::SchemaSettings;
 use schemars::transform::RecursiveTransform;
 use schemars::{JsonSchema, Schema};
 use serde::{Deserialize, Serialize, Serializer};
 use serde_json::Value;
+
+use crate::design::Design;
 
 /// Version of the layout of [`RunResult`]; it changes when a reader of the old layout would misread the new one.
 pub const SCHEMA: &str = "nailnoise-run/1";
@@ -37,11 +40,11 @@ pub struct RunResult {
     /// All sources together.
     pub total: Total,
     /// What the shot did: `drives`, `strikes_bumper`, `underdriven`, `overdriven`, `does_not_open` or `does_not_release`.
-    pub outcome: nailnoise_dynamics::Outcome,
+    pub outcome: Outcome,
     /// Figures of the shot.
-    pub cycle: nailnoise_dynamics::Summary,
+    pub cycle: Summary,
     /// Event times t0..t18 \[s\]; null where one does not occur.
-    pub events: nailnoise_dynamics::Events,
+    pub events: Events,
     /// What the structures do to the shot and its sound, against a lumped workpiece; absent from a one-way run.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub coupling: Option<Coupling>,
@@ -78,6 +81,12 @@ impl RunResult {
     pub fn json_schema() -> Schema {
         schema_of::<Self>()
     }
+
+    /// The common range as text, `50 to 10000 Hz`; none without bands.
+    pub(crate) fn range(&self) -> Option<String> {
+        let bands = &self.ranking.first()?.bands;
+        Some(format!("{} to {} Hz", bands.first()?.hz, bands.last()?.hz))
+    }
 }
 
 /// JSON Schema (draft 2020-12) of a result, with descriptions in plain text.
@@ -107,6 +116,45 @@ pub struct DesignId {
     /// SHA-256 of every value the result depends on.
     #[schemars(regex(pattern = "^[0-9a-f]{64}$"))]
     pub digest: String,
+}
+
+impl From<&Design> for DesignId {
+    fn from(design: &Design) -> Self {
+        Self {
+            name: design.name().to_owned(),
+            digest: design.digest(),
+        }
+    }
+}
+
+/// A nailing cycle without its histories.
+#[derive(Debug, Clone, Serialize)]
+pub struct CycleFigures<'a> {
+    /// What the shot did.
+    pub outcome: Outcome,
+    /// Event times \[s\].
+    pub events: &'a Events,
+    /// Figures of the shot.
+    pub summary: &'a Summary,
+    /// Energy by its ways.
+    pub energy: &'a EnergyFlow,
+    /// Changes of contacts and valves.
+    pub log: &'a [LogEntry],
+    /// Checks of the balances.
+    pub checks: &'a [Check],
+}
+
+impl<'a> From<&'a CycleRecord> for CycleFigures<'a> {
+    fn from(record: &'a CycleRecord) -> Self {
+        Self {
+            outcome: record.outcome,
+            events: &record.events,
+            summary: &record.summary,
+            energy: &record.energy,
+            log: &record.log,
+            checks: &record.checks,
+        }
+    }
 }
 
 /// A value of the design.
@@ -168,7 +216,21 @@ pub struct RankedSource {
     pub intervals: Vec<IntervalLevel>,
 }
 
+/// The largest by a level; none where all are silent.
+pub(crate) fn loudest<T>(items: &[T], level: impl Fn(&T) -> Option<f64>) -> Option<&T> {
+    let heard = items.iter().filter_map(|item| Some((item, level(item)?)));
+    heard.max_by(|a, b| a.1.total_cmp(&b.1)).map(|(item, _)| item)
+}
+
 impl RankedSource {
+    /// The parts, loudest first.
+    pub(crate) fn parts(&self) -> Vec<&Component> {
+        let mut parts: Vec<_> = self.components.iter().collect();
+        let heard = |level: Option<f64>| level.unwrap_or(f64::NEG_INFINITY);
+        parts.sort_by(|a, b| heard(b.lwa_db).total_cmp(&heard(a.lwa_db)));
+        parts
+    }
+
     /// Name, level and band.
     pub(crate) fn placed(&self) -> crate::wording::Placed<'_> {
         (&self.source, self.lwa_db, self.uncertainty_db.bounds())

@@ -218,10 +218,7 @@ impl Chain {
         timing.end(self.begin.elapsed());
         let result = RunResult {
             schema: SCHEMA,
-            design: DesignId {
-                name: design.name().to_owned(),
-                digest: design.digest(),
-            },
+            design: DesignId::from(design),
             inputs: design.entries().into_iter().map(Into::into).collect(),
             ranking,
             total,

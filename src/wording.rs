@@ -1,4 +1,9 @@
-//! Text for changes of levels, uncertainty bands and the ranking, the same in tables and pages.
+//! Text for numbers, changes of levels, uncertainty bands and the ranking, the same in tables and pages.
+
+/// Bytes in hexadecimal digits.
+pub(crate) fn hexadecimal(bytes: &[u8]) -> String {
+    bytes.iter().map(|byte| format!("{byte:02x}")).collect()
+}
 
 /// A change of a level to a tenth of a decibel, with its sign: `-0.4`, `+1.2`; `0.0` if it rounds to zero.
 pub(crate) fn change(db: f64) -> String {

@@ -5,8 +5,6 @@ use std::sync::Arc;
 
 use nailnoise::Error;
 use nailnoise::design::{Assignment, Design, dependencies};
-use nailnoise::graph::Graph;
-use nailnoise::stages::{Observer, WithoutStages};
 use nailnoise::store::{LIMIT, Store};
 use pyo3::prelude::*;
 
@@ -87,11 +85,6 @@ pub(crate) fn store(cache: Option<PathBuf>, keep: bool) -> Result<Store, Error> 
 /// A folder that tasks fill and nobody bounds.
 pub(crate) fn unbounded(folder: PathBuf) -> Store {
     Store::at(folder, u64::MAX)
-}
-
-/// A graph that does not report the stages of each of many shots.
-pub(crate) fn quiet(store: &Store, observer: Arc<dyn Observer>) -> Graph {
-    Graph::new(Arc::new(store.clone()), Arc::new(WithoutStages(observer)))
 }
 
 /// The folder of the user's cache.

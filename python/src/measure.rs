@@ -5,18 +5,19 @@ use std::sync::Arc;
 
 use nailnoise::cost::{self, MemoryLimit};
 use nailnoise::figures;
+use nailnoise::graph::Graph;
 use nailnoise::measurement::Manifest;
 use nailnoise::measurement::arrangement::Arrangement;
-use nailnoise::measurement::processing::{Recorded, process};
+use nailnoise::measurement::processing::process_recordings;
 use nailnoise::measurement::result::Processing;
 use nailnoise::measurement::subtraction::Reading;
 use nailnoise::measurement::virtual_test::exact::exact;
 use nailnoise::measurement::virtual_test::{VirtualTest, wrapping};
-use nailnoise::measurement::wrapping::{Configuration, Wrapping};
+use nailnoise::measurement::wrapping::Wrapping;
 use nailnoise::stages::Progress;
 use pyo3::prelude::*;
 
-use crate::design::{NativeDesign, quiet, store};
+use crate::design::{NativeDesign, store};
 use crate::error::{json_of, value_error};
 use crate::values::drawn;
 use crate::work;
@@ -55,20 +56,8 @@ pub(crate) fn measure(
             .iter()
             .for_each(|warning| progress.note(&format!("warning: {warning}")));
         let arrangement = Arrangement::of(&manifest)?;
-        let recorded = manifest.configurations.iter().filter_map(|own| {
-            Some(Recorded {
-                configuration: Configuration::from_number(own.number)?,
-                repeats: own.repeats,
-            })
-        });
-        let recorded: Vec<Recorded> = recorded.collect();
-        let shot = |configuration: Configuration, repeat: usize| {
-            progress.observer().step();
-            let mut places = manifest.configurations.iter();
-            let place = places.position(|own| own.number == configuration.number());
-            Ok(manifest.shot(place.unwrap_or_default(), repeat)?)
-        };
-        let mut measured = process(&arrangement, processing, &recorded, shot, |_| Ok(()))?;
+        let step = |_, _| progress.observer().step();
+        let mut measured = process_recordings(&manifest, &arrangement, processing, step, |_| Ok(()))?;
         measured.result.manifest = path.display().to_string();
         let charts = drawn(&figures::measurement(&measured));
         Ok((measured.result, charts))
@@ -94,7 +83,7 @@ pub(crate) fn test_energies(
         } else {
             wrapping(&design)
         };
-        let graph = quiet(&store(cache, keep)?, observer);
+        let graph = Graph::quiet(&store(cache, keep)?, observer);
         let test = VirtualTest::new(&graph, &design, wraps, 1)?;
         let own = test.own()?;
         let rate = design.test.sampling_rate;

@@ -8,12 +8,11 @@ use nailnoise::comparison::{Comparison, Finished};
 use nailnoise::cost::{self, MemoryLimit};
 use nailnoise::design::inputs;
 use nailnoise::graph::Graph;
+use nailnoise::result::CycleFigures;
 use nailnoise::stages::bodies::BodyKind;
 use nailnoise::{figures, output};
-use nailnoise_dynamics::{EnergyFlow, Events, LogEntry, Outcome, Summary};
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
-use serde::Serialize;
 
 use crate::design::{NativeDesign, store};
 use crate::error::{json_of, raised, value_error};
@@ -68,26 +67,7 @@ pub(crate) fn cycle<'py>(
     for column in output::columns(&record) {
         histories.set_item(column.name, (column.unit, floats(py, column.values)))?;
     }
-    let figures = CycleFigures {
-        outcome: record.outcome,
-        events: &record.events,
-        summary: &record.summary,
-        energy: &record.energy,
-        log: &record.log,
-        checks: &record.checks,
-    };
-    Ok((json_of(&figures)?, histories, charts))
-}
-
-/// A cycle without its histories, as `nailnoise cycle --json` has it.
-#[derive(Serialize)]
-struct CycleFigures<'a> {
-    outcome: Outcome,
-    events: &'a Events,
-    summary: &'a Summary,
-    energy: &'a EnergyFlow,
-    log: &'a [LogEntry],
-    checks: &'a [nailnoise::result::Check],
+    Ok((json_of(&CycleFigures::from(&record))?, histories, charts))
 }
 
 /// Modes of a body (`workpiece`, `worktable` or `tool`): frequencies \[Hz\], which of them are rigid, loss factor, and points and

@@ -5,11 +5,12 @@ use std::sync::Arc;
 
 use nailnoise::cost::{self, MemoryLimit};
 use nailnoise::figures;
+use nailnoise::graph::Graph;
 use nailnoise::stages::Progress;
 use nailnoise::study::{self, Axis, Part, Request, StudyResult};
 use pyo3::prelude::*;
 
-use crate::design::{NativeDesign, parsed, quiet, store, unbounded};
+use crate::design::{NativeDesign, parsed, store, unbounded};
 use crate::error::{json_of, value_error};
 use crate::values::drawn;
 use crate::work;
@@ -20,11 +21,9 @@ pub(crate) fn request(draws: u32, seed: u64, structures: Option<u16>, part: Part
         return Err(value_error("a study needs at least one draw"));
     }
     Ok(Request {
-        draws: draws as usize,
-        seed,
         shots_a_structure: structures.filter(|each| *each > 0).map(usize::from),
         part,
-        workpiece_sensors: false,
+        ..Request::new(draws as usize, seed)
     })
 }
 
@@ -52,7 +51,7 @@ pub(crate) fn study_of(
         let cache = store(cache, keep)?;
         let shared = folder.map(unbounded);
         let progress = Progress::to(Arc::clone(&observer));
-        let graph = quiet(shared.as_ref().unwrap_or(&cache), observer);
+        let graph = Graph::quiet(shared.as_ref().unwrap_or(&cache), observer);
         let made = study::draws(&graph, &design, &request, &progress)?;
         let nominal = study::nominal(&graph, &design, &request)?;
         let result = StudyResult::new(&design, &request, &made, nominal.as_deref());
@@ -79,7 +78,7 @@ pub(crate) fn shots(
     let design = Arc::clone(&design.design);
     let made = work::off_the_lock(py, report, move |observer| {
         let progress = Progress::to(Arc::clone(&observer));
-        let graph = quiet(&store(cache, keep)?, observer);
+        let graph = Graph::quiet(&store(cache, keep)?, observer);
         Ok(study::shots(&graph, &design, draws as usize, seed, &progress)?)
     })?;
     json_of(&made)
@@ -103,7 +102,7 @@ pub(crate) fn sweep(
     let (design, assignments) = (Arc::clone(&design.design), parsed(&design.assignments)?);
     let (points, charts) = work::off_the_lock(py, report, move |observer| {
         let progress = Progress::to(Arc::clone(&observer));
-        let graph = quiet(&store(cache, keep)?, observer);
+        let graph = Graph::quiet(&store(cache, keep)?, observer);
         let base = (design.path(), &assignments[..]);
         let limit = MemoryLimit::default();
         let points = study::sweep(&graph, base, &axes, request.as_ref(), limit, &progress)?;

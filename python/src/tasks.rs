@@ -4,12 +4,13 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use nailnoise::cost::{self, MemoryLimit};
+use nailnoise::graph::Graph;
 use nailnoise::stages::Progress;
 use nailnoise::study::tasks::{self, Candidates};
 use nailnoise::study::{self, Part};
 use pyo3::prelude::*;
 
-use crate::design::{NativeDesign, quiet, unbounded};
+use crate::design::{NativeDesign, unbounded};
 use crate::error::{raised, value_error};
 use crate::study::request;
 use crate::work;
@@ -45,7 +46,7 @@ impl NativeCandidates {
         let candidates = Arc::clone(&self.candidates);
         work::off_the_lock(py, None, move |observer| {
             let store = unbounded(folder);
-            let accepted = candidates.outcomes(&quiet(&store, observer), block)?;
+            let accepted = candidates.outcomes(&Graph::quiet(&store, observer), block)?;
             Ok((accepted, store.take_used()))
         })
     }
@@ -82,7 +83,7 @@ pub(crate) fn study_task(
         cost::refuse(&design, &cost::of_run(&design)?, MemoryLimit::default())?;
         let progress = Progress::to(Arc::clone(&observer));
         let store = unbounded(folder);
-        let made = study::draws(&quiet(&store, observer), &design, &request, &progress)?;
+        let made = study::draws(&Graph::quiet(&store, observer), &design, &request, &progress)?;
         Ok((made.draws.len(), store.take_used()))
     })
 }
@@ -94,7 +95,7 @@ pub(crate) fn levels_task(py: Python<'_>, design: &NativeDesign, folder: PathBuf
     work::off_the_lock(py, None, move |observer| {
         cost::refuse(&design, &cost::of_run(&design)?, MemoryLimit::default())?;
         let store = unbounded(folder);
-        tasks::levels(&quiet(&store, observer), &design)?;
+        tasks::levels(&Graph::quiet(&store, observer), &design)?;
         Ok(store.take_used())
     })
 }

@@ -2,7 +2,6 @@
 
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
-use std::sync::Arc;
 
 use clap::Args;
 use serde::Serialize;
@@ -22,10 +21,10 @@ use crate::graph::Graph;
 use crate::output::Exports;
 use crate::report;
 use crate::result::Check;
-use crate::stages::{Progress, WithoutStages};
+use crate::stages::Progress;
 use crate::staging;
 use crate::store::Store;
-use crate::study::{self, Estimate, PairedStudy, Part, Request, common_draws};
+use crate::study::{self, Estimate, PairedStudy, Request, common_draws};
 use crate::wording::{band, change, drawn_structures, order};
 
 #[derive(Args)]
@@ -39,25 +38,25 @@ use crate::wording::{band, change, drawn_structures, order};
 pub(super) struct Arguments {
     /// Design files or finished results (a folder with result.json, or the file); the first is the reference
     #[arg(required = true, num_args = 1.., value_name = "DESIGN")]
-    designs: Vec<PathBuf>,
+    pub(super) designs: Vec<PathBuf>,
     /// Compare with measurements instead: measurement.json of `measure`, a file as designs/measured/n80cb.json, or n80cb for
     /// the published ones. One design, or one on the worktable and one in the sandbox, as they were tested
     #[arg(long, value_name = "FILE", conflicts_with_all = ["bands", "intervals", "fail_above"])]
     measured: Option<PathBuf>,
     /// Print exactly one JSON value instead of tables
     #[arg(long)]
-    json: bool,
+    pub(super) json: bool,
     /// Folder for the results of the designs that are run, one subfolder each
     #[arg(long, value_name = "DIR", default_value = "out")]
-    out: PathBuf,
+    pub(super) out: PathBuf,
     #[command(flatten)]
     threads: Threads,
     #[command(flatten)]
     keeping: Keeping,
     #[command(flatten)]
-    memory: Memory,
+    pub(super) memory: Memory,
     #[command(flatten)]
-    changes: Changes,
+    pub(super) changes: Changes,
     /// Show the levels of every one-third-octave band
     #[arg(long)]
     bands: bool,
@@ -66,15 +65,15 @@ pub(super) struct Arguments {
     intervals: bool,
     /// Draw N shots of all designs in common, and state how sure the changes are; each argument must be a design file
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(2..=60_000))]
-    draws: Option<u32>,
+    pub(super) draws: Option<u32>,
     /// Seed of --draws
     #[arg(long, value_name = "SEED", default_value_t = 1, requires = "draws")]
-    seed: u64,
+    pub(super) seed: u64,
     /// Draw the structures (block, table, tool body), too, each for N of the draws; without it they are those of the designs.
     /// Modes and radiation of a new structure take minutes
     #[arg(long, value_name = "N", num_args = 0..=1, require_equals = true, default_missing_value = "8", requires = "draws")]
     #[arg(value_parser = clap::value_parser!(u16).range(1..))]
-    structures: Option<u16>,
+    pub(super) structures: Option<u16>,
     /// End with status 1 if a design other than the reference is louder: total=100, exhaust=95.5
     #[arg(long, value_name = "SOURCE=DB")]
     fail_above: Vec<Limit>,
@@ -85,18 +84,7 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
     let progress = progress();
     let cache = arguments.keeping.cache()?;
     if let Some(file) = &arguments.measured {
-        let request = compare_measured::Request {
-            file,
-            designs: &arguments.designs,
-            changes: &arguments.changes,
-            draws: arguments.draws,
-            seed: arguments.seed,
-            structures: arguments.structures,
-            out: &arguments.out,
-            json: arguments.json,
-            memory: &arguments.memory,
-        };
-        return compare_measured::execute(&request, &cache, &progress);
+        return compare_measured::execute(arguments, file, &cache, &progress);
     }
     if let [design] = arguments.designs.as_slice() {
         return Err(Error::NothingToCompare { path: design.clone() });
@@ -165,19 +153,15 @@ fn paired(arguments: &Arguments, cache: &Store, progress: &Progress) -> Result<V
         return Ok(Vec::new());
     };
     let request = Request {
-        draws: draws as usize,
-        seed: arguments.seed,
         shots_a_structure: arguments.structures.map(usize::from),
-        part: Part::All,
-        workpiece_sensors: false,
+        ..Request::new(draws as usize, arguments.seed)
     };
     let load = |path: &PathBuf| Design::load_with(path, &arguments.changes.set);
     let designs = arguments.designs.iter().map(load).collect::<Result<Vec<_>, _>>()?;
     for design in &designs {
         cost::refuse(design, &cost::of_run(design)?, arguments.memory.limit())?;
     }
-    let observer = Arc::new(WithoutStages(progress.observer()));
-    let graph = Graph::new(Arc::new(cache.clone()), observer);
+    let graph = Graph::quiet(cache, progress.observer());
     let pair = |other: &Design| {
         let made = common_draws(&graph, &[&designs[0], other], &request, progress)?;
         Ok(PairedStudy::new((&designs[0], &made[0]), (other, &made[1]), &request))

@@ -1,11 +1,11 @@
 //! `nailnoise compare --measured`: predictions beside measurements, like with like.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::ExitCode;
-use std::sync::Arc;
 
+use super::compare::Arguments;
 use super::table::table;
-use super::{Changes, Memory, print, print_json};
+use super::{print, print_json};
 use crate::cost;
 use crate::design::Design;
 use crate::error::Error;
@@ -14,39 +14,22 @@ use crate::measurement::comparison::{ComparedQuantity, MeasuredComparison, Measu
 use crate::measurement::error::MeasurementError;
 use crate::measurement::virtual_test::{VirtualTest, wrapping};
 use crate::report;
-use crate::stages::{Progress, WithoutStages};
+use crate::stages::Progress;
 use crate::staging;
 use crate::store::Store;
-use crate::study::{self, Draws, Part, common_draws, nominal};
+use crate::study::{Draws, Request, common_draws, nominal};
 use crate::wording::drawn_structures;
 
 /// Draws where `--draws` gives no number.
 const DRAWS: u32 = 64;
 
-/// What of the arguments of `compare` takes part.
-pub(super) struct Request<'a> {
-    /// File of measurements.
-    pub(super) file: &'a Path,
-    /// Design files.
-    pub(super) designs: &'a [PathBuf],
-    /// Values over those of the files.
-    pub(super) changes: &'a Changes,
-    /// Number of draws.
-    pub(super) draws: Option<u32>,
-    /// Their seed.
-    pub(super) seed: u64,
-    /// Draws on each structure that is drawn; structures are held without it.
-    pub(super) structures: Option<u16>,
-    /// Folder of the page.
-    pub(super) out: &'a Path,
-    /// Whether one JSON value is printed.
-    pub(super) json: bool,
-    /// Memory of a stage.
-    pub(super) memory: &'a Memory,
-}
-
-pub(super) fn execute(arguments: &Request<'_>, cache: &Store, progress: &Progress) -> Result<ExitCode, Error> {
-    let measured = Measurements::read(arguments.file)?;
+pub(super) fn execute(
+    arguments: &Arguments,
+    file: &Path,
+    cache: &Store,
+    progress: &Progress,
+) -> Result<ExitCode, Error> {
+    let measured = Measurements::read(file)?;
     let designs = arguments
         .designs
         .iter()
@@ -56,7 +39,7 @@ pub(super) fn execute(arguments: &Request<'_>, cache: &Store, progress: &Progres
         let predicted = [design.analysis.range_low, design.analysis.range_high];
         if let Some(range) = measured.range_hz.filter(|range| *range != predicted) {
             return Err(MeasurementError::Range {
-                path: arguments.file.to_owned(),
+                path: file.to_owned(),
                 measured: range,
                 design: design.name().to_owned(),
                 predicted,
@@ -65,13 +48,11 @@ pub(super) fn execute(arguments: &Request<'_>, cache: &Store, progress: &Progres
         }
         cost::refuse(design, &cost::of_run(design)?, arguments.memory.limit())?;
     }
-    let graph = Graph::new(Arc::new(cache.clone()), Arc::new(WithoutStages(progress.observer())));
-    let request = study::Request {
-        draws: arguments.draws.unwrap_or(DRAWS) as usize,
-        seed: arguments.seed,
+    let graph = Graph::quiet(cache, progress.observer());
+    let request = Request {
         shots_a_structure: arguments.structures.map(usize::from),
-        part: Part::All,
         workpiece_sensors: true,
+        ..Request::new(arguments.draws.unwrap_or(DRAWS) as usize, arguments.seed)
     };
     let mut predicted = Vec::new();
     // The designs' own shots first: the draws then find modes and radiation.
@@ -104,7 +85,7 @@ fn prediction(
     graph: &Graph,
     design: &Design,
     (test, shot): (&VirtualTest<'_>, &crate::measurement::virtual_test::BareShot),
-    (request, drawn): (&study::Request, &Draws),
+    (request, drawn): (&Request, &Draws),
 ) -> Result<Predicted, Error> {
     let levels = nominal(graph, design, request)?.ok_or(Error::Upstream { stage: "levels" })?;
     predict(test, design, shot, (&levels, drawn), request.seed)

@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 use sha2::{Digest as _, Sha256};
 
 use crate::report::compared_by;
+use crate::wording::hexadecimal;
 
 /// Longest name without extension \[bytes\]; file systems allow 255.
 const LONGEST: usize = 120;
@@ -22,7 +23,7 @@ pub(super) fn identity(paths: &[PathBuf]) -> String {
         digest.update(path.as_os_str().as_encoded_bytes());
         digest.update([0]);
     }
-    digest.finalize().iter().map(|byte| format!("{byte:02x}")).collect()
+    hexadecimal(&digest.finalize())
 }
 
 /// `OUT/compare-A-B.html`, with a number behind it where the page of another comparison has this name.

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::{Args, ValueEnum};
-use nailnoise_dynamics::{CycleRecord, EnergyFlow, Events, LogEntry, Outcome, Summary, Work, simulate};
+use nailnoise_dynamics::{CycleRecord, EnergyFlow, Work, simulate};
 use serde::Serialize;
 
 use super::table::table;
@@ -16,7 +16,7 @@ use crate::error::Error;
 use crate::figures::{self, Chart};
 use crate::output::{self, EVENT_NAMES};
 use crate::penetration;
-use crate::result::{Check, DesignId};
+use crate::result::{CycleFigures, DesignId};
 use crate::stages::cycle::Preset;
 use crate::staging::Staging;
 use crate::wording::figure;
@@ -86,12 +86,8 @@ struct CycleResult<'a> {
     preset: Option<Preset>,
     /// File of the penetration law that replaces the one of the design; null if there is none.
     penetration_table: Option<String>,
-    outcome: Outcome,
-    events: &'a Events,
-    summary: &'a Summary,
-    energy: &'a EnergyFlow,
-    log: &'a [LogEntry],
-    checks: &'a [Check],
+    #[serde(flatten)]
+    cycle: CycleFigures<'a>,
     work: &'a Work,
     /// Files of the requested figures.
     figures: Vec<String>,
@@ -99,8 +95,7 @@ struct CycleResult<'a> {
 
 pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
     let common = &arguments.common;
-    common.start_threads()?;
-    let design = common.load()?;
+    let design = common.begin()?;
     cost::refuse(&design, &[cost::of_cycle(&design)], common.memory.limit())?;
     if arguments.sensitivity {
         return super::sensitivity::execute(common, &design, &arguments.outputs, &arguments.parameters);
@@ -147,18 +142,10 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
     let status = status_of(&record.checks);
     let result = CycleResult {
         schema: "nailnoise-cycle/1",
-        design: DesignId {
-            name: design.name().to_owned(),
-            digest: design.digest(),
-        },
+        design: DesignId::from(&design),
         preset,
         penetration_table,
-        outcome: record.outcome,
-        events: &record.events,
-        summary: &record.summary,
-        energy: &record.energy,
-        log: &record.log,
-        checks: &record.checks,
+        cycle: (&record).into(),
         work: &record.work,
         figures: figures.iter().map(|file| file.display().to_string()).collect(),
     };
@@ -189,9 +176,9 @@ fn text(form: &str, result: &CycleResult<'_>, record: &CycleRecord) -> String {
     let mut text = format!(
         "{}{form}: {}\n\n",
         result.design.name,
-        result.outcome.name().replace('_', " ")
+        record.outcome.name().replace('_', " ")
     );
-    let events: Vec<Vec<String>> = result
+    let events: Vec<Vec<String>> = record
         .events
         .to_array()
         .iter()
@@ -204,7 +191,7 @@ fn text(form: &str, result: &CycleResult<'_>, record: &CycleRecord) -> String {
         .collect();
     text.push_str(&table(&["event", "time ms"], &events));
     text.push('\n');
-    let summary = serde_json::to_value(result.summary).unwrap_or_default();
+    let summary = serde_json::to_value(&record.summary).unwrap_or_default();
     let rows: Vec<Vec<String>> = summary
         .as_object()
         .into_iter()
@@ -218,9 +205,9 @@ fn text(form: &str, result: &CycleResult<'_>, record: &CycleRecord) -> String {
         .collect();
     text.push_str(&table(&["summary", "value"], &rows));
     text.push('\n');
-    text.push_str(&table(&["energy", "J"], &energy(result.energy)));
+    text.push_str(&table(&["energy", "J"], &energy(&record.energy)));
     text.push('\n');
-    let checks: Vec<Vec<String>> = result
+    let checks: Vec<Vec<String>> = record
         .checks
         .iter()
         .map(|check| {
@@ -236,10 +223,10 @@ fn text(form: &str, result: &CycleResult<'_>, record: &CycleRecord) -> String {
     text.push_str(&table(&["check", "value", "limit", ""], &checks));
     text.push_str(&format!(
         "\n  {} steps, {} rejected, {} events, {} Jacobians; {} samples of {:.1} us\n",
-        result.work.steps,
-        result.work.rejected,
-        result.work.events,
-        result.work.jacobians,
+        record.work.steps,
+        record.work.rejected,
+        record.work.events,
+        record.work.jacobians,
         record.len(),
         1e6 * record.sample_interval,
     ));

@@ -72,10 +72,7 @@ pub(super) fn execute(common: &Common, design: &Design, count: usize, seed: u64)
     if common.json {
         print_json(&DrawResult {
             schema: "nailnoise-draw/1",
-            design: DesignId {
-                name: design.name().to_owned(),
-                digest: design.digest(),
-            },
+            design: DesignId::from(design),
             seed,
             drawn: counted.drawn,
             parameters: sampler.parameters.len(),

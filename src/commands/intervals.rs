@@ -10,7 +10,7 @@ use crate::error::Error;
 use crate::report::Intervals;
 use crate::stages::Progress;
 use crate::store::Store;
-use crate::study::{self, LevelStudy, Part, ProvidedStudy, Request, StudyResult};
+use crate::study::{self, LevelStudy, ProvidedStudy, Request, StudyResult};
 
 /// Inputs that are named as those which decide the total.
 const DECIDING: usize = 3;
@@ -61,13 +61,7 @@ pub(super) fn study_of(store: &Store, design: &Design, progress: &Progress) -> R
     if store.folder().is_none() {
         return Err("without the cache no study is known".to_owned());
     }
-    let request = Request {
-        draws: design.study().screening as usize,
-        seed: SEED,
-        shots_a_structure: None,
-        part: Part::All,
-        workpiece_sensors: false,
-    };
+    let request = Request::new(design.study().screening as usize, SEED);
     if request.draws == 0 {
         return Err("`study.screening` is 0".to_owned());
     }

@@ -10,11 +10,10 @@ use super::progress::noted;
 use super::table::{decibels, table};
 use super::{Threads, folder_of, message, print, print_json, progress};
 use crate::error::Error;
-use crate::measurement::processing::{CorrectedShot, Measured, Recorded, process};
+use crate::measurement::processing::{CorrectedShot, Measured, process_recordings};
 use crate::measurement::repeats::RepeatedLevel;
 use crate::measurement::result::{MeasurementResult, Processing};
 use crate::measurement::subtraction::Reading;
-use crate::measurement::wrapping::Configuration;
 use crate::measurement::{Manifest, arrangement::Arrangement};
 use crate::staging::Staging;
 use crate::{figures, output, report};
@@ -71,35 +70,14 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
     };
     let arrangement = Arrangement::of(&manifest)?;
     let staging = Staging::within(&folder)?;
-    let recorded: Vec<Recorded> = manifest
-        .configurations
-        .iter()
-        .filter_map(|own| {
-            Some(Recorded {
-                configuration: Configuration::from_number(own.number)?,
-                repeats: own.repeats,
-            })
-        })
-        .collect();
     let processing = Processing {
         reading: arguments.reading,
         paired: arguments.paired,
         total_less_residual: arguments.total_less_residual,
     };
-    let shots: usize = recorded.iter().map(|own| own.repeats).sum();
     let mut signals = Vec::new();
-    let done = std::cell::Cell::new(0_u64);
     progress.stage("shots");
-    let shot = |configuration: Configuration, repeat: usize| {
-        let place = manifest
-            .configurations
-            .iter()
-            .position(|own| own.number == configuration.number());
-        let shot = manifest.shot(place.unwrap_or_default(), repeat)?;
-        done.set(done.get() + 1);
-        progress.done(done.get(), shots as u64);
-        Ok(shot)
-    };
+    let read = |done: u64, of: u64| progress.done(done, of);
     let keep = |shot: CorrectedShot| {
         if shot.repeat > 0 && !arguments.signals {
             return Ok(());
@@ -109,7 +87,7 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
         signals.push((file, full_scale));
         Ok(())
     };
-    let mut measured = process(&arrangement, processing, &recorded, shot, keep)?;
+    let mut measured = process_recordings(&manifest, &arrangement, processing, read, keep)?;
     measured.result.manifest = path.display().to_string();
     progress.stage("writing files");
     for (name, bytes) in output::measurement::tables(&measured.result, &signals)? {

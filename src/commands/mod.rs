@@ -156,8 +156,9 @@ struct Common {
 }
 
 impl Common {
-    /// Reads the design and prints its warnings.
-    fn load(&self) -> Result<Design, Error> {
+    /// Starts the threads, reads the design and prints its warnings.
+    fn begin(&self) -> Result<Design, Error> {
+        self.threads.start()?;
         self.changes.load(&self.design)
     }
 
@@ -167,11 +168,6 @@ impl Common {
             Some(folder) => Ok(folder.clone()),
             None => folder_of(Path::new("out"), design.name(), design.path()),
         }
-    }
-
-    /// Sets the size of the thread pool of the whole process.
-    fn start_threads(&self) -> Result<(), Error> {
-        self.threads.start()
     }
 }
 

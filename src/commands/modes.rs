@@ -76,8 +76,7 @@ struct Mode {
 
 pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
     let common = &arguments.common;
-    common.start_threads()?;
-    let mut design = common.load()?;
+    let mut design = common.begin()?;
     arguments.own.replace(&mut design, arguments.body.into());
     let folder = common.out(&design)?;
     // A file that cannot be used is found before time is spent.
@@ -129,10 +128,7 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
     };
     let result = ModesResult {
         schema: "nailnoise-modes/1",
-        design: DesignId {
-            name: design.name().to_owned(),
-            digest: design.digest(),
-        },
+        design: DesignId::from(&design),
         body: body.name,
         dofs: basis.dofs,
         modes: basis.hz.iter().enumerate().map(mode).collect(),

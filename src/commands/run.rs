@@ -20,7 +20,7 @@ use crate::error::Error;
 use crate::graph::Graph;
 use crate::output::{self, Exports, event_name};
 use crate::report;
-use crate::result::{Check, Component, Coupling, RankedSource, RunResult};
+use crate::result::{Check, Coupling, RankedSource, RunResult, loudest};
 use crate::run::Run;
 use crate::stages::Progress;
 use crate::staging;
@@ -55,8 +55,7 @@ pub(super) struct Arguments {
 
 pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
     let common = &arguments.common;
-    common.start_threads()?;
-    let design = common.load()?;
+    let design = common.begin()?;
     let folder = common.out(&design)?;
     let cache = arguments.keeping.cache()?;
     let store = cache.clone();
@@ -185,23 +184,11 @@ fn with_intervals(text: &Text, study: Result<&Known, &String>) -> String {
     )
 }
 
-/// The largest by a level; none where all are silent.
-fn loudest<T>(items: &[T], level: impl Fn(&T) -> Option<f64>) -> Option<&T> {
-    items
-        .iter()
-        .filter_map(|item| Some((item, level(item)?)))
-        .max_by(|a, b| a.1.total_cmp(&b.1))
-        .map(|(item, _)| item)
-}
-
 /// The parts of every source, loudest first.
 fn components(result: &RunResult) -> String {
     let mut rows = Vec::new();
     for source in &result.ranking {
-        let mut parts: Vec<&Component> = source.components.iter().collect();
-        let energy = |part: &Component| part.lwa_db.unwrap_or(f64::NEG_INFINITY);
-        parts.sort_by(|a, b| energy(b).total_cmp(&energy(a)));
-        rows.extend(parts.into_iter().map(|part| {
+        rows.extend(source.parts().into_iter().map(|part| {
             vec![
                 source.source.clone(),
                 part.name.clone(),
@@ -337,11 +324,8 @@ pub(super) fn text(run: &Run) -> Text {
         "{}: A-weighted single-event sound power levels re 1 pW s, one shot",
         result.design.name
     );
-    if let Some(source) = result.ranking.first() {
-        let (first, last) = (source.bands.first(), source.bands.last());
-        if let (Some(first), Some(last)) = (first, last) {
-            before.push_str(&format!(",\nthird-octave bands {} to {} Hz", first.hz, last.hz));
-        }
+    if let Some(range) = result.range() {
+        before.push_str(&format!(",\nthird-octave bands {range}"));
     }
     before.push_str("\n\n");
     let mut text = String::new();

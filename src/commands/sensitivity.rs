@@ -47,13 +47,9 @@ pub(super) fn execute(
     let path = folder.join("sensitivity.csv");
     staging::write(&path, &csv(&sensitivity)?)?;
     if common.json {
-        let design = DesignId {
-            name: design.name().to_owned(),
-            digest: design.digest(),
-        };
         print_json(&Layout {
             schema: "nailnoise-sensitivity/1",
-            design,
+            design: DesignId::from(design),
             sensitivity: &sensitivity,
         })?;
     } else {
@@ -130,7 +126,7 @@ fn row(derivative: &Derivative, parameter: &ParameterOutcome) -> Vec<String> {
     }
     vec![
         derivative.key.clone(),
-        format!("{} {}", short(value(parameter)), parameter.parameter.unit)
+        format!("{} {}", short(parameter.parameter.number()), parameter.parameter.unit)
             .trim_end()
             .to_owned(),
         format!("{:+.4e}", derivative.derivative),
@@ -140,13 +136,6 @@ fn row(derivative: &Derivative, parameter: &ParameterOutcome) -> Vec<String> {
         end(derivative.at_ends[1]),
         notes.join(", "),
     ]
-}
-
-fn value(parameter: &ParameterOutcome) -> f64 {
-    match parameter.parameter.value {
-        crate::design::Value::Number(value) => value,
-        _ => f64::NAN,
-    }
 }
 
 /// Five digits, with a power of ten where the number is far from one.
@@ -203,7 +192,7 @@ fn csv(sensitivity: &Sensitivity) -> Result<Vec<u8>, Error> {
             optional(output.value),
             derivative.key.clone(),
             parameter.parameter.unit.clone(),
-            number(value(parameter)),
+            number(parameter.parameter.number()),
             from,
             to,
             number(derivative.derivative),

@@ -3,7 +3,6 @@
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::str::FromStr;
-use std::sync::Arc;
 
 use clap::Args;
 use serde::Serialize;
@@ -15,7 +14,7 @@ use crate::cost;
 use crate::design::Design;
 use crate::error::Error;
 use crate::graph::Graph;
-use crate::stages::{Progress, WithoutStages};
+use crate::stages::Progress;
 use crate::staging::{self, Staging};
 use crate::store::Store;
 use crate::study::{self, Draws, Estimate, Part, ProvidedStudy, Request, StudyResult};
@@ -155,8 +154,7 @@ impl Until {
 
 pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
     let common = &arguments.common;
-    common.start_threads()?;
-    let design = common.load()?;
+    let design = common.begin()?;
     let folder = common.out(&design)?.join("study");
     let shipped = shipped::design(design.name()).map(|(path, _)| path);
     if arguments.provide.is_some() && shipped.is_none() {
@@ -172,20 +170,18 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
     cost::refuse(&design, &cost::of_run(&design)?, common.memory.limit())?;
     let progress = progress();
     let most = arguments.draws as usize;
+    let draws_at_first = match arguments.until.as_slice() {
+        [] => most,
+        _ => most.min(AT_FIRST),
+    };
     let mut request = Request {
-        draws: if arguments.until.is_empty() {
-            most
-        } else {
-            most.min(AT_FIRST)
-        },
-        seed: arguments.seed,
         shots_a_structure: arguments.structures.map(usize::from),
         part: match (arguments.task, arguments.collect) {
             (Some(Task { number, of }), _) => Part::Task { number, of },
             (None, true) => Part::Kept,
             (None, false) => Part::All,
         },
-        workpiece_sensors: false,
+        ..Request::new(draws_at_first, arguments.seed)
     };
     let cache = arguments.keeping.cache()?;
     let store = match &arguments.store {
@@ -225,12 +221,12 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
     result = result.with_surrogates(&design, &made);
     let mut partners = None;
     if arguments.groups {
-        let graph = graph(&store, &progress);
+        let graph = Graph::quiet(&store, progress.observer());
         let (groups, table) = study::group_study(&graph, &design, &request, &made, &progress)?;
         (result.groups, partners) = (Some(groups), Some(table));
     }
     if arguments.one_at_a_time {
-        let graph = graph(&store, &progress);
+        let graph = Graph::quiet(&store, progress.observer());
         match study::nominal(&graph, &design, &request)? {
             Some(nominal) => {
                 let own = study::one_at_a_time(&graph, &design, &request, (&made, &nominal), &progress)?;
@@ -358,14 +354,9 @@ fn execute_task(task: Task, made: &Draws, folder: &Path, json: bool, progress: &
     Ok(ExitCode::SUCCESS)
 }
 
-/// A graph that says nothing of its stages.
-fn graph(store: &Store, progress: &Progress) -> Graph {
-    Graph::new(Arc::new(store.clone()), Arc::new(WithoutStages(progress.observer())))
-}
-
 /// The draws that are asked for, and the graph that made them.
 fn draws(store: &Store, design: &Design, request: &Request, progress: &Progress) -> Result<(Draws, Graph), Error> {
-    let graph = graph(store, progress);
+    let graph = Graph::quiet(store, progress.observer());
     Ok((study::draws(&graph, design, request, progress)?, graph))
 }
 

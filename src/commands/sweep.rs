@@ -3,7 +3,6 @@
 use std::collections::HashSet;
 use std::path::PathBuf;
 use std::process::ExitCode;
-use std::sync::Arc;
 
 use clap::Args;
 use serde::Serialize;
@@ -18,10 +17,9 @@ use crate::figures::{self, Chart};
 use crate::graph::Graph;
 use crate::output::{self, Exports};
 use crate::result::DesignId;
-use crate::stages::WithoutStages;
 use crate::staging::Staging;
 use crate::store::Store;
-use crate::study::{Axis, Part, Quantiles, Request, SweptPoint, at_point, sweep};
+use crate::study::{Axis, Quantiles, Request, SweptPoint, at_point, sweep};
 
 /// The file that is written last, so that a folder that holds it holds all the rest.
 const LAST: &str = "sweep.csv";
@@ -73,8 +71,7 @@ struct Layout<'a> {
 
 pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
     let common = &arguments.common;
-    common.start_threads()?;
-    let design = common.load()?;
+    let design = common.begin()?;
     let folder = common.out(&design)?.join("sweep");
     let progress = progress();
     progress.stage("levels over the grid");
@@ -93,15 +90,11 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
         };
         cluster.fill("sweep-on", (common, &design), &axes.collect::<Vec<_>>())?;
     }
-    let graph = Graph::new(Arc::new(store), Arc::new(WithoutStages(progress.observer())));
+    let graph = Graph::quiet(&store, progress.observer());
     let base = (design.path(), &common.changes.set[..]);
-    let request = arguments.draws.map(|draws| Request {
-        draws: draws as usize,
-        seed: arguments.seed,
-        shots_a_structure: None,
-        part: Part::All,
-        workpiece_sensors: false,
-    });
+    let request = arguments
+        .draws
+        .map(|draws| Request::new(draws as usize, arguments.seed));
     let limit = common.memory.limit();
     let mut points = sweep(&graph, base, &arguments.vary, request.as_ref(), limit, &progress)?;
     let mut checks = Vec::new();
@@ -137,10 +130,7 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
     if common.json {
         print_json(&Layout {
             schema: "nailnoise-sweep/1",
-            design: DesignId {
-                name: design.name().to_owned(),
-                digest: design.digest(),
-            },
+            design: DesignId::from(&design),
             axes: &arguments.vary,
             points: &points,
         })?;

@@ -2,7 +2,6 @@
 
 use std::path::Path;
 use std::process::ExitCode;
-use std::sync::Arc;
 
 use clap::{Args, ValueEnum};
 use serde::Serialize;
@@ -19,7 +18,6 @@ use crate::measurement::virtual_test::{VirtualTest, wrapping};
 use crate::measurement::wrapping::{Configuration, SOURCES, Wrapping};
 use crate::output::virtual_test::{SensorPeaks, manifest, sensors, sounds};
 use crate::result::DesignId;
-use crate::stages::WithoutStages;
 use crate::staging::Staging;
 
 /// The file that is written last, so that a folder that holds it holds all the rest.
@@ -75,18 +73,14 @@ struct TestResult {
 
 pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
     let common = &arguments.common;
-    common.start_threads()?;
-    let design = common.load()?;
+    let design = common.begin()?;
     cost::refuse(&design, &cost::of_run(&design)?, common.memory.limit())?;
     let wraps = match arguments.wraps {
         Wraps::Design => wrapping(&design),
         Wraps::Perfect => Wrapping::perfect(),
     };
     let progress = progress();
-    let graph = Graph::new(
-        Arc::new(arguments.keeping.cache()?),
-        Arc::new(WithoutStages(progress.observer())),
-    );
+    let graph = Graph::quiet(&arguments.keeping.cache()?, progress.observer());
     let test = VirtualTest::new(&graph, &design, wraps, arguments.seed)?;
     progress.stage("the design's shot, minutes where its modes and radiation are new");
     let own = test.own()?;
@@ -96,10 +90,7 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
     drop(own);
     let mut result = TestResult {
         schema: "nailnoise-test/1",
-        design: DesignId {
-            name: design.name().to_owned(),
-            digest: design.digest(),
-        },
+        design: DesignId::from(&design),
         wraps: arguments.wraps,
         seed: arguments.seed,
         exact,

@@ -2,7 +2,7 @@
 
 use nailnoise_quantities::dimension::*;
 
-use super::show::{Short, show};
+use super::show::{Short, mm, show};
 use super::springs::Sprung;
 
 /// Compression up to which the printed polynomial of the closing spring (Eq. 4.60) holds \[m\].
@@ -197,10 +197,6 @@ pub enum Conflict {
 
 /// Samples a period at the highest frequency, for a record that a Fourier transform can use.
 pub(super) const SAMPLES: f64 = 4.0;
-
-fn mm(length: f64) -> String {
-    show(length, LENGTH)
-}
 
 fn order(strict: bool) -> &'static str {
     if strict { "below" } else { "at most" }

@@ -69,6 +69,7 @@ pub use study::{Alternative, Correlation, SOURCES, StudySettings};
 pub use surfaces::{NamedSurface, SurfaceName, SurfaceOf, SurfaceProblem};
 pub use transducers::{Chamber, Transducer};
 
+use crate::wording::hexadecimal;
 use resolve::{Record, Records, Resolved};
 
 pub(crate) use settings::found;
@@ -337,10 +338,6 @@ impl Design {
 /// SHA-256 of what a file holds, so that a digest follows the content and not the place; its name if it cannot be read.
 fn content(path: &str) -> String {
     std::fs::read(path).map_or_else(|_| path.to_owned(), |bytes| hexadecimal(&Sha256::digest(bytes)))
-}
-
-fn hexadecimal(digest: &[u8]) -> String {
-    digest.iter().map(|byte| format!("{byte:02x}")).collect()
 }
 
 impl Deref for Design {

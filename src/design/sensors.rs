@@ -3,7 +3,7 @@
 use nailnoise_quantities::dimension::{FREQUENCY, LENGTH};
 use nailnoise_quantities::{any, choice, component, group, positive};
 
-use super::show::{Short, show};
+use super::show::{Short, mm};
 
 choice! {
     /// What a sensor is fixed to.
@@ -73,10 +73,6 @@ pub enum SensorProblem {
         /// How far from the body \[m\].
         distance: f64,
     },
-}
-
-fn mm(length: f64) -> String {
-    show(length, LENGTH)
 }
 
 impl SensorProblem {

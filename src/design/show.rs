@@ -3,6 +3,7 @@
 use std::fmt::{self, Display};
 
 use nailnoise_quantities::Dimension;
+use nailnoise_quantities::dimension::LENGTH;
 
 /// A number to six significant digits, without a tail of zeros.
 pub(crate) struct Short(pub(crate) f64);
@@ -24,4 +25,9 @@ impl Display for Short {
 pub(crate) fn show(value: f64, dimension: Dimension) -> String {
     let (scale, unit) = dimension.readable();
     format!("{} {unit}", Short(value * scale)).trim_end().to_owned()
+}
+
+/// A length with its unit.
+pub(crate) fn mm(length: f64) -> String {
+    show(length, LENGTH)
 }

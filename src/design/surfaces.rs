@@ -3,7 +3,7 @@
 use nailnoise_quantities::dimension::LENGTH;
 use nailnoise_quantities::{any, choice, component, group, nonnegative};
 
-use super::show::show;
+use super::show::mm;
 
 choice! {
     /// The body from a file whose surface it is.
@@ -117,10 +117,6 @@ pub enum SurfaceProblem {
         /// The body.
         body: SurfaceOf,
     },
-}
-
-fn mm(length: f64) -> String {
-    show(length, LENGTH)
 }
 
 impl SurfaceOf {

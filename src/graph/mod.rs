@@ -13,7 +13,7 @@ use timing::Stopwatch;
 
 use crate::error::Error;
 use crate::result::Timing;
-use crate::stages::{Codec, Digest, Input, Observer, Progress, Silent, Source, Stage, Stored};
+use crate::stages::{Codec, Digest, Input, Observer, Progress, Silent, Source, Stage, Stored, WithoutStages};
 use crate::store::{Key, Store};
 
 /// A set of stages that share a store, an observer and a clock.
@@ -41,6 +41,11 @@ impl Graph {
             }),
             nodes: Arc::default(),
         }
+    }
+
+    /// One that does not report the beginnings of stages: for work that runs the same stages many times.
+    pub fn quiet(store: &Store, observer: Arc<dyn Observer>) -> Self {
+        Self::new(Arc::new(store.clone()), Arc::new(WithoutStages(observer)))
     }
 
     /// Adds a stage; its output is made when it is first read. Stages of one key share one output.

@@ -8,6 +8,7 @@ use nailnoise_dynamics::prf::fit::{Conditions, Driving, Masses};
 use sha2::{Digest as _, Sha256};
 
 use super::{PenetrationError, nail, read_text, unreadable, wood};
+use crate::wording::hexadecimal;
 
 /// Columns of `drives.csv`.
 pub const COLUMNS: [&str; 18] = [
@@ -171,7 +172,7 @@ pub fn rows(path: &Path) -> Result<(Vec<Row>, String), PenetrationError> {
 
 /// SHA-256 in hexadecimal digits.
 pub fn digest(bytes: &[u8]) -> String {
-    Sha256::digest(bytes).iter().map(|byte| format!("{byte:02x}")).collect()
+    hexadecimal(&Sha256::digest(bytes))
 }
 
 /// Refuses drives of the same name, and second drives without their first.

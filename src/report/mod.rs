@@ -287,13 +287,9 @@ pub fn comparison(comparison: &Comparison, identity: &str, recordings: &[Recordi
 }
 
 fn ranking(result: &RunResult) -> Markup {
-    let range = result.ranking.first().and_then(|source| {
-        let (first, last) = (source.bands.first()?, source.bands.last()?);
-        Some(format!("{} to {} Hz", first.hz, last.hz))
-    });
     html! {
         (tables::ranking(result))
-        @if let Some(range) = range {
+        @if let Some(range) = result.range() {
             p.quiet {
                 "Levels in dB re 1 pW s over the one-third-octave bands " (range) ", the same for all sources. "
                 a href="#methods" { "Methods" } " says how each was computed, of which parts it consists, and what limits it."

@@ -7,7 +7,7 @@ use serde_json::Value;
 use super::Intervals;
 use crate::figures::in_palette;
 use crate::output::{EVENT_NAMES, event_name};
-use crate::result::{RankedSource, RunResult};
+use crate::result::{RankedSource, RunResult, loudest};
 use crate::wording::{band, readable, unit_of_figure};
 
 /// Keys of a ranked source that the report shows in a form of their own.
@@ -36,11 +36,6 @@ pub(super) fn decibels(level: Option<f64>) -> String {
 /// How much lower the total would be without a source that has this share \[dB\].
 pub(super) fn without(share: f64) -> f64 {
     -10.0 * (1.0 - share).max(1e-12).log10()
-}
-
-fn loudest<T>(items: &[T], level: impl Fn(&T) -> Option<f64>) -> Option<&T> {
-    let heard = items.iter().filter_map(|item| Some((item, level(item)?)));
-    heard.max_by(|a, b| a.1.total_cmp(&b.1)).map(|(item, _)| item)
 }
 
 /// The sources, loudest first, with places for the intervals of their levels.
@@ -114,9 +109,7 @@ pub(super) fn with_intervals(report: &str, intervals: &Intervals) -> String {
 
 /// Parts of a source, and how it was computed.
 pub(super) fn source(source: &RankedSource) -> Markup {
-    let mut parts: Vec<_> = source.components.iter().collect();
-    let heard = |level: Option<f64>| level.unwrap_or(f64::NEG_INFINITY);
-    parts.sort_by(|a, b| heard(b.lwa_db).total_cmp(&heard(a.lwa_db)));
+    let parts = source.parts();
     html! {
         p.quiet {
             (source.method) ", computed over " (format!("{:.0} to {:.0} Hz", source.range_hz[0], source.range_hz[1]))

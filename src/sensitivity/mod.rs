@@ -233,7 +233,7 @@ pub fn sensitivity(
 
 /// The longest step of a parameter: a part of its value or of half its range, whichever is smaller and not zero.
 fn first_step(parameter: &Parameter) -> f64 {
-    let value = number(parameter).abs();
+    let value = parameter.number().abs();
     let size = if value > 0.0 {
         value.min(parameter.half_range())
     } else {
@@ -242,16 +242,9 @@ fn first_step(parameter: &Parameter) -> f64 {
     FIRST_STEP * size
 }
 
-fn number(parameter: &Parameter) -> f64 {
-    match parameter.value {
-        Value::Number(value) => value,
-        _ => f64::NAN,
-    }
-}
-
 /// Where a parameter is set: up and down by each step, then to the ends of its range.
 fn points(parameter: &Parameter) -> Vec<f64> {
-    let (value, first) = (number(parameter), first_step(parameter));
+    let (value, first) = (parameter.number(), first_step(parameter));
     let step = |k: usize| first / f64::from(1_u32 << k);
     let both = |k: usize| [value + step(k), value - step(k)];
     (0..STEPS).flat_map(both).chain(parameter.range).collect()

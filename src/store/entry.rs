@@ -16,6 +16,7 @@ use thiserror::Error;
 
 use super::checksum::{Checksum, Summed, checksum};
 use super::replace::replace;
+use crate::wording::hexadecimal;
 
 const MAGIC: &[u8; 18] = b"nailnoise cache 2\n";
 
@@ -69,10 +70,6 @@ pub(super) fn name(stage: &str, digest: &[u8; 32]) -> String {
         .map(|c| if c.is_alphanumeric() { c } else { '-' })
         .collect();
     format!("{stage}-{}.{EXTENSION}", hexadecimal(digest))
-}
-
-fn hexadecimal(digest: &[u8; 32]) -> String {
-    digest.iter().map(|byte| format!("{byte:02x}")).collect()
 }
 
 /// What `decode` makes of the value's bytes, and their number, as they are read, if there are any; nobody sees what it makes
@@ -171,7 +168,7 @@ pub(super) fn verify(path: &Path) -> Result<(), Damage> {
     }
     let inputs = bytes[MAGIC.len()..]
         .first_chunk::<32>()
-        .map(hexadecimal)
+        .map(|digest| hexadecimal(digest))
         .unwrap_or_default();
     let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
     if name.ends_with(&inputs) {

@@ -45,8 +45,6 @@ pub struct Draw {
 pub struct Draws {
     /// The variables.
     pub variables: Vec<Variable>,
-    /// Names of variables in which values are rejected together.
-    pub conflicting: Vec<Vec<String>>,
     /// The draws.
     pub draws: Vec<Draw>,
     /// Structures that were drawn; 0 where they are those of the design.
@@ -122,14 +120,8 @@ pub fn common_draws(
             reason: reason.clone(),
         });
     }
-    let conflicting: Vec<Vec<String>> = sampler
-        .conflicting()
-        .into_iter()
-        .map(|names| names.into_iter().map(str::to_owned).collect())
-        .collect();
     let of_design = |draws: Vec<Draw>| Draws {
         open_ends: open_ends(&sampler, &draws),
-        conflicting: conflicting.clone(),
         variables: sampler.variables().to_vec(),
         structures: match draws.last() {
             Some(last) if !held => last.structure + 1,
@@ -157,13 +149,7 @@ fn plan(
     let shots = scopes(&[Scope::Shot, Scope::Method]);
     let all = scopes(&[Scope::Shot, Scope::Method, Scope::Structure]);
     let bases: Vec<Values> = designs.iter().map(|design| Values::clone(design)).collect();
-    let frame = |active, stream| Frame {
-        bases: &bases,
-        active,
-        stream,
-        given: None,
-        partner_of: None,
-    };
+    let frame = |active, stream| Frame::new(&bases, active, stream);
     let done = |before: usize| move |found: usize| progress.done((before + found) as u64, request.draws as u64);
     let Some(each) = request.shots_a_structure else {
         let frame = frame(&shots, 0);

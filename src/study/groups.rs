@@ -143,11 +143,9 @@ pub fn group_study(
                 let anew = |(place, share): (usize, &f64)| !share.is_nan() && (shared == 0) != members.contains(&place);
                 let active: Vec<bool> = draw.shares.iter().enumerate().map(anew).collect();
                 let frame = Frame {
-                    bases: &bases,
-                    active: &active,
-                    stream: STREAM,
                     given: Some(&point),
                     partner_of: Some(row as u64),
+                    ..Frame::new(&bases, &active, STREAM)
                 };
                 let found = screen(graph, (&designs, &sampler), frame, 1, Part::All, |_| {});
                 let found = match found {

@@ -9,6 +9,7 @@ use crate::error::Error;
 use crate::stages::levels::ShotLevels;
 use crate::stages::{Digest, Postcard, Stage};
 use crate::store::{Key, Store};
+use crate::wording::hexadecimal;
 
 /// Its name in the store.
 const STUDY: &str = "study";
@@ -26,10 +27,6 @@ struct Kept {
 /// Digest of the code on which levels of draws depend.
 pub(super) fn code() -> String {
     hexadecimal(&Key::empty().with(&ShotLevels::NAME).with(&ShotLevels::CODE).digest())
-}
-
-fn hexadecimal(digest: &Digest) -> String {
-    digest.iter().map(|byte| format!("{byte:02x}")).collect()
 }
 
 /// What designs have in common that differ in values within their ranges alone.

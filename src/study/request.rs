@@ -15,6 +15,19 @@ pub struct Request {
     pub workpiece_sensors: bool,
 }
 
+impl Request {
+    /// All of so many draws, with the structures of the design and without its sensors.
+    pub fn new(draws: usize, seed: u64) -> Self {
+        Self {
+            draws,
+            seed,
+            shots_a_structure: None,
+            part: Part::All,
+            workpiece_sensors: false,
+        }
+    }
+}
+
 /// A part of the draws of a study.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Part {

@@ -242,10 +242,7 @@ impl StudyResult {
         }
         Self {
             schema: SCHEMA.to_owned(),
-            design: DesignId {
-                name: design.name().to_owned(),
-                digest: design.digest(),
-            },
+            design: DesignId::from(design),
             seed: request.seed,
             draws: draws.len(),
             structures: made.structures,

@@ -75,6 +75,19 @@ pub struct Frame<'a> {
     pub partner_of: Option<u64>,
 }
 
+impl<'a> Frame<'a> {
+    /// Draws around the values of the bases.
+    pub fn new(bases: &'a [Values], active: &'a [bool], stream: u64) -> Self {
+        Self {
+            bases,
+            active,
+            stream,
+            given: None,
+            partner_of: None,
+        }
+    }
+}
+
 /// Variables that are drawn together have no values that go together.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[error("{MOST_ATTEMPTS} draws of {drawn} broke a rule, the last one that of {keys}")]
@@ -103,12 +116,6 @@ impl Sampler {
     /// The variables, in the order of the sequence's dimensions.
     pub fn variables(&self) -> &[Variable] {
         &self.variables
-    }
-
-    /// Names of the variables of each component in which values are rejected.
-    pub fn conflicting(&self) -> Vec<Vec<&str>> {
-        let components = self.components.iter().filter(|component| component.conflicts);
-        components.map(|component| self.names(&component.members)).collect()
     }
 
     /// Places of the variables of each component.
@@ -377,13 +384,7 @@ mod tests {
         let sampler = Sampler::new(design, of(design, keys), seed);
         let (active, mut rejections) = (vec![true; keys.len()], Rejections::new());
         let bases = [Values::clone(design)];
-        let frame = Frame {
-            bases: &bases,
-            active: &active,
-            stream: 0,
-            given: None,
-            partner_of: None,
-        };
+        let frame = Frame::new(&bases, &active, 0);
         let points = (0..N).map(|index| sampler.point(frame, index, &mut rejections).unwrap());
         (points.collect(), rejections)
     }
@@ -491,11 +492,8 @@ mod tests {
         };
         let bases = [Values::clone(&design)];
         let frame = Frame {
-            bases: &bases,
-            active: &[true, true, true, false],
-            stream: 1,
             given: Some(&given),
-            partner_of: None,
+            ..Frame::new(&bases, &[true, true, true, false], 1)
         };
         let mut wider = bases[0].clone();
         wider
@@ -524,11 +522,8 @@ mod tests {
             .set(&[("head_valve.seat_diameter", Value::Number(1.0))])
             .unwrap();
         let frame = Frame {
-            bases: &bases,
-            active: &[true],
-            stream: 0,
             given: Some(&narrow),
-            partner_of: None,
+            ..Frame::new(&bases, &[true], 0)
         };
         let error = sampler.point(frame, 0, &mut Rejections::new()).unwrap_err();
         assert_eq!(error.drawn, "head_valve.outer_diameter");

@@ -28,14 +28,9 @@ pub struct Shots {
     pub parameters: Vec<Parameter>,
     /// Names of the scores by which a fitted penetration law is drawn.
     pub scores: Vec<String>,
-    /// Candidates drawn for the designs, those that were refused among them.
-    pub candidates: usize,
-    /// How many were refused, by the rule of the cycle that is broken.
-    pub refused: BTreeMap<String, usize>,
-    /// Values drawn anew because they do not go together, by their keys.
-    pub rejections: Rejections,
-    /// How many designs came to each end: an outcome, `dry_fire` or `solver_failure`.
-    pub counts: BTreeMap<String, usize>,
+    /// What became of the candidates.
+    #[serde(flatten)]
+    pub counted: Counted,
     /// The designs, in the order they were drawn.
     pub draws: Vec<DrawnShot>,
 }
@@ -69,18 +64,16 @@ pub fn shots(graph: &Graph, design: &Design, count: usize, seed: u64, progress: 
         seed,
         parameters: sampler.parameters,
         scores: sampler.scores,
-        candidates: counted.candidates,
-        refused: counted.refused,
-        rejections: counted.rejections,
-        counts: counted.counts,
+        counted,
         draws,
     })
 }
 
 /// What became of the candidates for drawn shots.
-#[derive(Debug, Clone, Default, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize)]
 pub struct Counted {
-    /// Designs drawn.
+    /// Designs drawn; the list of them says it, too.
+    #[serde(skip)]
     pub drawn: usize,
     /// Candidates drawn for them, those that were refused among them.
     pub candidates: usize,
@@ -140,13 +133,7 @@ impl ShotSampler {
     ) -> Result<Counted, Error> {
         let active = vec![true; self.sampler.variables().len()];
         let bases = [Values::clone(&self.design)];
-        let frame = Frame {
-            bases: &bases,
-            active: &active,
-            stream: 0,
-            given: None,
-            partner_of: None,
-        };
+        let frame = Frame::new(&bases, &active, 0);
         let designs = std::slice::from_ref(&self.design);
         let mut all = Counted::default();
         while all.drawn < count && all.candidates < MOST_CANDIDATES.saturating_mul(count) {

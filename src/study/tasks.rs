@@ -4,6 +4,7 @@
 //! [`sweep`](super::sweep())) then finds them there, so that it states the same result whoever computed them, and computes what is
 //! missing.
 
+use super::jobs::levels_of_shot;
 use super::sampling::{Frame, Sampler};
 use super::screening::{BLOCK, block_of, qualifies};
 use super::shots::ShotSampler;
@@ -14,6 +15,7 @@ use crate::error::Error;
 use crate::graph::Graph;
 use crate::stages::levels::Levels;
 use crate::stages::outcomes::Fate;
+use crate::wording::hexadecimal;
 
 /// The candidates of a study, or of draws of shots, in blocks.
 pub struct Candidates {
@@ -64,13 +66,7 @@ impl Candidates {
     pub fn outcomes(&self, graph: &Graph, block: u64) -> Result<usize, Error> {
         let designs = std::slice::from_ref(&self.design);
         let bases = [Values::clone(&self.design)];
-        let frame = Frame {
-            bases: &bases,
-            active: &self.active,
-            stream: 0,
-            given: None,
-            partner_of: None,
-        };
+        let frame = Frame::new(&bases, &self.active, 0);
         let (_, outcomes) = block_of((designs, &self.sampler), frame, block * BLOCK..(block + 1) * BLOCK);
         let fates = graph.get(outcomes)?;
         let counts = |fate: &&Fate| match fate {
@@ -89,9 +85,7 @@ pub const CANDIDATES: u64 = BLOCK;
 /// # Errors
 /// Those of the chain.
 pub fn levels(graph: &Graph, design: &Design) -> Result<Levels, Error> {
-    let chain = Chain::new(graph, &without_sensors(design), Options::default())?;
-    chain.check_bodies()?;
-    Ok(Levels::clone(&*chain.levels.get()?))
+    levels_of_shot(Chain::new(graph, &without_sensors(design), Options::default()))
 }
 
 /// Name of the modes and radiation matrices of a design: designs of one name share them.
@@ -101,6 +95,5 @@ pub fn levels(graph: &Graph, design: &Design) -> Result<Levels, Error> {
 pub fn structures(design: &Design) -> Result<String, Error> {
     let graph = Graph::default();
     let chain = Chain::new(&graph, &without_sensors(design), Options::default())?;
-    let digits = chain.structures.iter().flatten().map(|byte| format!("{byte:02x}"));
-    Ok(digits.collect())
+    Ok(hexadecimal(chain.structures.as_flattened()))
 }

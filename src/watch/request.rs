@@ -9,6 +9,8 @@ use std::io::{self, ErrorKind, Read};
 use rand::TryRng as _;
 use rand::rngs::SysRng;
 
+use crate::wording::hexadecimal;
+
 /// Longest head of a request \[byte\].
 const LONGEST: usize = 16 << 10;
 
@@ -97,7 +99,7 @@ fn same(given: &str, token: &str) -> bool {
 pub(super) fn token() -> io::Result<String> {
     let mut bytes = [0u8; 16];
     SysRng.try_fill_bytes(&mut bytes).map_err(io::Error::other)?;
-    Ok(bytes.iter().map(|byte| format!("{byte:02x}")).collect())
+    Ok(hexadecimal(&bytes))
 }
 
 #[cfg(test)]

@@ -34,14 +34,15 @@ fn a_thousand_designs_have_an_outcome_and_none_fails_in_the_solver() {
         .filter(|draw| matches!(draw.fate, Fate::SolverFailure(_)))
         .collect();
     assert!(failed.is_empty(), "{failed:#?}");
-    let refused: usize = study.refused.values().sum();
-    assert_eq!(study.candidates, 1000 + refused);
-    assert_eq!(study.counts.values().sum::<usize>(), 1000);
+    let counted = &study.counted;
+    let refused: usize = counted.refused.values().sum();
+    assert_eq!(counted.candidates, 1000 + refused);
+    assert_eq!(counted.counts.values().sum::<usize>(), 1000);
     // 212 of 4000 independent draws drive the nail: 5.3 +- 0.7 % of a thousand, within five standard deviations.
-    let drives = study.counts["drives"];
-    assert!((18..=88).contains(&drives), "{:?}", study.counts);
+    let drives = counted.counts["drives"];
+    assert!((18..=88).contains(&drives), "{:?}", counted.counts);
     // Values that do not go together are drawn anew, and hardly a candidate is refused as a whole.
-    assert!(refused < 100 && !study.rejections.is_empty(), "{:?}", study.refused);
+    assert!(refused < 100 && !counted.rejections.is_empty(), "{:?}", counted.refused);
 }
 
 /// Parameters of a design drawn.
@@ -116,7 +117,7 @@ fn differences(design: &Design, p: &Parameters, draw: &DrawnShot, (step, part): 
 fn ten_of_each_outcome_agree_with_the_reference() {
     let (design, study) = (design(), thousand());
     let mut chosen: Vec<&DrawnShot> = Vec::new();
-    for name in study.counts.keys() {
+    for name in study.counted.counts.keys() {
         chosen.extend(study.draws.iter().filter(|draw| draw.fate.name() == name).take(10));
     }
     let compare = |draw: &&DrawnShot| -> Vec<String> {

@@ -3,9 +3,12 @@
 mod shots;
 mod summary;
 
+use std::cell::Cell;
+
 use super::alignment::delay;
 use super::arrangement::{Arrangement, Part};
 use super::error::MeasurementError;
+use super::manifest::Manifest;
 use super::recordings::Shot;
 use super::result::{MeasurementResult, Processing};
 use super::wrapping::Configuration;
@@ -41,6 +44,38 @@ pub struct Measured {
     pub accelerometers: Vec<String>,
     /// Names of the pressure transducers.
     pub transducers: Vec<String>,
+}
+
+/// Processes the recordings that a manifest names. `read` hears how many shots are read, and of how many; `keep` takes the
+/// corrected signals of each shot of a source.
+///
+/// # Errors
+/// Those of the recordings and of `keep`; as [`process`].
+pub fn process_recordings(
+    manifest: &Manifest,
+    arrangement: &Arrangement,
+    processing: Processing,
+    read: impl Fn(u64, u64),
+    keep: impl FnMut(CorrectedShot) -> Result<(), Error>,
+) -> Result<Measured, Error> {
+    let named = || manifest.configurations.iter();
+    let recorded = named().filter_map(|own| {
+        Some(Recorded {
+            configuration: Configuration::from_number(own.number)?,
+            repeats: own.repeats,
+        })
+    });
+    let recorded: Vec<Recorded> = recorded.collect();
+    let shots: usize = recorded.iter().map(|own| own.repeats).sum();
+    let done = Cell::new(0);
+    let shot = |configuration: Configuration, repeat: usize| {
+        let place = named().position(|own| own.number == configuration.number());
+        let shot = manifest.shot(place.unwrap_or_default(), repeat)?;
+        done.set(done.get() + 1);
+        read(done.get(), shots as u64);
+        Ok(shot)
+    };
+    process(arrangement, processing, &recorded, shot, keep)
 }
 
 /// Processes a test. `shot` reads a configuration's repeat, counted from 0; `keep` takes the corrected signals of each shot of
