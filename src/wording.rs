@@ -5,6 +5,22 @@ pub(crate) fn hexadecimal(bytes: &[u8]) -> String {
     bytes.iter().map(|byte| format!("{byte:02x}")).collect()
 }
 
+/// A number to so many significant digits without a tail of zeros, and with an exponent below 0.001 and from `large` on.
+pub(crate) fn rounded(value: f64, digits: usize, large: f64) -> String {
+    let rounded: f64 = format!("{value:.*e}", digits - 1).parse().unwrap_or(value);
+    if rounded == 0.0 || (1e-3..large).contains(&rounded.abs()) {
+        format!("{rounded}")
+    } else {
+        format!("{rounded:e}")
+    }
+}
+
+/// A number to so many decimals without a tail of zeros.
+pub(crate) fn trimmed(value: f64, decimals: usize) -> String {
+    let text = format!("{value:.decimals$}");
+    text.trim_end_matches('0').trim_end_matches('.').to_owned()
+}
+
 /// A change of a level to a tenth of a decibel, with its sign: `-0.4`, `+1.2`; `0.0` if it rounds to zero.
 pub(crate) fn change(db: f64) -> String {
     let rounded = (10.0 * db).round() / 10.0;

@@ -9,7 +9,7 @@ use nailnoise_meshes::{Mesh, MeshError, Quality, Surface};
 use serde::Serialize;
 
 use super::bodies::Input;
-use super::table::table;
+use super::table::{fixed, table};
 use super::{print, print_json};
 use crate::error::Error;
 use crate::stages::bodies::{Meshed, Origin, SIDES_PER_WAVE as FEWEST};
@@ -284,7 +284,6 @@ fn text(name: &str, result: &CheckResult) -> String {
             ),
         );
     }
-    let cell = |value: Option<f64>, digits: usize| value.map_or_else(|| "-".to_owned(), |x| format!("{x:.digits$}"));
     let rows: Vec<Vec<String>> = result
         .parts
         .iter()
@@ -293,10 +292,10 @@ fn text(name: &str, result: &CheckResult) -> String {
             vec![
                 part.name.clone(),
                 format!("{:.1}", part.volume * 1e6),
-                cell(part.mass, 3),
+                fixed(part.mass, 3),
                 format!("{:.1}", part.longest_edge * 1e3),
-                cell(waves.map(|w| w.shortest * 1e3), 0),
-                cell(waves.map(|w| w.elements), 1),
+                fixed(waves.map(|w| w.shortest * 1e3), 0),
+                fixed(waves.map(|w| w.elements), 1),
             ]
         })
         .collect();

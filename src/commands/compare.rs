@@ -7,7 +7,7 @@ use clap::Args;
 use serde::Serialize;
 
 use super::intervals::Known;
-use super::table::{decibels, table};
+use super::table::{dash, decibels, fixed, table};
 use super::{
     Changes, Keeping, Memory, Threads, compare_measured, comparison_page, comparison_sounds, folder_of, message, print,
     print_json, progress, status_of,
@@ -25,7 +25,7 @@ use crate::stages::Progress;
 use crate::staging;
 use crate::store::Store;
 use crate::study::{self, Estimate, PairedStudy, Request, common_draws};
-use crate::wording::{band, change, drawn_structures, order};
+use crate::wording::{band, change, drawn_structures, order, rounded};
 
 #[derive(Args)]
 #[command(after_help = examples!(
@@ -171,8 +171,7 @@ fn paired(arguments: &Arguments, cache: &Store, progress: &Progress) -> Result<V
 
 /// The changes of a design as a person reads them.
 fn changes(paired: &PairedStudy) -> String {
-    let level = |estimate: &Estimate| estimate.value.map_or_else(|| "-".to_owned(), change);
-    let width = |width: Option<f64>| width.map_or_else(|| "-".to_owned(), |width| format!("{width:.1}"));
+    let level = |estimate: &Estimate| dash(estimate.value, change);
     let row = |own: &study::Change| {
         let quantiles = &own.change_db;
         vec![
@@ -181,8 +180,8 @@ fn changes(paired: &PairedStudy) -> String {
             level(&quantiles.p50),
             level(&quantiles.p95),
             super::study_text::probability(&own.quieter),
-            width(own.width_db),
-            width(own.level_width_db),
+            decibels(own.width_db),
+            decibels(own.level_width_db),
         ]
     };
     let headings = [
@@ -328,17 +327,11 @@ fn text(comparison: &Comparison, bands: bool, intervals: bool) -> String {
     text.push_str("\nthe shot\n\n");
     let outcome = std::iter::once("outcome".to_owned()).chain(comparison.outcomes.iter().cloned());
     let figures = comparison.cycle.iter().filter(|row| differs(&row.values)).map(|row| {
-        let values = row
-            .values
-            .iter()
-            .map(|value| value.map_or_else(|| "-".to_owned(), significant));
+        let values = row.values.iter().map(|value| dash(*value, significant));
         std::iter::once(row.labelled(" [", "]")).chain(values).collect()
     });
     let events = comparison.events.iter().filter(|row| differs(&row.values)).map(|row| {
-        let values = row
-            .values
-            .iter()
-            .map(|value| value.map_or_else(|| "-".to_owned(), |t| format!("{:.3}", 1e3 * t)));
+        let values = row.values.iter().map(|value| fixed(value.map(|t| 1e3 * t), 3));
         std::iter::once(format!("{} [ms]", row.name)).chain(values).collect()
     });
     let rows: Vec<Vec<String>> = std::iter::once(outcome.collect())
@@ -367,7 +360,7 @@ fn text(comparison: &Comparison, bands: bool, intervals: bool) -> String {
 }
 
 fn level_row(label: &str, levels: &Levels) -> Vec<String> {
-    let changed = |db: &Option<f64>| db.map_or_else(|| "-".to_owned(), change);
+    let changed = |db: &Option<f64>| dash(*db, change);
     std::iter::once(label.to_owned())
         .chain(levels.level_db.iter().map(|level| decibels(*level)))
         .chain(levels.change_db.iter().skip(1).map(changed))
@@ -395,17 +388,10 @@ fn plain(value: &serde_json::Value) -> String {
     match value {
         serde_json::Value::Null => "-".to_owned(),
         serde_json::Value::String(word) => word.clone(),
-        serde_json::Value::Number(number) => number.as_f64().map_or_else(|| number.to_string(), short),
+        // The digits of a design value without the last ones of a conversion of units.
+        serde_json::Value::Number(number) => number
+            .as_f64()
+            .map_or_else(|| number.to_string(), |value| rounded(value, 12, 1e7)),
         other => other.to_string(),
-    }
-}
-
-/// A design value with the digits it needs, without the last ones of a conversion of units.
-fn short(value: f64) -> String {
-    let rounded: f64 = format!("{value:.11e}").parse().unwrap_or(value);
-    if rounded == 0.0 || (1e-3..1e7).contains(&rounded.abs()) {
-        format!("{rounded}")
-    } else {
-        format!("{rounded:e}")
     }
 }

@@ -4,7 +4,7 @@ use std::path::Path;
 use std::process::ExitCode;
 
 use super::compare::Arguments;
-use super::table::table;
+use super::table::{dash, table};
 use super::{print, print_json};
 use crate::cost;
 use crate::design::Design;
@@ -137,8 +137,7 @@ fn row(own: &ComparedQuantity) -> Vec<String> {
         own.unit.clone(),
         measured,
         format!("{:.2}", own.predicted),
-        own.interval
-            .map_or_else(|| "-".to_owned(), |[low, high]| format!("{low:.2} .. {high:.2}")),
+        dash(own.interval, |[low, high]| format!("{low:.2} .. {high:.2}")),
         format!("{:+.2}", own.distance),
     ]
 }

@@ -7,7 +7,7 @@ use clap::{Args, ValueEnum};
 use nailnoise_dynamics::{CycleRecord, EnergyFlow, Work, simulate};
 use serde::Serialize;
 
-use super::table::table;
+use super::table::{dash, fixed, table};
 use super::{Common, print, print_json, progress, status_of};
 use crate::chain;
 use crate::cost;
@@ -185,8 +185,8 @@ fn text(form: &str, result: &CycleResult<'_>, record: &CycleRecord) -> String {
         .zip(EVENT_NAMES)
         .enumerate()
         .map(|(index, (time, name))| {
-            let time = time.map_or_else(|| "-".to_owned(), |time| format!("{:.3}", 1e3 * time));
-            vec![format!("t{index:<2} {name}"), time]
+            let time = time.map(|time| 1e3 * time);
+            vec![format!("t{index:<2} {name}"), fixed(time, 3)]
         })
         .collect();
     text.push_str(&table(&["event", "time ms"], &events));
@@ -197,9 +197,7 @@ fn text(form: &str, result: &CycleResult<'_>, record: &CycleRecord) -> String {
         .into_iter()
         .flatten()
         .map(|(name, value)| {
-            let value = value
-                .as_f64()
-                .map_or_else(|| "-".to_owned(), |value| figure(name, value));
+            let value = dash(value.as_f64(), |value| figure(name, value));
             vec![name.replace('_', " "), value]
         })
         .collect();
@@ -235,14 +233,7 @@ fn text(form: &str, result: &CycleResult<'_>, record: &CycleRecord) -> String {
 
 /// Every term of the energy flow by its name; a group of terms by both names.
 fn energy(flow: &EnergyFlow) -> Vec<Vec<String>> {
-    let row = |name: String, value: &serde_json::Value| {
-        vec![
-            name.replace('_', " "),
-            value
-                .as_f64()
-                .map_or_else(|| "-".to_owned(), |value| format!("{value:.4}")),
-        ]
-    };
+    let row = |name: String, value: &serde_json::Value| vec![name.replace('_', " "), fixed(value.as_f64(), 4)];
     let value = serde_json::to_value(flow).unwrap_or_default();
     let mut rows = Vec::new();
     for (name, value) in value.as_object().into_iter().flatten() {

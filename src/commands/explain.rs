@@ -17,6 +17,7 @@ use crate::design::{Design, Entry, Provenance};
 use crate::error::Error;
 use crate::stages::bodies::{BodyKind, MeshSource};
 use crate::stages::radiation::{WorkpieceRadiation, describe_gap};
+use crate::wording::rounded;
 
 /// Estimates in the table.
 const LISTED: usize = 20;
@@ -229,17 +230,8 @@ fn unknowns(entries: &[Entry]) -> Vec<String> {
     entries.iter().filter(open).map(|entry| entry.key.clone()).collect()
 }
 
-/// Four digits, with an exponent for very large and very small numbers.
-fn number(value: f64) -> String {
-    let rounded = format!("{value:.3e}").parse::<f64>().unwrap_or(value);
-    if rounded == 0.0 || (1e-3..1e6).contains(&rounded.abs()) {
-        format!("{rounded}")
-    } else {
-        format!("{rounded:e}")
-    }
-}
-
 fn text(e: &Explanation) -> String {
+    let number = |value: f64| rounded(value, 4, 1e6);
     let mut text = format!("{}\n\n", e.design);
     let standing: Vec<String> = e
         .provenance

@@ -5,12 +5,12 @@ use std::process::ExitCode;
 use clap::{Args, ValueEnum};
 use serde::Serialize;
 
-use super::table::table;
+use super::table::{fixed, table};
 use super::{print, print_json};
 use crate::design::{self, Design, Entry, Named, NamedValue, Provenance, Value, WorktablePreset, nearest_word};
 use crate::error::Error;
 use crate::shipped;
-use crate::wording::readable;
+use crate::wording::{readable, trimmed};
 
 /// Version of the layout of `list --json`.
 const SCHEMA: &str = "nailnoise-list/1";
@@ -237,7 +237,7 @@ fn of_nails(nails: &[Named]) -> String {
             mm(nail, "nail.diameter", 3),
             mm(nail, "nail.head_diameter", 1),
             mm(nail, "nail.head_thickness", 1),
-            mass(nail).map_or_else(|| "-".to_owned(), |kilograms| format!("{:.2}", 1e3 * kilograms)),
+            fixed(mass(nail).map(|kilograms| 1e3 * kilograms), 2),
         ]
     });
     let headings = [
@@ -276,12 +276,7 @@ fn of_one(named: &[Named]) -> String {
             "N/m" => ("N/mm", 1e-3),
             unit => readable(unit),
         };
-        let short = |x: f64| {
-            format!("{:.4}", x * scale)
-                .trim_end_matches('0')
-                .trim_end_matches('.')
-                .to_owned()
-        };
+        let short = |x: f64| trimmed(x * scale, 4);
         let shown = match &own.value {
             Value::Number(x) => format!("{} {unit}", short(*x)).trim_end().to_owned(),
             Value::Choice(word) => (*word).to_owned(),
@@ -355,8 +350,8 @@ fn of_tables(tables: &[Table]) -> String {
                 "Pa" => ("GPa", 1e-9),
                 unit => readable(unit),
             };
-            let x = number(&entry.value).map_or_else(String::new, |x| format!("{} {unit}", round(x * scale)));
-            let range = entry.range.map(|ends| ends.map(|end| round(end * scale)));
+            let x = number(&entry.value).map_or_else(String::new, |x| format!("{} {unit}", trimmed(x * scale, 3)));
+            let range = entry.range.map(|ends| ends.map(|end| trimmed(end * scale, 3)));
             vec![
                 if place == 0 {
                     own.preset.to_owned()
@@ -378,10 +373,6 @@ fn of_tables(tables: &[Table]) -> String {
         what.collect::<String>(),
         left(["preset", "key", "value", "range", "source"], rows.collect())
     )
-}
-
-fn round(x: f64) -> String {
-    format!("{x:.3}").trim_end_matches('0').trim_end_matches('.').to_owned()
 }
 
 /// A design with the first sentence of its comments.

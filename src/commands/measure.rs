@@ -7,7 +7,7 @@ use std::process::ExitCode;
 use clap::Args;
 
 use super::progress::noted;
-use super::table::{decibels, table};
+use super::table::{dash, decibels, table};
 use super::{Threads, folder_of, message, print, print_json, progress};
 use crate::error::Error;
 use crate::measurement::processing::{CorrectedShot, Measured, process_recordings};
@@ -170,7 +170,7 @@ fn text(measured: &Measured, folder: &Path) -> String {
 }
 
 fn cells(level: Option<&RepeatedLevel>) -> [String; 4] {
-    let plus_minus = |value: Option<f64>| value.map_or_else(|| "-".to_owned(), |value| format!("±{value:.1}"));
+    let plus_minus = |value: Option<f64>| dash(value, |value| format!("±{value:.1}"));
     [
         level.map_or(0, |own| own.repeats).to_string(),
         decibels(level.map(|own| own.db)),

@@ -9,7 +9,7 @@ use clap::Args;
 
 use super::intervals::{self, Known};
 use super::progress::noted;
-use super::table::{decibels, table};
+use super::table::{dash, decibels, fixed, table};
 use super::{Common, Keeping, message, print, progress, status_of};
 use crate::bundle::{Bundle, Text, deliver};
 use crate::chain::{Chain, Options};
@@ -194,8 +194,9 @@ fn components(result: &RunResult) -> String {
                 part.name.clone(),
                 decibels(part.lwa_db),
                 decibels(part.lw_db),
-                loudest(&part.bands, |band| band.lwa_db)
-                    .map_or_else(|| "-".to_owned(), |band| format!("{} Hz", band.hz)),
+                dash(loudest(&part.bands, |band| band.lwa_db), |band| {
+                    format!("{} Hz", band.hz)
+                }),
             ]
         }));
     }
@@ -232,11 +233,13 @@ fn components(result: &RunResult) -> String {
 fn coupled(coupling: &Coupling) -> String {
     let mut rows = Vec::new();
     let mut row = |name: &str, unit: &str, digits: usize, one: Option<f64>, two: Option<f64>| {
-        let value = |x: Option<f64>| x.map_or_else(|| "-".to_owned(), |x| format!("{x:.digits$}"));
-        let change = one
-            .zip(two)
-            .map_or_else(|| "-".to_owned(), |(one, two)| format!("{:+.digits$}", two - one));
-        rows.push(vec![format!("{name} {unit}"), value(one), value(two), change]);
+        let change = dash(one.zip(two), |(one, two)| format!("{:+.digits$}", two - one));
+        rows.push(vec![
+            format!("{name} {unit}"),
+            fixed(one, digits),
+            fixed(two, digits),
+            change,
+        ]);
     };
     for level in &coupling.levels {
         row(&level.source, "dB", 1, level.one_way_lwa_db, level.two_way_lwa_db);
@@ -313,8 +316,8 @@ pub(super) fn text(run: &Run) -> Text {
                 source.source.clone(),
                 decibels(source.lwa_db),
                 format!("{:.1} %", 100.0 * source.share),
-                band_of.map_or_else(|| "-".to_owned(), |band| format!("{} Hz", band.hz)),
-                interval.map_or_else(|| "-".to_owned(), |interval| event_name(&interval.from)),
+                dash(band_of, |band| format!("{} Hz", band.hz)),
+                dash(interval, |interval| event_name(&interval.from)),
             ]
         })
         .chain([vec!["total".to_owned(), decibels(result.total.lwa_db)]])

@@ -5,7 +5,7 @@ use std::process::ExitCode;
 
 use serde::Serialize;
 
-use super::table::table;
+use super::table::{dash, table};
 use super::{Common, print, print_json, progress};
 use crate::design::Design;
 use crate::error::Error;
@@ -113,7 +113,7 @@ fn parameter<'a>(sensitivity: &'a Sensitivity, key: &str) -> Option<&'a Paramete
 }
 
 fn row(derivative: &Derivative, parameter: &ParameterOutcome) -> Vec<String> {
-    let end = |value: Option<f64>| value.map_or_else(|| "-".to_owned(), short);
+    let end = |value: Option<f64>| dash(value, short);
     let mut notes = Vec::new();
     if !derivative.is_certain() {
         notes.push("uncertain");

@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 
 use super::progress::noted;
-use super::table::{decibels, table};
+use super::table::{dash, decibels, fixed, table};
 use crate::study::{
     Condition, Contributions, Estimate, GroupStudy, InputChanges, InputEnd, LevelStudy, OneAtATime, StudyResult,
     Surrogate, SurrogateIndex, common_reason,
@@ -15,9 +15,7 @@ const PRINTED: usize = 6;
 
 /// A probability with the half width of its interval, `0.83 +-0.04`, or its bound, `1.00, > 0.69`.
 pub(super) fn probability(estimate: &Estimate) -> String {
-    let value = estimate
-        .value
-        .map_or_else(|| "-".to_owned(), |value| format!("{value:.2}"));
+    let value = fixed(estimate.value, 2);
     match (estimate.value, estimate.interval, estimate.half_width()) {
         // All draws or none: the interval lies on one side.
         (Some(1.0), [Some(low), _], _) => format!("{value}, > {low:.2}"),
@@ -95,7 +93,7 @@ fn of_single_inputs(own: &OneAtATime) -> String {
     let mut text = String::from(
         "\n  one input at a time, at the 5th and the 95th percentile of its distribution, all others as in the design; changes in dB\n",
     );
-    let change = |change: &Option<f64>| change.map_or_else(|| "-".to_owned(), |change| format!("{change:+.1}"));
+    let change = |change: &Option<f64>| dash(*change, |change| format!("{change:+.1}"));
     let row = |input: &InputChanges| {
         let [low, high] = &input.ends;
         let changes = low.change_db.iter().zip(&high.change_db);
@@ -188,7 +186,7 @@ pub(super) fn text(result: &StudyResult) -> String {
          A-weighted single-event sound power levels, dB re 1 pW s; +-: half of the 90 % interval of the estimate\n\n",
         result.design.name, result.draws, result.seed
     );
-    let place = |share: Option<f64>| share.map_or_else(|| "-".to_owned(), |share| format!("{:.0} %", 100.0 * share));
+    let place = |share: Option<f64>| dash(share, |share| format!("{:.0} %", 100.0 * share));
     let row = |name: &str, own: &LevelStudy| {
         vec![
             name.to_owned(),

@@ -35,9 +35,19 @@ pub(super) fn table(headings: &[&str], rows: &[Vec<String>]) -> String {
     text
 }
 
+/// What there is in words, else a dash.
+pub(super) fn dash<T>(value: Option<T>, words: impl FnOnce(T) -> String) -> String {
+    value.map_or_else(|| "-".to_owned(), words)
+}
+
+/// A number with so many decimals; a dash where there is none.
+pub(super) fn fixed(value: Option<f64>, decimals: usize) -> String {
+    dash(value, |value| format!("{value:.decimals$}"))
+}
+
 /// A level in dB with one decimal; a silent source shows a dash.
 pub(super) fn decibels(level: Option<f64>) -> String {
-    level.map_or_else(|| "-".to_owned(), |level| format!("{level:.1}"))
+    fixed(level, 1)
 }
 
 #[cfg(test)]

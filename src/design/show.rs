@@ -5,19 +5,14 @@ use std::fmt::{self, Display};
 use nailnoise_quantities::Dimension;
 use nailnoise_quantities::dimension::LENGTH;
 
+use crate::wording::rounded;
+
 /// A number to six significant digits, without a tail of zeros.
 pub(crate) struct Short(pub(crate) f64);
 
 impl Display for Short {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Ok(rounded) = format!("{:.5e}", self.0).parse::<f64>() else {
-            return write!(f, "{}", self.0);
-        };
-        if rounded == 0.0 || (1e-3..1e6).contains(&rounded.abs()) {
-            write!(f, "{rounded}")
-        } else {
-            write!(f, "{rounded:e}")
-        }
+        f.write_str(&rounded(self.0, 6, 1e6))
     }
 }
 

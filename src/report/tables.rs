@@ -8,7 +8,7 @@ use super::Intervals;
 use crate::figures::in_palette;
 use crate::output::{EVENT_NAMES, event_name};
 use crate::result::{RankedSource, RunResult, loudest};
-use crate::wording::{band, readable, unit_of_figure};
+use crate::wording::{band, readable, rounded, unit_of_figure};
 
 /// Keys of a ranked source that the report shows in a form of their own.
 pub(super) const SOURCE: [&str; 11] = [
@@ -309,12 +309,7 @@ pub(super) fn plain(value: &Value) -> String {
 
 /// Five digits at most, without an exponent where a reader needs none.
 fn significant(value: f64) -> String {
-    let rounded: f64 = format!("{value:.4e}").parse().unwrap_or(value);
-    if rounded == 0.0 || (1e-3..1e7).contains(&rounded.abs()) {
-        format!("{rounded}")
-    } else {
-        format!("{rounded:e}")
-    }
+    rounded(value, 5, 1e7)
 }
 
 #[cfg(test)]

@@ -10,7 +10,7 @@ use nailnoise_quantities::measure;
 use serde::Serialize;
 
 use crate::commands::progress::note;
-use crate::commands::table::table;
+use crate::commands::table::{dash, fixed, table};
 use crate::commands::{Threads, print, print_json};
 use crate::error::Error;
 use crate::figures;
@@ -332,9 +332,7 @@ fn text(result: &FitResult<'_>) -> String {
             .reduction
             .iter()
             .map(|step| {
-                let of = |value: Option<f64>, digits: usize| {
-                    value.map_or_else(|| "-".to_owned(), |value| format!("{:.digits$}", value.min(1e12)))
-                };
+                let of = |value: Option<f64>, digits: usize| fixed(value.map(|value| value.min(1e12)), digits);
                 vec![
                     format!(
                         "{}{}",
@@ -387,8 +385,7 @@ fn text(result: &FitResult<'_>) -> String {
                 format!("{:.0}", c.force),
                 interval(c.law),
                 interval(c.shot),
-                c.work
-                    .map_or_else(|| "-".to_owned(), |[work, error]| format!("{work:.2} +- {error:.2}")),
+                dash(c.work, |[work, error]| format!("{work:.2} +- {error:.2}")),
             ]
         })
         .collect();

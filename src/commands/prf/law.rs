@@ -10,7 +10,7 @@ use nailnoise_dynamics::prf::{
 use serde::Serialize;
 
 use crate::commands::progress::note;
-use crate::commands::table::table;
+use crate::commands::table::{dash, fixed, table};
 use crate::commands::{print, print_json};
 use crate::error::Error;
 use crate::figures;
@@ -280,10 +280,7 @@ fn text(result: &PrfResult, tenths: bool) -> String {
         .curves
         .iter()
         .map(|curve| {
-            let fit = |digits: usize, value: fn(&FitQuality) -> f64| {
-                let value = curve.fit.as_ref().map(value);
-                value.map_or_else(|| "-".to_owned(), |value| format!("{value:.digits$}"))
-            };
+            let fit = |digits: usize, value: fn(&FitQuality) -> f64| fixed(curve.fit.as_ref().map(value), digits);
             let diameter = curve.diameter.map(|diameter| format!("{:.3}", 1e3 * diameter));
             vec![
                 curve.label.clone(),
@@ -381,7 +378,7 @@ fn list() -> Result<ExitCode, Error> {
         .iter()
         .map(|nail| {
             let mm = |length: f64| format!("{:.3}", 1e3 * length);
-            let helical = nail.helical_diameter.map_or_else(|| "-".to_owned(), mm);
+            let helical = dash(nail.helical_diameter, mm);
             vec![nail.name.to_owned(), mm(nail.length), mm(nail.diameter), helical]
         })
         .collect();

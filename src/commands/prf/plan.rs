@@ -18,7 +18,7 @@ use serde::Serialize;
 
 use crate::chain;
 use crate::commands::progress::note;
-use crate::commands::table::table;
+use crate::commands::table::{fixed, table};
 use crate::commands::{Changes, print, print_json};
 use crate::design::Assignment;
 use crate::error::Error;
@@ -368,9 +368,7 @@ fn csv(rows: &[Row]) -> Result<Vec<u8>, Error> {
 }
 
 fn text(result: &PlanResult, form: &Form) -> String {
-    let optional = |value: Option<f64>, scale: f64, digits: usize| {
-        value.map_or_else(|| "-".to_owned(), |value| format!("{:.digits$}", scale * value))
-    };
+    let optional = |value: Option<f64>, scale: f64, digits: usize| fixed(value.map(|value| scale * value), digits);
     let rows: Vec<Vec<String>> = result
         .rows
         .iter()
