@@ -143,7 +143,7 @@ pub type Words = fn(&Run) -> Text;
 /// holds what this very design gives; the flag says whether it did.
 ///
 /// # Errors
-/// [`DesignError::TooCostly`](crate::design::DesignError::TooCostly) before anything is computed that needs more than `memory`.
+/// [`Problem::TooCostly`](crate::design::Problem::TooCostly) before anything is computed that needs more than `memory`.
 /// Those of [`Chain::run`], and [`Error::Write`] with the file that could not be written.
 pub fn deliver(
     design: &Design,

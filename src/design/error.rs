@@ -1,6 +1,7 @@
 //! What is wrong with a design, where, and what to do about it.
 
-use std::fmt::Display;
+use std::error::Error;
+use std::fmt::{self, Display};
 use std::io;
 use std::path::{Path, PathBuf};
 
@@ -16,9 +17,18 @@ use super::springs::Sprung;
 use super::surfaces::SurfaceProblem;
 
 /// Why a design cannot be used. As a [`Diagnostic`] it shows the place and the remedy.
+#[derive(Debug)]
+pub struct DesignError {
+    /// What is wrong.
+    pub problem: Problem,
+    /// The key to look at, or the `base` key that asks for a file; none where a whole file is meant or no file gives the key.
+    pub at: Option<Box<Place>>,
+}
+
+/// What is wrong with a design.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
-pub enum DesignError {
+pub enum Problem {
     /// There is no such file.
     #[error("there is no design file `{}`", path.display())]
     NotFound {
@@ -26,8 +36,6 @@ pub enum DesignError {
         path: PathBuf,
         /// A design file nearby whose name is most like it.
         nearest: Option<PathBuf>,
-        /// The `base` key that asks for it; none for the command's own design.
-        at: Option<Box<Place>>,
     },
     /// The file is there and cannot be read.
     #[error("the design file `{}` cannot be read: {source}", path.display())]
@@ -36,8 +44,6 @@ pub enum DesignError {
         path: PathBuf,
         /// What the system says.
         source: io::Error,
-        /// The `base` key that asks for it; none for the command's own design.
-        at: Option<Box<Place>>,
     },
     /// The file holds bytes that are no UTF-8 text.
     #[error("the design file `{}` is not text: line {line} holds bytes that are not UTF-8", path.display())]
@@ -52,16 +58,12 @@ pub enum DesignError {
     Syntax {
         /// What the reader stumbled over.
         message: String,
-        /// Where.
-        at: Box<Place>,
     },
     /// A file inherits from itself, directly or through others.
     #[error("inheritance loop: {}", chain.join(" -> "))]
     InheritanceLoop {
         /// The files of the loop, the first one again at the end.
         chain: Vec<String>,
-        /// The `base` key that closes it.
-        at: Box<Place>,
     },
     /// A key that no design has.
     #[error("unknown key `{key}`")]
@@ -72,8 +74,6 @@ pub enum DesignError {
         nearest: Option<String>,
         /// The keys that may stand in its place.
         known: Vec<String>,
-        /// Where.
-        at: Box<Place>,
     },
     /// A key of an earlier version.
     #[error("`{key}` is no longer a key")]
@@ -82,8 +82,6 @@ pub enum DesignError {
         key: String,
         /// The keys in its place, in words.
         successors: &'static str,
-        /// Where.
-        at: Box<Place>,
     },
     /// A group that no design has.
     #[error("unknown group `[{group}]`")]
@@ -94,16 +92,12 @@ pub enum DesignError {
         nearest: Option<String>,
         /// The groups that may stand in its place.
         known: Vec<String>,
-        /// Where.
-        at: Box<Place>,
     },
     /// A member of a list whose name could not be one in results and files.
     #[error("\"{name}\" cannot be a name")]
     BadName {
         /// The name.
         name: String,
-        /// Where.
-        at: Box<Place>,
     },
     /// A value of the wrong type.
     #[error("`{key}` is {found}, it must be given {expected}")]
@@ -114,8 +108,6 @@ pub enum DesignError {
         found: String,
         /// What may stand there.
         expected: String,
-        /// Where.
-        at: Box<Place>,
     },
     /// A text that does not begin with a number.
     #[error("`{key}`: \"{found}\" is not a number with a unit")]
@@ -126,8 +118,6 @@ pub enum DesignError {
         found: String,
         /// What is expected.
         expected: Dimension,
-        /// Where.
-        at: Box<Place>,
     },
     /// A unit that is not known or not clear.
     #[error("`{key}`: {problem}")]
@@ -138,8 +128,6 @@ pub enum DesignError {
         problem: UnitError,
         /// What is expected.
         expected: Dimension,
-        /// Where.
-        at: Box<Place>,
     },
     /// A unit of another dimension, or none where one is needed.
     #[error("`{key}` is {expected}, found {}", found_unit(unit, found))]
@@ -152,8 +140,6 @@ pub enum DesignError {
         found: Dimension,
         /// The dimension of the key.
         expected: Dimension,
-        /// Where.
-        at: Box<Place>,
     },
     /// A gauge pressure where only an absolute one makes sense.
     #[error("`{key}` cannot be given as gauge pressure, found the unit `{unit}`")]
@@ -162,8 +148,6 @@ pub enum DesignError {
         key: String,
         /// The unit found.
         unit: String,
-        /// Where.
-        at: Box<Place>,
     },
     /// Not a number, or infinite.
     #[error("`{key}` is {found}, which is not a finite number")]
@@ -172,8 +156,6 @@ pub enum DesignError {
         key: String,
         /// What stands there.
         found: String,
-        /// Where.
-        at: Box<Place>,
     },
     /// A value outside what the physics allows.
     #[error("`{key}` is {found}, it must be {allowed}")]
@@ -184,8 +166,6 @@ pub enum DesignError {
         found: String,
         /// The limit in words.
         allowed: String,
-        /// Where.
-        at: Box<Place>,
     },
     /// A range whose ends are the wrong way round.
     #[error("the range of `{key}` runs from {low} down to {high}")]
@@ -196,8 +176,6 @@ pub enum DesignError {
         low: String,
         /// Upper end as shown.
         high: String,
-        /// Where.
-        at: Box<Place>,
     },
     /// A provenance that is none of the known ones.
     #[error("`{key}` has the provenance \"{found}\"")]
@@ -206,8 +184,6 @@ pub enum DesignError {
         key: String,
         /// What stands there.
         found: String,
-        /// Where.
-        at: Box<Place>,
     },
     /// A distribution that a quantity cannot have.
     #[error("`{key}` cannot be distributed as \"{distribution}\": {because}")]
@@ -218,8 +194,6 @@ pub enum DesignError {
         distribution: &'static str,
         /// Why not.
         because: &'static str,
-        /// Where.
-        at: Box<Place>,
     },
     /// A file that a key names cannot be found.
     #[error("`{key}` names {}, which cannot be read: {reason}", path.display())]
@@ -230,8 +204,6 @@ pub enum DesignError {
         path: PathBuf,
         /// What the system said.
         reason: String,
-        /// Where.
-        at: Box<Place>,
     },
     /// A name that no catalogue has.
     #[error("`{key}` is \"{found}\", which is no name that nailnoise knows")]
@@ -244,8 +216,6 @@ pub enum DesignError {
         nearest: Option<String>,
         /// The list that has all names.
         list: &'static str,
-        /// Where.
-        at: Box<Place>,
     },
     /// Keys that neither the file nor its bases give.
     #[error("`{key}` is missing{}", others(*count))]
@@ -256,8 +226,6 @@ pub enum DesignError {
         example: String,
         /// How many keys are missing.
         count: usize,
-        /// The file at the end of the chain, which has no base.
-        at: Box<Place>,
     },
     /// A derived quantity that differs from what its primary quantities give.
     #[error("`{key}` is given as {given}, but it is computed: {}", computed(value, primaries))]
@@ -270,16 +238,12 @@ pub enum DesignError {
         value: String,
         /// The primary quantities and their values.
         primaries: Vec<(&'static str, String)>,
-        /// Where it is given.
-        at: Box<Place>,
     },
     /// Values that do not go together.
     #[error("{conflict}")]
     Conflict {
         /// The conflict with its numbers.
         conflict: Conflict,
-        /// The place of the key that was set last.
-        at: Box<Place>,
         /// The other keys and their places.
         others: Vec<(&'static str, String)>,
     },
@@ -290,8 +254,6 @@ pub enum DesignError {
         name: String,
         /// What is wrong with it.
         problem: SensorProblem,
-        /// The key to look at; none for a sensor that no file gives.
-        at: Option<Box<Place>>,
     },
     /// A stage that needs more memory than allowed.
     #[error("the {stage} would need {needs}; {allowed}")]
@@ -304,8 +266,6 @@ pub enum DesignError {
         allowed: String,
         /// The keys that change it most, and what to do with each.
         keys: &'static [(&'static str, &'static str)],
-        /// The key of these that was set last.
-        at: Option<Box<Place>>,
     },
     /// A place that is not that of a surface.
     #[error("the surface `{name}` {problem}")]
@@ -314,8 +274,6 @@ pub enum DesignError {
         name: String,
         /// What is wrong with it.
         problem: SurfaceProblem,
-        /// The key to look at; none for a surface that no file gives.
-        at: Option<Box<Place>>,
     },
     /// A cap that cannot be separated from the rest of the tool body, where its outer side counts to the exhaust.
     #[error("{} of {} panels of the tool's outline are its cap, which by this convention counts to the exhaust", panels[0],
@@ -325,8 +283,6 @@ pub enum DesignError {
         surface: Option<&'static str>,
         /// Panels of the cap, and of all of the outline.
         panels: [usize; 2],
-        /// The key of the convention; none if no file gives it.
-        at: Option<Box<Place>>,
     },
     /// A spring that is not on its body.
     #[error("the spring `{name}` at ({}, {}, {}) is {} outside the {}", show(point[0], LENGTH), show(point[1], LENGTH),
@@ -340,8 +296,6 @@ pub enum DesignError {
         point: [f64; 3],
         /// How far from the body \[m\].
         distance: f64,
-        /// The key to look at; none for a spring that no file gives.
-        at: Option<Box<Place>>,
     },
 }
 
@@ -371,52 +325,54 @@ fn computed(value: &str, primaries: &[(&'static str, String)]) -> String {
 
 impl DesignError {
     pub(crate) fn unreadable(path: &Path, source: io::Error, at: Option<&Place>) -> Self {
-        let (path, at) = (path.to_owned(), at.cloned().map(Box::new));
-        if source.kind() == io::ErrorKind::NotFound {
+        let path = path.to_owned();
+        let problem = if source.kind() == io::ErrorKind::NotFound {
             let nearest = nearest_design(&path);
-            Self::NotFound { path, nearest, at }
+            Problem::NotFound { path, nearest }
         } else {
-            Self::Unreadable { path, source, at }
-        }
+            Problem::Unreadable { path, source }
+        };
+        problem.at(at.cloned().map(Box::new))
     }
 
     /// Where the error is; none where a whole file is missing or unreadable.
     pub fn place(&self) -> Option<&Place> {
-        match self {
-            Self::NotText { .. } => None,
-            Self::NotFound { at, .. }
-            | Self::Unreadable { at, .. }
-            | Self::Sensor { at, .. }
-            | Self::TooCostly { at, .. }
-            | Self::Surface { at, .. }
-            | Self::Cap { at, .. }
-            | Self::Spring { at, .. } => at.as_deref(),
-            Self::Syntax { at, .. }
-            | Self::InheritanceLoop { at, .. }
-            | Self::UnknownKey { at, .. }
-            | Self::Replaced { at, .. }
-            | Self::UnknownGroup { at, .. }
-            | Self::BadName { at, .. }
-            | Self::WrongKind { at, .. }
-            | Self::BadNumber { at, .. }
-            | Self::BadUnit { at, .. }
-            | Self::WrongUnit { at, .. }
-            | Self::Gauge { at, .. }
-            | Self::NotFinite { at, .. }
-            | Self::OutsideLimits { at, .. }
-            | Self::BadRange { at, .. }
-            | Self::BadProvenance { at, .. }
-            | Self::BadDistribution { at, .. }
-            | Self::NoFile { at, .. }
-            | Self::UnknownName { at, .. }
-            | Self::Missing { at, .. }
-            | Self::Derived { at, .. }
-            | Self::Conflict { at, .. } => Some(at),
-        }
+        self.at.as_deref()
     }
 
     /// Full name of the key that it is about; none where it is about none or about several.
     pub fn key(&self) -> Option<&str> {
+        self.problem.key()
+    }
+
+    /// What to do about it.
+    pub fn remedy(&self) -> String {
+        self.problem.remedy(self.place())
+    }
+}
+
+impl Display for DesignError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.problem.fmt(f)
+    }
+}
+
+impl Error for DesignError {
+    fn source(&self) -> Option<&(dyn Error + 'static)> {
+        self.problem.source()
+    }
+}
+
+impl Problem {
+    /// The error with its place.
+    pub(super) fn at(self, place: impl Into<Option<Box<Place>>>) -> DesignError {
+        DesignError {
+            problem: self,
+            at: place.into(),
+        }
+    }
+
+    fn key(&self) -> Option<&str> {
         match self {
             Self::UnknownKey { key, .. }
             | Self::Replaced { key, .. }
@@ -437,10 +393,9 @@ impl DesignError {
         }
     }
 
-    /// What to do about it.
-    pub fn remedy(&self) -> String {
+    fn remedy(&self, at: Option<&Place>) -> String {
         match self {
-            Self::NotFound { path, nearest, at } => {
+            Self::NotFound { path, nearest } => {
                 let meant = nearest
                     .as_ref()
                     .map_or_else(String::new, |near| format!("did you mean `{}`? ", near.display()));
@@ -551,70 +506,38 @@ impl DesignError {
         }
     }
 
-    fn label(&self) -> &'static str {
+    /// The name of its kind, and what is said at its place.
+    fn words(&self) -> [&'static str; 2] {
         match self {
-            Self::NotFound { .. } | Self::Unreadable { .. } => "asked for here",
-            Self::NotText { .. } => "",
-            Self::Syntax { .. } => "here",
-            Self::InheritanceLoop { .. } => "closes the loop",
-            Self::UnknownKey { .. } => "unknown key",
-            Self::Replaced { .. } => "replaced",
-            Self::UnknownGroup { .. } => "unknown group",
-            Self::BadName { .. } => "no name",
-            Self::Sensor { .. } => "of this sensor",
-            Self::TooCostly { .. } => "too costly",
-            Self::Surface { .. } => "of this surface",
-            Self::Cap { .. } => "the convention",
-            Self::Spring { .. } => "of this spring",
-            Self::WrongKind { .. } => "wrong type",
-            Self::BadNumber { .. } => "not a number with a unit",
-            Self::BadUnit { .. } => "unit not understood",
-            Self::WrongUnit { .. } => "wrong unit",
-            Self::Gauge { .. } => "gauge pressure",
-            Self::NotFinite { .. } => "not finite",
-            Self::OutsideLimits { .. } => "outside its limits",
-            Self::BadRange { .. } => "wrong way round",
-            Self::BadProvenance { .. } => "unknown provenance",
-            Self::BadDistribution { .. } => "not possible here",
-            Self::NoFile { .. } => "no such file",
-            Self::UnknownName { .. } => "unknown name",
-            Self::Missing { .. } => "no base here",
-            Self::Derived { .. } => "disagrees",
-            Self::Conflict { .. } => "in conflict",
-        }
-    }
-
-    fn name(&self) -> &'static str {
-        match self {
-            Self::NotFound { .. } => "not_found",
-            Self::Unreadable { .. } => "unreadable",
-            Self::NotText { .. } => "not_text",
-            Self::Syntax { .. } => "syntax",
-            Self::InheritanceLoop { .. } => "inheritance_loop",
-            Self::UnknownKey { .. } => "unknown_key",
-            Self::Replaced { .. } => "replaced",
-            Self::UnknownGroup { .. } => "unknown_group",
-            Self::BadName { .. } => "bad_name",
-            Self::Sensor { .. } => "sensor",
-            Self::TooCostly { .. } => "too_costly",
-            Self::Surface { .. } => "surface",
-            Self::Cap { .. } => "cap",
-            Self::Spring { .. } => "spring",
-            Self::WrongKind { .. } => "wrong_kind",
-            Self::BadNumber { .. } => "bad_number",
-            Self::BadUnit { .. } => "bad_unit",
-            Self::WrongUnit { .. } => "wrong_unit",
-            Self::Gauge { .. } => "gauge",
-            Self::NotFinite { .. } => "not_finite",
-            Self::OutsideLimits { .. } => "outside_limits",
-            Self::BadRange { .. } => "bad_range",
-            Self::BadProvenance { .. } => "bad_provenance",
-            Self::BadDistribution { .. } => "bad_distribution",
-            Self::NoFile { .. } => "no_file",
-            Self::UnknownName { .. } => "unknown_name",
-            Self::Missing { .. } => "missing",
-            Self::Derived { .. } => "derived",
-            Self::Conflict { .. } => "conflict",
+            Self::NotFound { .. } => ["not_found", "asked for here"],
+            Self::Unreadable { .. } => ["unreadable", "asked for here"],
+            Self::NotText { .. } => ["not_text", ""],
+            Self::Syntax { .. } => ["syntax", "here"],
+            Self::InheritanceLoop { .. } => ["inheritance_loop", "closes the loop"],
+            Self::UnknownKey { .. } => ["unknown_key", "unknown key"],
+            Self::Replaced { .. } => ["replaced", "replaced"],
+            Self::UnknownGroup { .. } => ["unknown_group", "unknown group"],
+            Self::BadName { .. } => ["bad_name", "no name"],
+            Self::Sensor { .. } => ["sensor", "of this sensor"],
+            Self::TooCostly { .. } => ["too_costly", "too costly"],
+            Self::Surface { .. } => ["surface", "of this surface"],
+            Self::Cap { .. } => ["cap", "the convention"],
+            Self::Spring { .. } => ["spring", "of this spring"],
+            Self::WrongKind { .. } => ["wrong_kind", "wrong type"],
+            Self::BadNumber { .. } => ["bad_number", "not a number with a unit"],
+            Self::BadUnit { .. } => ["bad_unit", "unit not understood"],
+            Self::WrongUnit { .. } => ["wrong_unit", "wrong unit"],
+            Self::Gauge { .. } => ["gauge", "gauge pressure"],
+            Self::NotFinite { .. } => ["not_finite", "not finite"],
+            Self::OutsideLimits { .. } => ["outside_limits", "outside its limits"],
+            Self::BadRange { .. } => ["bad_range", "wrong way round"],
+            Self::BadProvenance { .. } => ["bad_provenance", "unknown provenance"],
+            Self::BadDistribution { .. } => ["bad_distribution", "not possible here"],
+            Self::NoFile { .. } => ["no_file", "no such file"],
+            Self::UnknownName { .. } => ["unknown_name", "unknown name"],
+            Self::Missing { .. } => ["missing", "no base here"],
+            Self::Derived { .. } => ["derived", "disagrees"],
+            Self::Conflict { .. } => ["conflict", "in conflict"],
         }
     }
 }
@@ -628,7 +551,7 @@ fn meant(nearest: Option<&str>, known: &[String], intro: &str) -> String {
 
 impl Diagnostic for DesignError {
     fn code<'a>(&'a self) -> Option<Box<dyn Display + 'a>> {
-        Some(Box::new(format!("design::{}", self.name())))
+        Some(Box::new(format!("design::{}", self.problem.words()[0])))
     }
 
     fn help<'a>(&'a self) -> Option<Box<dyn Display + 'a>> {
@@ -640,7 +563,7 @@ impl Diagnostic for DesignError {
     }
 
     fn labels(&self) -> Option<Box<dyn Iterator<Item = LabeledSpan> + '_>> {
-        labels(self.place()?, self.label())
+        labels(self.place()?, self.problem.words()[1])
     }
 }
 

@@ -54,7 +54,7 @@ pub use conflict::Conflict;
 pub use dependencies::dependencies;
 pub use derived::{AGREEMENT, DERIVED, Derived};
 pub use distribution::Distribution;
-pub use error::{DesignError, Warning};
+pub use error::{DesignError, Problem, Warning};
 pub use groups::*;
 pub use json_schema::json_schema;
 pub use nailnoise_quantities::{Dimension, GroupSpec, KeySpec, Kind, Sign, UnitError, Value};
@@ -276,11 +276,7 @@ impl Design {
     /// The error that the cap's panels cannot be separated from those of the rest of the tool body, of how many.
     pub(crate) fn refuse_cap(&self, surface: Option<&'static str>, panels: [usize; 2]) -> DesignError {
         let convention = self.records.get("sources.convention");
-        DesignError::Cap {
-            surface,
-            panels,
-            at: convention.map(|record| record.place.clone()),
-        }
+        Problem::Cap { surface, panels }.at(convention.map(|record| record.place.clone()))
     }
 
     /// The error that the place of a surface of this design is wrong.

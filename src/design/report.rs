@@ -14,7 +14,7 @@
 use serde::Serialize;
 use toml::de::{DeTable, DeValue};
 
-use super::error::DesignError;
+use super::error::{DesignError, Problem};
 use super::settings::found;
 use super::source::File;
 use super::suggest;
@@ -63,11 +63,13 @@ impl ReportSettings {
         let Some(value) = table.get("report") else {
             return Ok(());
         };
-        let wrong = |key: &str, value: &toml::Spanned<DeValue<'_>>, expected: String| DesignError::WrongKind {
-            key: key.to_owned(),
-            found: found(value.get_ref()),
-            expected,
-            at: file.place(value.span()),
+        let wrong = |key: &str, value: &toml::Spanned<DeValue<'_>>, expected: String| {
+            Problem::WrongKind {
+                key: key.to_owned(),
+                found: found(value.get_ref()),
+                expected,
+            }
+            .at(file.place(value.span()))
         };
         let DeValue::Table(own) = value.get_ref() else {
             return Err(wrong("report", value, "as a group of keys: [report]".to_owned()));
@@ -77,12 +79,12 @@ impl ReportSettings {
             let full = format!("report.{key}");
             let Some(text) = self.text(key) else {
                 let known = KEYS.map(|(key, _)| key.to_owned()).to_vec();
-                return Err(DesignError::UnknownKey {
+                return Err(Problem::UnknownKey {
                     nearest: suggest::word(known.iter().map(String::as_str), key).map(|near| format!("report.{near}")),
                     key: full,
                     known,
-                    at: file.place(name.span()),
-                });
+                }
+                .at(file.place(name.span())));
             };
             match value.get_ref() {
                 DeValue::String(given) if given.chars().count() <= LONGEST => *text = given.to_string(),

@@ -8,7 +8,7 @@ use nailnoise_quantities::{Dimension, Group, KeySpec, Kind, Measured, Value, dot
 use super::catalogue::Names;
 use super::derived::AGREEMENT;
 use super::distribution::Distribution;
-use super::error::{DesignError, Warning};
+use super::error::{DesignError, Problem, Warning};
 use super::groups::Values;
 use super::place::Place;
 use super::provenance::Provenance;
@@ -196,24 +196,18 @@ fn complete(merged: &HashMap<String, Merged>, chain: &[File]) -> Result<(), Desi
         }
     });
     let Some((key, example)) = first else { return Ok(()) };
+    // Beside what the member of a list does give, if it is one.
+    let group = key.rsplit_once('.').map_or("", |(group, _)| group);
+    let mut lists = Values::SPEC.lists.iter();
+    let is_member = lists.any(|(list, _)| group.starts_with(&dotted(list, "")));
+    let beside = merged
+        .iter()
+        .filter(|(other, _)| is_member && other.rsplit_once('.').is_some_and(|(own, _)| own == group));
+    let places = beside.filter_map(|(_, merged)| merged.value.as_ref().map(|(.., place)| (merged.depth, place)));
+    let first = places.min_by_key(|(depth, place)| (*depth, place.span.start));
     let mut error = missing(key, count, example, chain);
-    if let DesignError::Missing { key, at, .. } = &mut error {
-        // Beside what the member of a list does give, if it is one.
-        let group = key.rsplit_once('.').map_or("", |(group, _)| group);
-        let beside = merged
-            .iter()
-            .filter(|(other, _)| other.rsplit_once('.').is_some_and(|(own, _)| own == group));
-        let places = beside.filter_map(|(_, merged)| merged.value.as_ref().map(|(.., place)| (merged.depth, place)));
-        let list = Values::SPEC
-            .lists
-            .iter()
-            .any(|(list, _)| group.starts_with(&dotted(list, "")));
-        if let Some((_, place)) = places
-            .min_by_key(|(depth, place)| (*depth, place.span.start))
-            .filter(|_| list)
-        {
-            *at = place.clone();
-        }
+    if let Some((_, place)) = first {
+        error.at = Some(place.clone());
     }
     Err(error)
 }
@@ -221,12 +215,7 @@ fn complete(merged: &HashMap<String, Merged>, chain: &[File]) -> Result<(), Desi
 fn missing(key: String, count: usize, example: String, chain: &[File]) -> DesignError {
     // The chain holds the design itself at least.
     let at = chain[chain.len() - 1].place(0..0);
-    DesignError::Missing {
-        key,
-        example,
-        count,
-        at,
-    }
+    Problem::Missing { key, example, count }.at(at)
 }
 
 fn example(kind: Kind) -> String {
@@ -262,12 +251,7 @@ fn record(key: &str, merged: Merged, ambient: f64) -> Result<Option<Record>, Des
             if !spec.kind.allows(value) {
                 let found = format!("{text}, {} absolute", show(value, dimension));
                 let (key, allowed) = (key.to_owned(), spec.kind.allowed());
-                return Err(DesignError::OutsideLimits {
-                    key,
-                    found,
-                    allowed,
-                    at: place,
-                });
+                return Err(Problem::OutsideLimits { key, found, allowed }.at(place));
             }
             Value::Number(value)
         }
@@ -278,12 +262,12 @@ fn record(key: &str, merged: Merged, ambient: f64) -> Result<Option<Record>, Des
             let [low, high] = ends.map(|end| end.absolute(ambient));
             if low > high {
                 let (low, high) = (show(low, dimension), show(high, dimension));
-                return Err(DesignError::BadRange {
+                return Err(Problem::BadRange {
                     key: key.to_owned(),
                     low,
                     high,
-                    at,
-                });
+                }
+                .at(at));
             }
             Some([low, high])
         }
@@ -301,12 +285,12 @@ fn record(key: &str, merged: Merged, ambient: f64) -> Result<Option<Record>, Des
                 None => Some("it has no range"),
             };
             if let Some(because) = problem {
-                return Err(DesignError::BadDistribution {
+                return Err(Problem::BadDistribution {
                     key: key.to_owned(),
                     distribution: distribution.as_str(),
                     because,
-                    at,
-                });
+                }
+                .at(at));
             }
             distribution
         }
@@ -344,33 +328,33 @@ fn conflicting(conflict: super::Conflict, records: &Records) -> DesignError {
         .map(|(key, record)| (*key, record.place.to_string()))
         .collect();
     let at = places[0].1.place.clone();
-    DesignError::Conflict { conflict, at, others }
+    Problem::Conflict { conflict, others }.at(at)
 }
 
 /// What is wrong with a sensor, at the key that was set last: in the file nearest to the design, and there furthest down.
 pub(crate) fn sensor(name: &str, problem: SensorProblem, records: &Records) -> DesignError {
     let at = last_set("sensors", name, problem.keys(), records);
     let name = name.to_owned();
-    DesignError::Sensor { name, problem, at }
+    Problem::Sensor { name, problem }.at(at)
 }
 
 /// What is wrong with the place of a surface, at the key that was set last.
 pub(crate) fn surface(name: &str, problem: SurfaceProblem, records: &Records) -> DesignError {
     let at = last_set("surfaces", name, problem.keys(), records);
     let name = name.to_owned();
-    DesignError::Surface { name, problem, at }
+    Problem::Surface { name, problem }.at(at)
 }
 
 /// That a spring is not on its body, at the key of its place that was set last.
 pub(crate) fn spring(name: &str, (body, point, distance): (Sprung, [f64; 3], f64), records: &Records) -> DesignError {
     let at = last_set("springs", name, &["x", "y", "z", "body"], records);
-    DesignError::Spring {
+    Problem::Spring {
         name: name.to_owned(),
         body,
         point,
         distance,
-        at,
     }
+    .at(at)
 }
 
 /// That a stage needs more memory than allowed, at the key of its cost that was set last.
@@ -381,13 +365,13 @@ pub(crate) fn too_costly(
 ) -> DesignError {
     let set = keys.iter().filter_map(|(key, _)| records.get(*key));
     let last = set.min_by_key(|record| (record.depth, usize::MAX - record.place.span.start));
-    DesignError::TooCostly {
+    Problem::TooCostly {
         stage,
         needs,
         allowed,
         keys,
-        at: last.map(|record| record.place.clone()),
     }
+    .at(last.map(|record| record.place.clone()))
 }
 
 /// Place of the key of a list's member that was set last.
@@ -447,13 +431,13 @@ fn agree(given: GivenDerived, values: &Values) -> Result<Warning, DesignError> {
             primaries.push((*own, shown(value, spec)));
         }
     });
-    Err(DesignError::Derived {
+    Err(Problem::Derived {
         key: derived.key,
         given: show(value.si, derived.dimension),
         value: show(computed, derived.dimension),
         primaries,
-        at,
-    })
+    }
+    .at(at))
 }
 
 /// A value in a readable unit.

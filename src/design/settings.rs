@@ -11,7 +11,7 @@ use toml::de::{DeArray, DeTable, DeValue};
 
 use super::derived::Derived;
 use super::distribution::Distribution;
-use super::error::DesignError;
+use super::error::{DesignError, Problem};
 use super::place::Place;
 use super::provenance::Provenance;
 use super::source::File;
@@ -112,19 +112,19 @@ impl Reader<'_> {
             } else if let Some(member) = spec.list(name) {
                 let table = self.table(&full, key.span(), value)?;
                 if table.len() > MOST_MEMBERS {
-                    return Err(DesignError::OutsideLimits {
+                    return Err(Problem::OutsideLimits {
                         key: full,
                         found: format!("a list of {}", table.len()),
                         allowed: format!("a list of {MOST_MEMBERS} at most"),
-                        at: self.file.place(key.span()),
-                    });
+                    }
+                    .at(self.file.place(key.span())));
                 }
                 for (key, value) in table {
                     let name = key.get_ref().as_ref();
                     let full = dotted(&full, name);
                     if name.is_empty() || !name.chars().all(|c| c.is_ascii_alphanumeric() || c == '_' || c == '-') {
                         let (name, at) = (name.to_owned(), self.file.place(key.span()));
-                        return Err(DesignError::BadName { name, at });
+                        return Err(Problem::BadName { name }.at(at));
                     }
                     self.group(self.table(&full, key.span(), value)?, member, &full, layer)?;
                 }
@@ -132,11 +132,7 @@ impl Reader<'_> {
                 layer.derived.push(self.derived(derived, value)?);
             } else if let Some((_, successors)) = REPLACED.iter().find(|(old, _)| *old == full) {
                 let at = self.file.place(key.span());
-                return Err(DesignError::Replaced {
-                    key: full,
-                    successors,
-                    at,
-                });
+                return Err(Problem::Replaced { key: full, successors }.at(at));
             } else {
                 return Err(self.unknown(full, spec, key.span(), value));
             }
@@ -152,12 +148,12 @@ impl Reader<'_> {
     ) -> Result<&'t DeTable<'i>, DesignError> {
         match value.get_ref() {
             DeValue::Table(table) => Ok(table),
-            other => Err(DesignError::WrongKind {
+            other => Err(Problem::WrongKind {
                 key: full.to_owned(),
                 found: found(other),
                 expected: format!("as a group of keys: [{full}]"),
-                at: self.file.place(span),
-            }),
+            }
+            .at(self.file.place(span))),
         }
     }
 
@@ -173,12 +169,12 @@ impl Reader<'_> {
                 .map(|(name, _)| (*name).to_owned())
                 .collect::<Vec<_>>();
             if nearest.is_some() || !known.is_empty() {
-                return DesignError::UnknownGroup {
+                return Problem::UnknownGroup {
                     group: full,
                     nearest,
                     known,
-                    at,
-                };
+                }
+                .at(at);
             }
         }
         let nearest = suggest::key(self.root, &full);
@@ -187,12 +183,12 @@ impl Reader<'_> {
             .chain(spec.groups.iter().map(|(name, _)| *name))
             .map(str::to_owned)
             .collect();
-        DesignError::UnknownKey {
+        Problem::UnknownKey {
             key: full,
             nearest,
             known,
-            at,
         }
+        .at(at)
     }
 
     fn derived(&self, derived: &'static Derived, value: &Spanned<DeValue<'_>>) -> Result<GivenDerived, DesignError> {
@@ -245,12 +241,12 @@ impl Reader<'_> {
                 other => {
                     let known = ["value", "range", "distribution", "provenance", "note"];
                     let known = known.map(str::to_owned).to_vec();
-                    return Err(DesignError::UnknownKey {
+                    return Err(Problem::UnknownKey {
                         key: dotted(&key, other),
                         nearest: suggest::word(known.iter().map(String::as_str), other).map(|near| dotted(&key, near)),
                         known,
-                        at: self.file.place(name.span()),
-                    });
+                    }
+                    .at(self.file.place(name.span())));
                 }
             }
         }
@@ -272,11 +268,13 @@ impl Field<'_> {
     ) -> Result<(Given, String, Box<Place>), DesignError> {
         let at = self.file.place(value.span());
         let text = found_value(value.get_ref());
-        let outside = || DesignError::OutsideLimits {
-            key: self.key.to_owned(),
-            found: text.clone(),
-            allowed: spec.kind.allowed(),
-            at: at.clone(),
+        let outside = || {
+            Problem::OutsideLimits {
+                key: self.key.to_owned(),
+                found: text.clone(),
+                allowed: spec.kind.allowed(),
+            }
+            .at(at.clone())
         };
         let given = match (spec.kind, value.get_ref()) {
             (Kind::Quantity { dimension, gauge, .. }, _) => {
@@ -308,12 +306,12 @@ impl Field<'_> {
                     Err(source) => Some(source.to_string()),
                 };
                 if let Some(reason) = reason {
-                    return Err(DesignError::NoFile {
+                    return Err(Problem::NoFile {
                         key: self.key.to_owned(),
                         path,
                         reason,
-                        at,
-                    });
+                    }
+                    .at(at));
                 }
                 Given::Other(Value::File(path.to_string_lossy().into_owned()))
             }
@@ -336,13 +334,13 @@ impl Field<'_> {
             let near = suggest::word(lower.iter().map(String::as_str), word)?;
             words.iter().copied().find(|own| own.to_lowercase() == near)
         });
-        DesignError::UnknownName {
+        Problem::UnknownName {
             key: self.key.to_owned(),
             found: word.to_owned(),
             nearest: nearest.map(str::to_owned),
             list,
-            at: self.file.place(value.span()),
         }
+        .at(self.file.place(value.span()))
     }
 
     fn measured(
@@ -371,11 +369,11 @@ impl Field<'_> {
             return Ok(Measured { si, gauge: false });
         }
         let (found, at) = (found_value(value.get_ref()), self.file.place(value.span()));
-        Err(DesignError::NotFinite {
+        Err(Problem::NotFinite {
             key: self.key.to_owned(),
             found,
-            at,
-        })
+        }
+        .at(at))
     }
 
     fn range(&self, value: &Spanned<DeValue<'_>>, spec: &KeySpec) -> Result<([Measured; 2], Box<Place>), DesignError> {
@@ -429,10 +427,12 @@ impl Field<'_> {
 
     fn provenance(&self, value: &Spanned<DeValue<'_>>) -> Result<(Provenance, String), DesignError> {
         let text = self.text(value, "provenance")?;
-        Provenance::parse(&text).ok_or_else(|| DesignError::BadProvenance {
-            key: self.key.to_owned(),
-            found: text,
-            at: self.file.place(value.span()),
+        Provenance::parse(&text).ok_or_else(|| {
+            Problem::BadProvenance {
+                key: self.key.to_owned(),
+                found: text,
+            }
+            .at(self.file.place(value.span()))
         })
     }
 
@@ -449,51 +449,43 @@ impl Field<'_> {
 
     fn wrong_kind(&self, value: &Spanned<DeValue<'_>>, expected: String) -> DesignError {
         let found = found(value.get_ref());
-        DesignError::WrongKind {
+        Problem::WrongKind {
             key: self.key.to_owned(),
             found,
             expected,
-            at: self.file.place(value.span()),
         }
+        .at(self.file.place(value.span()))
     }
 
     fn quantity(&self, error: QuantityError, text: &str, expected: Dimension, span: Range<usize>) -> DesignError {
         let key = self.key.to_owned();
         let at = self.file.place(span);
-        match error {
-            QuantityError::Number => DesignError::BadNumber {
+        let problem = match error {
+            QuantityError::Number => Problem::BadNumber {
                 key,
                 found: text.to_owned(),
                 expected,
-                at,
             },
-            QuantityError::NotFinite => DesignError::NotFinite {
+            QuantityError::NotFinite => Problem::NotFinite {
                 key,
                 found: format!("\"{text}\""),
-                at,
             },
-            QuantityError::NoUnit => DesignError::WrongUnit {
+            QuantityError::NoUnit => Problem::WrongUnit {
                 key,
                 unit: String::new(),
                 found: NUMBER,
                 expected,
-                at,
             },
-            QuantityError::Unit(problem) => DesignError::BadUnit {
-                key,
-                problem,
-                expected,
-                at,
-            },
-            QuantityError::Dimension { unit, found } => DesignError::WrongUnit {
+            QuantityError::Unit(problem) => Problem::BadUnit { key, problem, expected },
+            QuantityError::Dimension { unit, found } => Problem::WrongUnit {
                 key,
                 unit,
                 found,
                 expected,
-                at,
             },
-            QuantityError::Gauge { unit } => DesignError::Gauge { key, unit, at },
-        }
+            QuantityError::Gauge { unit } => Problem::Gauge { key, unit },
+        };
+        problem.at(at)
     }
 }
 

@@ -11,7 +11,7 @@ use nailnoise_meshes::read_regular;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
-use super::error::{DesignError, Warning};
+use super::error::{DesignError, Problem, Warning};
 use super::place::Place;
 use crate::shipped;
 
@@ -58,10 +58,11 @@ impl File {
             Err(error) => {
                 let at = error.utf8_error().valid_up_to();
                 let line = error.as_bytes()[..at].iter().filter(|byte| **byte == b'\n').count() + 1;
-                Err(DesignError::NotText {
+                Err(Problem::NotText {
                     path: path.to_owned(),
                     line,
-                })
+                }
+                .at(None::<Box<Place>>))
             }
         }
     }
@@ -85,12 +86,12 @@ impl File {
     }
 
     pub(crate) fn table(&self) -> Result<DeTable<'_>, DesignError> {
-        DeTable::parse(&self.text)
-            .map(Spanned::into_inner)
-            .map_err(|error| DesignError::Syntax {
+        DeTable::parse(&self.text).map(Spanned::into_inner).map_err(|error| {
+            Problem::Syntax {
                 message: error.message().to_owned(),
-                at: self.place(error.span().unwrap_or(0..0)),
-            })
+            }
+            .at(self.place(error.span().unwrap_or(0..0)))
+        })
     }
 
     /// Whether it is a value given on the command line.
@@ -111,12 +112,12 @@ impl File {
         };
         let place = self.place(key.span().start..value.span().end);
         let DeValue::String(name) = value.get_ref() else {
-            return Err(DesignError::WrongKind {
+            return Err(Problem::WrongKind {
                 key: "base".to_owned(),
                 found: super::settings::found(value.get_ref()),
                 expected: "as the name of a design file, in quotes".to_owned(),
-                at: place,
-            });
+            }
+            .at(place));
         };
         Ok(Some((name.as_ref().to_owned(), place)))
     }
@@ -166,7 +167,7 @@ impl File {
                     .map(|file| file.path.as_path())
                     .chain([path.as_path()]);
                 let chain = names.map(|path| path.display().to_string()).collect();
-                return Err(DesignError::InheritanceLoop { chain, at });
+                return Err(Problem::InheritanceLoop { chain }.at(at));
             }
             seen.push(own);
             let base = base.read_base(&name, &at)?;

@@ -26,7 +26,7 @@ use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
 use super::catalogue::Names;
-use super::error::DesignError;
+use super::error::{DesignError, Problem};
 use super::place::Place;
 use super::settings::{Field, Given, found, found_value};
 use super::source::File;
@@ -191,12 +191,12 @@ pub(crate) fn joined(
                 seen.push(key.clone());
                 continue;
             };
-            return Err(DesignError::WrongKind {
+            return Err(Problem::WrongKind {
                 key: "study.correlation.keys".to_owned(),
                 found: format!("`{key}`"),
                 expected: expected.to_owned(),
-                at: at.clone(),
-            });
+            }
+            .at(at.clone()));
         }
     }
     settings.correlations = correlations.into_iter().map(|(correlation, _)| correlation).collect();
@@ -210,22 +210,22 @@ struct Reader<'a> {
 
 impl Reader<'_> {
     fn wrong(&self, key: &str, value: &Spanned<DeValue<'_>>, expected: &str) -> DesignError {
-        DesignError::WrongKind {
+        Problem::WrongKind {
             key: key.to_owned(),
             found: found(value.get_ref()),
             expected: expected.to_owned(),
-            at: self.file.place(value.span()),
         }
+        .at(self.file.place(value.span()))
     }
 
     fn unknown(&self, group: &str, key: &Spanned<std::borrow::Cow<'_, str>>, known: &[&str]) -> DesignError {
         let name = key.get_ref().as_ref();
-        DesignError::UnknownKey {
+        Problem::UnknownKey {
             key: format!("{group}.{name}"),
             nearest: suggest::word(known.iter().copied(), name).map(|near| dotted(group, near)),
             known: known.iter().map(|known| (*known).to_owned()).collect(),
-            at: self.file.place(key.span()),
         }
+        .at(self.file.place(key.span()))
     }
 
     fn table<'t, 'i>(&self, key: &str, value: &'t Spanned<DeValue<'i>>) -> Result<&'t DeTable<'i>, DesignError> {
@@ -350,12 +350,12 @@ impl Reader<'_> {
                 ));
             }
             (None, _) => {
-                return Err(DesignError::UnknownKey {
+                return Err(Problem::UnknownKey {
                     key: full,
                     nearest: suggest::key(self.root, name),
                     known: vec!["the full name of a key or group, in quotes".to_owned()],
-                    at: self.file.place(key.span()),
-                });
+                }
+                .at(self.file.place(key.span())));
             }
         };
         if options.is_empty() || options.len() > MOST_OPTIONS {

@@ -13,7 +13,7 @@ use super::request::Request;
 use super::variables::without_sensors;
 use crate::chain::{Chain, Options};
 use crate::cost::{self, MemoryLimit};
-use crate::design::{Assignment, AssignmentError, Design, DesignError};
+use crate::design::{Assignment, AssignmentError, Design, DesignError, Problem};
 use crate::error::Error;
 use crate::graph::Graph;
 use crate::stages::Progress;
@@ -175,7 +175,10 @@ pub fn sweep(
                 cost::refuse(&design, &cost::of_run(&design)?, memory)?;
                 Ok(without_sensors(&design))
             }
-            Err(Error::Design(DesignError::Conflict { conflict, .. })) => Err(conflict.to_string()),
+            Err(Error::Design(DesignError {
+                problem: Problem::Conflict { conflict, .. },
+                ..
+            })) => Err(conflict.to_string()),
             Err(error) => return Err(error),
         });
     }

@@ -1,7 +1,7 @@
 //! Values given on the command line.
 
 use nailnoise::Design;
-use nailnoise::design::{Assignment, AssignmentError, DesignError};
+use nailnoise::design::{Assignment, AssignmentError, DesignError, Problem};
 
 const PATH: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/designs/n80cb.toml");
 
@@ -61,13 +61,22 @@ fn a_wrong_value_is_the_error_of_a_design_file_and_names_the_command_line() {
     let message = |text: &str| load(&[text]).unwrap_err();
     let unknown = message("piston.mas=120 g");
     assert!(
-        matches!(&unknown, DesignError::UnknownKey { nearest: Some(near), at, .. }
-        if near == "piston.mass" && at.file() == "command line")
+        matches!(&unknown.problem, Problem::UnknownKey { nearest: Some(near), .. }
+        if near == "piston.mass" && unknown.place().is_some_and(|at| at.file() == "command line"))
     );
-    assert!(matches!(message("piston.mass=12 bar"), DesignError::WrongUnit { .. }));
-    assert!(matches!(message("piston.mass=-1"), DesignError::OutsideLimits { .. }));
-    assert!(matches!(message("exhaust.holes=few"), DesignError::WrongKind { .. }));
-    assert!(matches!(message("piston=1"), DesignError::WrongKind { .. }));
+    assert!(matches!(
+        message("piston.mass=12 bar").problem,
+        Problem::WrongUnit { .. }
+    ));
+    assert!(matches!(
+        message("piston.mass=-1").problem,
+        Problem::OutsideLimits { .. }
+    ));
+    assert!(matches!(
+        message("exhaust.holes=few").problem,
+        Problem::WrongKind { .. }
+    ));
+    assert!(matches!(message("piston=1").problem, Problem::WrongKind { .. }));
 }
 
 #[test]

@@ -5,7 +5,9 @@ use std::fs;
 use std::path::Path;
 
 use miette::{Diagnostic, GraphicalReportHandler, GraphicalTheme};
-use nailnoise::design::{DERIVED, Design, DesignError, Entry, Provenance, Rings, SupportKind, Value, reference};
+use nailnoise::design::{
+    DERIVED, Design, DesignError, Entry, Problem, Provenance, Rings, SupportKind, Value, reference,
+};
 use proptest::prelude::*;
 
 const BASE: &str = "designs/n80cb.toml";
@@ -416,7 +418,7 @@ fn a_value_outside_its_domain_is_refused_by_its_key() {
         ("support.sand.poisson_ratio", "0.6"),
     ] {
         let error = over(&format!("{key} = {value}")).expect_err(key);
-        assert!(matches!(error, DesignError::OutsideLimits { .. }), "{error}");
+        assert!(matches!(error.problem, Problem::OutsideLimits { .. }), "{error}");
         assert!(error.to_string().contains(key), "{error}");
         assert_eq!(error.place().unwrap().line(), 2);
     }
@@ -426,7 +428,7 @@ fn a_value_outside_its_domain_is_refused_by_its_key() {
 fn values_that_do_not_go_together_are_refused() {
     for (text, named) in CONFLICTS {
         let error = over(text).expect_err(text);
-        assert!(matches!(error, DesignError::Conflict { .. }), "{text}: {error}");
+        assert!(matches!(error.problem, Problem::Conflict { .. }), "{text}: {error}");
         assert!(
             error.to_string().contains(named),
             "{text}: {error} does not name {named}"
@@ -568,10 +570,8 @@ fn a_missing_file_names_the_path_and_what_to_do() {
     assert_eq!(near.remedy(), "did you mean `designs/n80cb.toml`?");
     let far = Design::load("no/such/folder/tool.toml").unwrap_err();
     insta::assert_snapshot!(render(&far));
-    assert!(matches!(
-        Design::load("designs").unwrap_err(),
-        DesignError::Unreadable { .. }
-    ));
+    let folder = Design::load("designs").unwrap_err();
+    assert!(matches!(folder.problem, Problem::Unreadable { .. }));
 }
 
 #[test]
@@ -580,7 +580,7 @@ fn bytes_that_are_no_text_are_refused_with_their_line() {
     fs::write(&path, b"# one\n# two \xff\n").unwrap();
     let error = Design::load(&path).unwrap_err();
     fs::remove_file(&path).unwrap();
-    assert!(matches!(error, DesignError::NotText { line: 2, .. }), "{error}");
+    assert!(matches!(error.problem, Problem::NotText { line: 2, .. }), "{error}");
 }
 
 #[test]

@@ -1,7 +1,7 @@
 //! Woods and nails by name: what a name sets, what wins over it, and what it replaces.
 
 use nailnoise::Design;
-use nailnoise::design::{Assignment, DesignError, Entry, NailKind, Species, Value, nails, woods};
+use nailnoise::design::{Assignment, DesignError, Entry, NailKind, Problem, Species, Value, nails, woods};
 
 const BASE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/designs/n80cb.toml");
 
@@ -154,7 +154,8 @@ fn an_unknown_name_is_refused_with_the_nearest_and_the_list() {
     ] {
         let error = over(text).unwrap_err();
         assert!(
-            matches!(&error, DesignError::UnknownName { nearest: Some(nearest), at, .. } if nearest == near && at.line() == 2),
+            matches!(&error.problem, Problem::UnknownName { nearest: Some(nearest), .. } if nearest == near)
+                && error.place().is_some_and(|at| at.line() == 2),
             "{error:?}"
         );
         assert!(
@@ -164,7 +165,7 @@ fn an_unknown_name_is_refused_with_the_nearest_and_the_list() {
         );
     }
     let error = over("wood.species = \"bamboo\"").unwrap_err();
-    assert!(matches!(&error, DesignError::UnknownName { nearest: None, .. }));
+    assert!(matches!(&error.problem, Problem::UnknownName { nearest: None, .. }));
 }
 
 #[test]

@@ -46,7 +46,7 @@ pub(crate) fn transducers(design: &Design) -> Vec<PressureTransducer> {
 /// Points of the sensors that measure a body: those on the sand measure the edge of the workpiece.
 ///
 /// # Errors
-/// [`DesignError::Sensor`](crate::design::DesignError::Sensor) for a sensor that is not on the sand.
+/// [`Problem::Sensor`](crate::design::Problem::Sensor) for a sensor that is not on the sand.
 pub(crate) fn points(design: &Design, body: Carrier) -> Result<Vec<SensorPoint>, Error> {
     let mut points = Vec::new();
     for (name, sensor) in present(design) {
