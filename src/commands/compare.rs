@@ -9,8 +9,8 @@ use serde::Serialize;
 use super::intervals::Known;
 use super::table::{dash, decibels, fixed, table};
 use super::{
-    Changes, Keeping, Memory, Threads, compare_measured, comparison_page, comparison_sounds, folder_of, message, print,
-    print_json, progress, status_of,
+    Changes, Keeping, Memory, Threads, comparison_page, comparison_sounds, folder_of, message, print, print_json,
+    progress, status_of,
 };
 use crate::bundle::deliver;
 use crate::comparison::{Comparison, Finished, Labelled, Levels, Limit};
@@ -42,7 +42,7 @@ pub(super) struct Arguments {
     /// Compare with measurements instead: measurement.json of `measure`, a file as designs/measured/n80cb.json, or n80cb for
     /// the published ones. One design, or one on the worktable and one in the sandbox, as they were tested
     #[arg(long, value_name = "FILE", conflicts_with_all = ["bands", "intervals", "fail_above"])]
-    measured: Option<PathBuf>,
+    pub(super) measured: Option<PathBuf>,
     /// Print exactly one JSON value instead of tables
     #[arg(long)]
     pub(super) json: bool,
@@ -50,9 +50,9 @@ pub(super) struct Arguments {
     #[arg(long, value_name = "DIR", default_value = "out")]
     pub(super) out: PathBuf,
     #[command(flatten)]
-    threads: Threads,
+    pub(super) threads: Threads,
     #[command(flatten)]
-    keeping: Keeping,
+    pub(super) keeping: Keeping,
     #[command(flatten)]
     pub(super) memory: Memory,
     #[command(flatten)]
@@ -83,9 +83,6 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
     arguments.threads.start()?;
     let progress = progress();
     let cache = arguments.keeping.cache()?;
-    if let Some(file) = &arguments.measured {
-        return compare_measured::execute(arguments, file, &cache, &progress);
-    }
     if let [design] = arguments.designs.as_slice() {
         return Err(Error::NothingToCompare { path: design.clone() });
     }

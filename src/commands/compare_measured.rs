@@ -5,7 +5,7 @@ use std::process::ExitCode;
 
 use super::compare::Arguments;
 use super::table::{dash, table};
-use super::{print, print_json};
+use super::{print, print_json, progress};
 use crate::cost;
 use crate::design::Design;
 use crate::error::Error;
@@ -14,21 +14,17 @@ use crate::measurement::comparison::{ComparedQuantity, MeasuredComparison, Measu
 use crate::measurement::error::MeasurementError;
 use crate::measurement::virtual_test::{VirtualTest, wrapping};
 use crate::report;
-use crate::stages::Progress;
 use crate::staging;
-use crate::store::Store;
 use crate::study::{Draws, Request, common_draws, nominal};
 use crate::wording::drawn_structures;
 
 /// Draws where `--draws` gives no number.
 const DRAWS: u32 = 64;
 
-pub(super) fn execute(
-    arguments: &Arguments,
-    file: &Path,
-    cache: &Store,
-    progress: &Progress,
-) -> Result<ExitCode, Error> {
+pub(super) fn execute(arguments: &Arguments, file: &Path) -> Result<ExitCode, Error> {
+    arguments.threads.start()?;
+    let progress = progress();
+    let cache = arguments.keeping.cache()?;
     let measured = Measurements::read(file)?;
     let designs = arguments
         .designs
@@ -48,7 +44,7 @@ pub(super) fn execute(
         }
         cost::refuse(design, &cost::of_run(design)?, arguments.memory.limit())?;
     }
-    let graph = Graph::quiet(cache, progress.observer());
+    let graph = Graph::quiet(&cache, progress.observer());
     let request = Request {
         shots_a_structure: arguments.structures.map(usize::from),
         workpiece_sensors: true,
@@ -64,7 +60,7 @@ pub(super) fn execute(
         shots.push((test, shot));
     }
     let references: Vec<&Design> = designs.iter().collect();
-    let drawn = common_draws(&graph, &references, &request, progress)?;
+    let drawn = common_draws(&graph, &references, &request, &progress)?;
     for ((design, (test, shot)), drawn) in designs.iter().zip(&shots).zip(&drawn) {
         predicted.push(prediction(&graph, design, (test, shot), (&request, drawn))?);
     }

@@ -283,7 +283,10 @@ fn execute(cli: &Cli) -> Result<ExitCode, Error> {
         Command::Init(arguments) => init::execute(arguments),
         Command::Run(arguments) => run::execute(arguments),
         Command::Watch(arguments) => watch::execute(arguments),
-        Command::Compare(arguments) => compare::execute(arguments),
+        Command::Compare(arguments) => match &arguments.measured {
+            Some(file) => compare_measured::execute(arguments, file),
+            None => compare::execute(arguments),
+        },
         Command::Study(arguments) => study::execute(arguments),
         Command::Sweep(arguments) => sweep::execute(arguments),
         Command::Optimise(arguments) => optimise::execute(arguments),
