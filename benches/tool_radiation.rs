@@ -17,7 +17,8 @@ use nailnoise::stages::bodies::BodyKind;
 use nailnoise::stages::radiation::{Resolution, ToolRadiation};
 use nailnoise::store::Store;
 use nailnoise_acoustics::Air;
-use nailnoise_acoustics::bem::{EquationSolver, SurfacePressure};
+use nailnoise_acoustics::bem::{BemError, EquationSolver, SurfacePressure};
+use nalgebra::DMatrix;
 
 fn main() -> Result<(), Box<dyn Error>> {
     let start = Instant::now();
@@ -42,35 +43,44 @@ fn main() -> Result<(), Box<dyn Error>> {
     for hz in frequencies {
         let before = cpu(start);
         let range = elements.resolving(&body.moving_surface(), hz, &Air::default())?;
-        let (velocities, boundary) = (range.patterns[0].velocities.clone(), range.problem.boundary());
+        let (patterns, boundary) = (&range.patterns, range.problem.boundary());
         print!(
             "{hz:6.0} {:7} {:9} {:6} {:7.2}",
             boundary.mesh().panels.len(),
             boundary.nodes(),
-            velocities.ncols(),
+            patterns[0].velocities.ncols(),
             cpu(start) - before
         );
         let mut problem = range.problem;
-        let mut found: Vec<SurfacePressure> = Vec::new();
+        let mut found: Vec<Vec<SurfacePressure>> = Vec::new();
         for (solver, name) in [
             (EquationSolver::Compressed, "compressed"),
             (EquationSolver::Dense, "dense"),
         ] {
             problem = problem.with_equation_solver(solver);
             let before = cpu(start);
-            found.push(problem.solve(hz, &velocities)?);
+            found.push(problem.solve_parities(hz, patterns)?);
             let indent = if found.len() > 1 { 38 } else { 0 };
             println!("{:indent$}  {name:<10} {:7.2} {:8.2}", "", cpu(start) - before, peak());
         }
-        let powers = |p: &SurfacePressure| problem.far_field_resistance(&velocities, p);
+        let powers = |solutions: &[SurfacePressure]| {
+            let of_parities = patterns.iter().zip(solutions);
+            let each = of_parities.map(|(patterns, p)| problem.far_field_resistance(&patterns.velocities, p));
+            each.sum::<Result<DMatrix<f64>, BemError>>()
+        };
         let [a, b] = [powers(&found[0])?, powers(&found[1])?];
+        let pressure = |solutions: &[SurfacePressure]| solutions.iter().map(|p| p.pressure.norm_squared()).sum::<f64>();
+        let apart = found[0]
+            .iter()
+            .zip(&found[1])
+            .map(|(a, b)| (&a.pressure - &b.pressure).norm_squared());
         let loudest = b.diagonal().max();
         let off = (0..b.nrows()).filter(|&m| b[(m, m)] > 1e-3 * loudest);
         println!(
             "        power of modes within 30 dB of the loudest: {:.4} dB apart; pressure: {:.1e} apart",
             off.map(|m| (10.0 * (a[(m, m)] / b[(m, m)]).log10()).abs())
                 .fold(0.0, f64::max),
-            (&found[0].pressure - &found[1].pressure).norm() / found[1].pressure.norm()
+            (apart.sum::<f64>() / pressure(&found[1])).sqrt()
         );
     }
     Ok(())

@@ -155,9 +155,9 @@ hollow() = {};
 For k In {0 : #grips() - 1}
   box() = BoundingBox Surface{grips(k)};
   // The sides of the cavity are smaller than the outer ones; in the plane of symmetry a surface has no width.
-  If (box(4) - box(1) > hr - 0.1)
+  If (box(4) - box(1) > hr - 0.5*handle_wall)
     outer() += grips(k);
-  ElseIf (box(4) - box(1) > 0.1)
+  ElseIf (box(4) - box(1) > e)
     hollow() += grips(k);
   EndIf
 EndFor
@@ -192,7 +192,7 @@ EndIf
 // The same holds for the two sides of the handle's wall.
 shell = 0.65*Sqrt(8*hr*handle_wall);
 If (shell < size)
-  Characteristic Length{ PointsOf{ Surface{grips()}; } } = shell;
+  Characteristic Length{ PointsOf{ Surface{outer(), hollow()}; } } = shell;
   If (shell < near)
     near = shell;
   EndIf

@@ -39,8 +39,8 @@ const OPTIMISE: &str = "optimise";
 
 /// How gmsh mends folded elements: values of `Mesh.HighOrderOptimize`, in the order in which they are tried.
 ///
-/// The elastic analogy deforms the whole mesh, and takes three quarters of gmsh's time, although some twenty of 50 000 elements of a
-/// tool are folded. In 25 draws of all dimensions of the tool each left inverted elements in one draw, not the same.
+/// The elastic analogy deforms the whole mesh, and takes three quarters of gmsh's time, although some ten of 8 500 elements of half
+/// a tool are folded.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum HighOrderOptimization {
     /// Optimisation of each folded element with those around it.

@@ -126,16 +126,16 @@ impl Mesh {
             let nodes = self.face_nodes(face);
             let gap = box_distance(nodes.iter().map(|&i| self.nodes[i]), point);
             nearest_box = nearest_box.min(gap);
-            if gap > tolerance.min(nearest) {
+            let corners: Vec<Point3<f64>> = nodes.iter().map(|&i| self.nodes[i]).collect();
+            let size = box_size(&corners);
+            let same = SLACK * size;
+            if gap > tolerance.min(nearest + same) {
                 continue;
             }
-            let corners: Vec<Point3<f64>> = nodes.iter().map(|&i| self.nodes[i]).collect();
             let kind = self.face_kind(face);
             let (xi, distance) = project(kind, &corners, point);
             // Beside the face the foot is taken back to it, as far as the size of the face says.
-            let size = box_size(&corners);
             let distance = distance.max(kind.outside(xi.into()).max(0.0) * size);
-            let same = SLACK * size;
             if distance < nearest - same {
                 near.clear();
             }
@@ -151,7 +151,7 @@ impl Mesh {
         if nearest > tolerance {
             return Err(outside(point, place(), nearest));
         }
-        let mut weights: BTreeMap<usize, f64> = BTreeMap::new();
+        let (mut weights, mut found) = (BTreeMap::<usize, f64>::new(), 0);
         for &(_, element) in &near {
             let (_, shape) = invert(self, element, point);
             let view = self.element(element);
@@ -161,12 +161,17 @@ impl Mesh {
             // Newton's method has not found the point when the element is too curved for its surroundings.
             let miss = (x - point.coords).norm();
             if miss.is_nan() || miss > 1e-10 * size {
-                return Err(outside(point, place(), nearest));
+                continue;
             }
+            found += 1;
             for (&node, weight) in view.nodes.iter().zip(&shape) {
-                *weights.entry(node).or_insert(0.0) += weight / near.len() as f64;
+                *weights.entry(node).or_insert(0.0) += weight;
             }
         }
+        if found == 0 {
+            return Err(outside(point, place(), nearest));
+        }
+        weights.values_mut().for_each(|weight| *weight /= f64::from(found));
         weights.retain(|_, weight| weight.abs() > 1e-13);
         Ok(Location {
             element,

@@ -2,11 +2,11 @@
 
 use crate::{ElementKind, FaceRef, Mesh};
 
-/// Distance from the plane within which a node lies in it \[m\].
-const IN_PLANE: f64 = 1e-9;
+/// Distance from the plane within which a node lies in it \[m\]: some grains of 15 nm to which coordinates are rounded.
+const IN_PLANE: f64 = 1e-7;
 
 impl Mesh {
-    /// Adds the image of all elements in the plane y = 0, with their parts and groups; nodes in the plane are shared. Returns
+    /// Adds the image of all elements, which lie at y >= 0, in the plane y = 0, with their parts and groups; nodes in the plane are shared. Returns
     /// which element each one is an image of, and which node, those of the half first.
     ///
     /// The mesh of a symmetric body is then symmetric to the last digit: even and odd modes are independent problems of half

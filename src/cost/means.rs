@@ -21,8 +21,13 @@ const TOGETHER: f64 = 2.0;
 pub(super) enum RadiatingSurface {
     /// Boxes about two mirror planes above a floor, of this area in all \[m2\].
     Boxes(f64),
-    /// A body of triangles of this area in all \[m2\], in so many symmetric parts.
-    Body(f64, f64),
+    /// A body of triangles.
+    Body {
+        /// Its area in all \[m2\].
+        area: f64,
+        /// Number of its symmetric parts.
+        parts: f64,
+    },
 }
 
 impl RadiatingSurface {
@@ -40,7 +45,7 @@ impl RadiatingSurface {
                 };
                 (size, 0.0)
             }
-            Self::Body(area, parts) => {
+            Self::Body { area, parts } => {
                 let panels = TRIANGLES * area / (edge * edge) / parts;
                 let size = SurfaceSize {
                     unknowns: 0.5 * panels,

@@ -214,7 +214,7 @@ fn radiation_of_tool(design: &Design, modes: f64) -> Result<Option<StageCost>, E
     means::add(
         &mut stage,
         acoustics,
-        (&RadiatingSurface::Body(area, parts), modes),
+        (&RadiatingSurface::Body { area, parts }, modes),
         top,
     );
     stage.cpu_seconds *= solved;

@@ -4,7 +4,7 @@
 use std::sync::LazyLock;
 
 use crate::common::close;
-use nailnoise_meshes::{Block, Location, Mesh, MeshError, block};
+use nailnoise_meshes::{Block, ElementKind, FaceGroup, FaceRef, Location, Mesh, MeshError, block};
 use nalgebra::{Point3, Vector3};
 use proptest::prelude::*;
 
@@ -93,4 +93,49 @@ fn a_point_outside_is_refused_with_its_distance() {
         mesh.locate_on("lid", Point3::origin(), 1.0),
         Err(MeshError::UnknownGroup { .. })
     ));
+}
+
+/// Two tetrahedra, images of each other in y = 0, that share an edge of their upper faces and no side.
+fn images() -> Mesh {
+    let nodes = [
+        [0.0, 0.0, 0.0],
+        [1.0, 0.0, 0.0],
+        [0.3, 1.0, 0.0],
+        [0.5, 0.6, -1.0],
+        [0.3, -1.0, 0.0],
+        [0.5, -0.6, -1.0],
+    ];
+    let mut mesh = Mesh {
+        nodes: nodes.map(Point3::from).to_vec(),
+        kinds: vec![ElementKind::Tet4; 2],
+        offsets: vec![0, 4, 8],
+        connectivity: vec![0, 2, 1, 3, 0, 1, 4, 5],
+        parts: vec![0; 2],
+        part_names: vec!["body".to_owned()],
+        groups: vec![],
+    };
+    let face = |element: usize| {
+        let faces = (0..4).map(|face| FaceRef { element, face });
+        let upper = |face: &FaceRef| mesh.face_nodes(*face).into_iter().all(|node| mesh.nodes[node].z == 0.0);
+        faces.into_iter().find(upper).unwrap()
+    };
+    let faces = vec![face(0), face(1)];
+    mesh.groups.push(FaceGroup {
+        name: "top".to_owned(),
+        faces,
+    });
+    mesh
+}
+
+#[test]
+fn a_point_over_a_common_edge_has_the_mean_weights_of_both_elements() {
+    let mesh = images();
+    let point = Point3::new(0.4, 0.0, 0.05);
+    let at = mesh.locate_near("top", point, 0.1).unwrap();
+    let weight = |node: usize| at.nodes.iter().position(|&n| n == node).map_or(0.0, |k| at.weights[k]);
+    assert!(weight(3) < -0.01);
+    close(weight(5), weight(3), 1e-12);
+    close(weight(4), weight(2), 1e-12);
+    let sum: Vector3<f64> = (0..6).map(|node| mesh.nodes[node].coords * weight(node)).sum();
+    assert!((sum - point.coords).norm() < 1e-12);
 }

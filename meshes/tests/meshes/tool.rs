@@ -1,11 +1,12 @@
 //! The shipped mesh of the body of the tool.
 #![allow(clippy::unwrap_used)] // a test may panic, in its helpers too
 
+use std::collections::HashSet;
 use std::f64::consts::PI;
 use std::sync::LazyLock;
 
 use nailnoise_meshes::msh::Imported;
-use nailnoise_meshes::{Tool, tool};
+use nailnoise_meshes::{Surface, SurfaceFace, Tool, tool};
 use nailnoise_quantities::dimension::LENGTH;
 use nailnoise_quantities::positive;
 
@@ -82,4 +83,18 @@ fn the_signature_contains_every_dimension() {
     let mut other = n80cb();
     other.dimensions.sleeve_wall += 1e-6 * MM;
     assert_ne!(other.signature(), signature);
+}
+
+#[test]
+fn the_shipped_mesh_is_its_own_image_and_has_no_crack_between_its_halves() {
+    let mesh = &SHIPPED.mesh;
+    let bits = |p: &nalgebra::Point3<f64>, sign: f64| [p.x, sign * p.y + 0.0, p.z].map(f64::to_bits);
+    let nodes: HashSet<[u64; 3]> = mesh.nodes.iter().map(|p| bits(p, 1.0)).collect();
+    assert!(mesh.nodes.iter().all(|p| nodes.contains(&bits(p, -1.0))));
+    let flat = |face: &SurfaceFace| {
+        mesh.face_nodes(face.of)
+            .into_iter()
+            .all(|node| mesh.nodes[node].y == 0.0)
+    };
+    assert_eq!(Surface::of(mesh).faces.iter().filter(|face| flat(face)).count(), 0);
 }

@@ -3,6 +3,9 @@
 //! The workpiece is not part of the problem: it neither reflects the tool's sound nor shades it, except in sand, where its
 //! top is flush with the plane that reflects. It closes the nose everywhere. The body is taken at its place before the shot.
 //!
+//! Where the housing is symmetric, as the parametric one is about y = 0, the part on one side is solved, for even and for odd
+//! motions ([`SymmetricPart`]).
+//!
 //! A plane that is farther below than the tool is high is not part of the equations either. It changes the power of a small
 //! source at the height h by sin(2 k h)/(2 k h), ripples of 170 Hz below a table that would require three times as many
 //! frequencies and cancel in every band that is wider; its reflection at a microphone is the sound at the microphone's image.

@@ -6,7 +6,7 @@ use nalgebra::{DMatrix, Point3};
 use rayon::prelude::*;
 use std::collections::{HashMap, HashSet};
 
-/// Distance within which a point and the image of another are one, relative to the surface's largest extent.
+/// Distance along an axis within which a point and the image of another are one, relative to the surface's largest extent.
 const SAME_POINT: f64 = 1e-8;
 
 /// A surface, or the part of it above the planes of constant x and y in which it is symmetric.
@@ -49,7 +49,7 @@ impl SymmetricPart {
         self.mirrors
     }
 
-    /// Displacements of all points, (3 x points) x modes, as the sum of displacements of every parity: on either side of a
+    /// Displacements of the part's points, (3 x points) x modes, as the sum of displacements of every parity: on either side of a
     /// plane with the image point's displacement u' and the reflection S, even are (u + S u')/2 and odd (u - S u')/2.
     pub fn by_parity(&self, displacements: DMatrix<f64>) -> Vec<(Parity, DMatrix<f64>)> {
         let mut parts = vec![(Parity::default(), displacements)];
@@ -95,7 +95,7 @@ fn mirror(mesh: &BoundaryMesh, axis: usize) -> Option<(f64, Vec<usize>)> {
     let places: HashMap<[i64; 3], usize> = used.iter().map(|&point| (cell(point, 1.0), point)).collect();
     let mut images: Vec<usize> = (0..mesh.points.len()).collect();
     for &point in &used {
-        images[point] = *places.get(&cell(point, -1.0))?;
+        images[point] = near(&places, cell(point, -1.0))?;
     }
     let sorted = |mut nodes: Vec<usize>, patch: usize| {
         nodes.sort_unstable();
@@ -113,6 +113,16 @@ fn mirror(mesh: &BoundaryMesh, axis: usize) -> Option<(f64, Vec<usize>)> {
     symmetric.then_some((plane, images))
 }
 
+/// The point in a cell or in one beside it: rounding may part points that are one.
+fn near(places: &HashMap<[i64; 3], usize>, cell: [i64; 3]) -> Option<usize> {
+    let beside = (0..27).map(|k| [k % 3 - 1, k / 3 % 3 - 1, k / 9 - 1]);
+    let cells = std::iter::once([0; 3]).chain(beside);
+    cells
+        .filter_map(|step| places.get(&[0, 1, 2].map(|axis| cell[axis] + step[axis])))
+        .next()
+        .copied()
+}
+
 #[cfg(test)]
 mod tests {
     #![allow(clippy::unwrap_used)]
@@ -120,6 +130,7 @@ mod tests {
     use super::*;
     use crate::Air;
     use crate::bem::{Boundary, Exterior, Patterns, SolidBox};
+    use nailnoise_meshes::FaceKind;
 
     /// A box of 0.4 x 0.6 x 0.2 m around a place, in panels of 0.1 m.
     fn solid(at: [f64; 2]) -> BoundaryMesh {
@@ -163,41 +174,88 @@ mod tests {
     }
 
     #[test]
-    fn displacements_are_the_sum_of_their_parities() {
-        let part = SymmetricPart::of(solid([0.0; 2]));
-        let u = motion(&part.mesh);
-        let parts = part.by_parity(u.clone());
-        assert_eq!(parts.len(), 4);
-        let sum: DMatrix<f64> = parts.into_iter().map(|(_, u)| u).sum();
-        assert!((sum - u).amax() < 1e-15);
+    fn each_part_of_the_displacements_has_its_parity() {
+        let whole = solid([1.0, -2.0]);
+        let part = SymmetricPart::of(whole.clone());
+        let corner = |sign: [f64; 2]| {
+            let there = |p: &&Point3<f64>| {
+                (p.x - 1.0 - 0.2 * sign[0]).abs() < 1e-9 && (p.y + 2.0 - 0.3 * sign[1]).abs() < 1e-9 && p.z > 0.25
+            };
+            whole.points.iter().position(|p| there(&p)).unwrap()
+        };
+        let u = motion(&whole);
+        for (parity, of_part) in part.by_parity(u.clone()) {
+            // The mean over the four images of a corner, each reflected back and with its sign.
+            for component in 0..3 {
+                let terms = [[1.0, 1.0], [-1.0, 1.0], [1.0, -1.0], [-1.0, -1.0]].map(|at| {
+                    let sign = |axis: usize, odd: bool| {
+                        let changes = (at[axis] < 0.0) && (odd != (component == axis));
+                        if changes { -1.0 } else { 1.0 }
+                    };
+                    sign(0, parity.odd_x) * sign(1, parity.odd_y) * u[(3 * corner(at) + component, 1)]
+                });
+                let expected = terms.iter().sum::<f64>() / 4.0;
+                let found = of_part[(3 * corner([1.0, 1.0]) + component, 1)];
+                assert!((found - expected).abs() < 1e-15, "{parity:?}: {found} {expected}");
+            }
+        }
+    }
+
+    /// Panels of a box as triangles, cut so that they are symmetric about its plane of constant y alone.
+    fn triangles(quadrilaterals: BoundaryMesh, plane: f64) -> BoundaryMesh {
+        let mut mesh = quadrilaterals;
+        let cut = |panel: &Panel| {
+            let corners = panel.corners();
+            let key = |k: &usize| {
+                let at = mesh.points[corners[*k]];
+                at.x + 2.0 * (at.y - plane).abs() + 3.0 * at.z
+            };
+            let first = (0..4).min_by(|a, b| key(a).total_cmp(&key(b))).unwrap();
+            let [a, b, c, d] = [0, 1, 2, 3].map(|k| corners[(first + k) % 4]);
+            [[a, b, c], [a, c, d]].map(|nodes| Panel::new(FaceKind::Tri3, &nodes, panel.patch).unwrap())
+        };
+        mesh.panels = mesh.panels.iter().flat_map(cut).collect();
+        mesh
     }
 
     #[test]
     fn the_part_radiates_the_power_of_the_whole() {
-        let (whole, hz) = (solid([0.0; 2]), 300.0);
-        let part = SymmetricPart::of(whole.clone());
-        let u = motion(&whole);
-        let power = |boundary: Boundary, motions: Vec<(Parity, DMatrix<f64>)>| {
-            let patterns: Vec<Patterns> = motions
-                .into_iter()
-                .map(|(parity, u)| Patterns {
-                    parity,
-                    velocities: boundary.project_displacements(&u).unwrap(),
-                })
-                .collect();
-            let found = Exterior::new(boundary, &Air::default())
-                .resistance_parities(hz, &patterns)
-                .unwrap();
-            found.into_iter().map(|two| two.far_field).sum::<DMatrix<f64>>()
+        let lopsided = triangles(solid([1.0, -2.0]), -2.0);
+        assert_eq!(SymmetricPart::of(lopsided.clone()).mirrors()[0], None);
+        for (whole, floor) in [(solid([0.0; 2]), None), (lopsided.clone(), None), (lopsided, Some(0.0))] {
+            let (hz, part) = (300.0, SymmetricPart::of(whole.clone()));
+            assert!(part.mirrors()[1].is_some());
+            let u = motion(&whole);
+            let power = |boundary: Boundary, motions: Vec<(Parity, DMatrix<f64>)>| {
+                let patterns: Vec<Patterns> = motions
+                    .into_iter()
+                    .map(|(parity, u)| Patterns {
+                        parity,
+                        velocities: boundary.project_displacements(&u).unwrap(),
+                    })
+                    .collect();
+                let problem = Exterior::new(boundary, &Air::default());
+                let found = problem.resistance_parities(hz, &patterns).unwrap();
+                found.into_iter().map(|two| two.far_field).sum::<DMatrix<f64>>()
+            };
+            let whole = Boundary::new(whole, floor).unwrap();
+            let of_whole = power(whole, vec![(Parity::default(), u.clone())]);
+            let boundary = Boundary::symmetric(part.mesh.clone(), part.mirrors(), floor).unwrap();
+            let of_part = power(boundary, part.by_parity(u));
+            let error = (&of_part - &of_whole).amax() / of_whole.amax();
+            println!("error of the part {error:.1e}");
+            assert!(error < 1e-4);
+        }
+    }
+
+    #[test]
+    fn a_surface_with_panels_across_its_middle_is_its_own_part() {
+        let solid = SolidBox {
+            part: 0,
+            low: [0.0, 0.0, 0.0],
+            high: [0.3, 0.3, 0.3],
         };
-        let of_whole = power(
-            Boundary::new(whole, None).unwrap(),
-            vec![(Parity::default(), u.clone())],
-        );
-        let boundary = Boundary::symmetric(part.mesh.clone(), part.mirrors(), None).unwrap();
-        let of_part = power(boundary, part.by_parity(u));
-        let error = (&of_part - &of_whole).amax() / of_whole.amax();
-        println!("error of the part {error:.1e}");
-        assert!(error < 1e-4);
+        let whole = BoundaryMesh::of_boxes(&[solid], [None; 3], 0.11, vec!["box".to_owned()], |_| 0).unwrap();
+        assert_eq!(SymmetricPart::of(whole).mirrors(), [None; 2]);
     }
 }
