@@ -11,7 +11,7 @@ use std::process::{Command, Stdio};
 use std::time::Instant;
 
 /// What is changed, and the key that does it.
-const CHANGES: [(&str, &str); 14] = [
+const CHANGES: [(&str, &str); 17] = [
     ("exhaust's pitch", "exhaust.pitch = \"25 mm\""),
     ("exhaust's muffler", MUFFLER),
     ("background noise", "acoustics.background_level = 70"),
@@ -31,8 +31,18 @@ const CHANGES: [(&str, &str); 14] = [
         "table's height",
         "support.worktable.height = \"700 mm\"\nstudy.screening = 0",
     ),
+    (
+        "table's thickness",
+        "support.worktable.top_thickness = \"45 mm\"\nsensors.table_centre.z = \"-45 mm\"\nstudy.screening = 0",
+    ),
     // New modes of the tool on the same mesh.
     ("tool's mass", "tool.mass = \"4.0 kg\"\nstudy.screening = 0"),
+    // New meshes of the tool; the first one also needs its second standard structure, once.
+    (
+        "tool's first wall",
+        "body.magazine_wall = \"3.4 mm\"\nstudy.screening = 0",
+    ),
+    ("tool's next wall", "body.cap_wall = \"3.5 mm\"\nstudy.screening = 0"),
 ];
 
 /// A muffler by its measured loss; the area of its end acts on the flow, so that it is another shot.

@@ -218,16 +218,16 @@ pub struct RankedSource {
 
 /// The largest by a level; none where all are silent.
 pub(crate) fn loudest<T>(items: &[T], level: impl Fn(&T) -> Option<f64>) -> Option<&T> {
-    let heard = items.iter().filter_map(|item| Some((item, level(item)?)));
-    heard.max_by(|a, b| a.1.total_cmp(&b.1)).map(|(item, _)| item)
+    let with_levels = items.iter().filter_map(|item| Some((item, level(item)?)));
+    with_levels.max_by(|a, b| a.1.total_cmp(&b.1)).map(|(item, _)| item)
 }
 
 impl RankedSource {
     /// The parts, loudest first.
     pub(crate) fn parts(&self) -> Vec<&Component> {
         let mut parts: Vec<_> = self.components.iter().collect();
-        let heard = |level: Option<f64>| level.unwrap_or(f64::NEG_INFINITY);
-        parts.sort_by(|a, b| heard(b.lwa_db).total_cmp(&heard(a.lwa_db)));
+        let level = |part: &Component| part.lwa_db.unwrap_or(f64::NEG_INFINITY);
+        parts.sort_by(|a, b| level(b).total_cmp(&level(a)));
         parts
     }
 

@@ -46,7 +46,7 @@ pub struct Measured {
     pub transducers: Vec<String>,
 }
 
-/// Processes the recordings that a manifest names. `read` hears how many shots are read, and of how many; `keep` takes the
+/// Processes the recordings that a manifest names. `read` is called with the number of shots read and their total; `keep` takes the
 /// corrected signals of each shot of a source.
 ///
 /// # Errors
