@@ -1,8 +1,10 @@
 //! The tool body: a parametric geometry that gmsh meshes, with the meshes of the ready designs on board.
 
 use std::f64::consts::TAU;
+use std::io::Read;
 use std::path::Path;
 
+use flate2::read::GzDecoder;
 use nailnoise_quantities::dimension::LENGTH;
 use nailnoise_quantities::{Group, Value, group, nonnegative, positive};
 
@@ -15,6 +17,9 @@ const SCRIPT: &str = include_str!("../geo/tool.geo");
 
 /// Meshes that ship. Their first words say of which dimensions they are; `data/make.sh` writes them.
 const SHIPPED: [&[u8]; 1] = [include_bytes!("../data/tool-n80cb.msh.gz")];
+
+/// Length of the beginning of a mesh that ships, within which its comment stands \[byte\].
+const BEGINNING: u64 = 4096;
 
 group! {
     /// Dimensions of the tool body: barrel with cap on a hollow nose, hollow handle, coil-magazine can, cylinder sleeve; z up
@@ -119,9 +124,17 @@ impl Tool {
 
 /// Whether the mesh of a tool body ships, so that no gmsh is needed.
 pub fn tool_ships(spec: &Tool) -> bool {
+    shipped(spec).is_some()
+}
+
+/// The mesh that ships for a tool body. Only its beginning is read: studies ask for each of their designs.
+fn shipped(spec: &Tool) -> Option<&'static [u8]> {
     let signature = spec.signature();
-    SHIPPED.iter().any(|bytes| {
-        msh::parse(bytes, 1.0, Path::new("shipped tool body")).is_ok_and(|shipped| shipped.comment == signature)
+    SHIPPED.into_iter().find(|bytes| {
+        let mut beginning = Vec::new();
+        let read = GzDecoder::new(*bytes).take(BEGINNING).read_to_end(&mut beginning);
+        let mut lines = beginning.split(|&byte| byte == b'\n');
+        read.is_ok() && lines.any(|line| line.starts_with(signature.as_bytes()))
     })
 }
 
@@ -154,14 +167,8 @@ impl Tool {
 /// # Errors
 /// [`MeshError::NoGmsh`], [`MeshError::Gmsh`], or those of [`msh::read`].
 pub fn tool(spec: &Tool, anew: bool) -> Result<Imported, MeshError> {
-    let signature = spec.signature();
-    if !anew {
-        for bytes in SHIPPED {
-            let shipped = msh::parse(bytes, 1.0, Path::new("shipped tool body"))?;
-            if shipped.comment == signature {
-                return Ok(shipped);
-            }
-        }
+    if let Some(bytes) = shipped(spec).filter(|_| !anew) {
+        return Ok(msh::parse(bytes, 1.0, Path::new("shipped tool body"))?);
     }
     let mut built = gmsh::run(&Job {
         what: "the tool body".to_owned(),
@@ -176,6 +183,6 @@ pub fn tool(spec: &Tool, anew: bool) -> Result<Imported, MeshError> {
     })?;
     built.mesh.straighten();
     built.add_image();
-    built.comment = signature;
+    built.comment = spec.signature();
     Ok(built)
 }

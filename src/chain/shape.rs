@@ -88,7 +88,7 @@ pub(super) fn standards(graph: &Graph, design: &Design, kinds: &[BodyKind]) -> R
     let mut all = vec![(SurfaceModes(vec![first.clone()]), "standard bodies of the same shape")];
     // Without gmsh, a design whose own meshes need none does without the second structure.
     if let Some(second) = &standards.second
-        && (!inputs::shape::needs_gmsh(second, kinds)? || gmsh::is_found())
+        && (gmsh::is_found() || !inputs::shape::needs_gmsh(second, kinds)?)
     {
         all.push((
             SurfaceModes(vec![first, structure(second)?]),

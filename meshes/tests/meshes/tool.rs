@@ -6,7 +6,7 @@ use std::f64::consts::PI;
 use std::sync::LazyLock;
 
 use nailnoise_meshes::msh::Imported;
-use nailnoise_meshes::{Surface, SurfaceFace, Tool, tool};
+use nailnoise_meshes::{Surface, SurfaceFace, Tool, tool, tool_ships};
 use nailnoise_quantities::dimension::LENGTH;
 use nailnoise_quantities::positive;
 
@@ -30,6 +30,14 @@ static SHIPPED: LazyLock<Imported> = LazyLock::new(|| tool(&n80cb(), false).unwr
 #[test]
 fn the_shipped_mesh_has_the_signature_of_its_dimensions() {
     assert_eq!(SHIPPED.comment, n80cb().signature());
+}
+
+#[test]
+fn only_the_mesh_of_these_dimensions_ships() {
+    let mut other = n80cb();
+    assert!(tool_ships(&other));
+    other.dimensions.cap_wall += 1e-4;
+    assert!(!tool_ships(&other));
 }
 
 #[test]

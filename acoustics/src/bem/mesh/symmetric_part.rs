@@ -89,8 +89,9 @@ fn mirror(mesh: &BoundaryMesh, axis: usize) -> Option<(f64, Vec<usize>)> {
     let [low, high] = bounds(axis);
     let (plane, unit) = (0.5 * (low + high), SAME_POINT * extent);
     let cell = |point: usize, sign: f64| {
-        let at = mesh.points[point].coords;
-        [0, 1, 2].map(|k| (if k == axis { sign * (at[k] - plane) } else { at[k] } / unit).round() as i64)
+        let mut at = mesh.points[point].coords;
+        at[axis] = sign * (at[axis] - plane);
+        [0, 1, 2].map(|k| (at[k] / unit).round() as i64)
     };
     let places: HashMap<[i64; 3], usize> = used.iter().map(|&point| (cell(point, 1.0), point)).collect();
     let mut images: Vec<usize> = (0..mesh.points.len()).collect();
