@@ -24,25 +24,19 @@ const CHANGES: [(&str, &str); 17] = [
     ("wood's loss factor", "wood.loss_factor = 0.03"),
     ("nail's length", "nail.length = \"76 mm\""),
     // The same surfaces, sounding at other places.
-    ("ear", "acoustics.ear_across = \"0.53 m\"\nstudy.screening = 0"),
-    ("nail's place", "nail.offset_along = \"30 mm\"\nstudy.screening = 0"),
+    ("ear", "acoustics.ear_across = \"0.53 m\""),
+    ("nail's place", "nail.offset_along = \"30 mm\""),
     // Boundary elements of the table alone.
-    (
-        "table's height",
-        "support.worktable.height = \"700 mm\"\nstudy.screening = 0",
-    ),
+    ("table's height", "support.worktable.height = \"700 mm\""),
     (
         "table's thickness",
-        "support.worktable.top_thickness = \"45 mm\"\nsensors.table_centre.z = \"-45 mm\"\nstudy.screening = 0",
+        "support.worktable.top_thickness = \"45 mm\"\nsensors.table_centre.z = \"-45 mm\"",
     ),
     // New modes of the tool on the same mesh.
-    ("tool's mass", "tool.mass = \"4.0 kg\"\nstudy.screening = 0"),
+    ("tool's mass", "tool.mass = \"4.0 kg\""),
     // New meshes of the tool; the first one also needs its second standard structure, once.
-    (
-        "tool's first wall",
-        "body.magazine_wall = \"3.4 mm\"\nstudy.screening = 0",
-    ),
-    ("tool's next wall", "body.cap_wall = \"3.5 mm\"\nstudy.screening = 0"),
+    ("tool's first wall", "body.magazine_wall = \"3.4 mm\""),
+    ("tool's next wall", "body.cap_wall = \"3.5 mm\""),
 ];
 
 /// A muffler by its measured loss; the area of its end acts on the flow, so that it is another shot.
@@ -72,7 +66,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         );
         for (what, key) in CHANGES {
             let changed: PathBuf = work.join(format!("{name}-changed.toml"));
-            std::fs::write(&changed, format!("base = {design:?}\n{key}\n"))?;
+            std::fs::write(&changed, format!("base = {design:?}\nstudy.screening = 0\n{key}\n"))?;
             println!("  {what:<22}{}", spent(&changed, &cache, &work)?);
         }
     }
@@ -103,7 +97,8 @@ fn spent(design: &Path, cache: &Path, work: &Path) -> Result<String, Box<dyn Err
         .env("NAILNOISE_CACHE", cache)
         .stdout(Stdio::null())
         .status()?;
-    if !status.success() {
+    // A failed check, as of a short nail that is driven too deep, takes no less time.
+    if !status.success() && status.code() != Some(3) {
         return Err(format!("{}: {status}", design.display()).into());
     }
     let wall = since.elapsed().as_secs_f64();
