@@ -168,7 +168,7 @@ impl Tool {
 /// [`MeshError::NoGmsh`], [`MeshError::Gmsh`], or those of [`msh::read`].
 pub fn tool(spec: &Tool, anew: bool) -> Result<Imported, MeshError> {
     if let Some(bytes) = shipped(spec).filter(|_| !anew) {
-        return Ok(msh::parse(bytes, 1.0, Path::new("shipped tool body"))?);
+        return msh::parse(bytes, 1.0, Path::new("shipped tool body"));
     }
     let mut built = gmsh::run(&Job {
         what: "the tool body".to_owned(),
