@@ -6,8 +6,8 @@ use crate::{ElementKind, FaceRef, Mesh};
 const IN_PLANE: f64 = 1e-7;
 
 impl Mesh {
-    /// Adds the image of all elements, which lie at y >= 0, in the plane y = 0, with their parts and groups; nodes in the plane are shared. Returns
-    /// which element each one is an image of, and which node, those of the half first.
+    /// Adds the image of all elements, which lie at y >= 0, in the plane y = 0, with their parts and groups. Both halves share
+    /// the nodes in the plane. Returns the element and the node of the half that each element and node is the image of.
     ///
     /// The mesh of a symmetric body is then symmetric to the last digit: even and odd modes are independent problems of half
     /// the size, and so are even and odd sound fields.
@@ -64,8 +64,8 @@ pub(crate) struct Images {
 }
 
 impl ElementKind {
-    /// The local nodes whose images are the local nodes of the image of an element: those with the first two natural
-    /// coordinates exchanged, so that the image is not inside out.
+    /// For each local node of the image of an element, the local node of the element that it is the image of. The first two
+    /// natural coordinates are exchanged, so that the image is not inverted.
     fn reflected_nodes(self) -> impl Iterator<Item = usize> {
         let natural = self.natural_nodes();
         natural.iter().map(|&[x, y, z]| {
@@ -115,7 +115,7 @@ mod tests {
     }
 
     #[test]
-    fn an_image_has_the_volume_of_its_element_and_is_not_inside_out() {
+    fn an_image_has_the_volume_of_its_element_and_is_not_inverted() {
         for kind in ElementKind::ALL {
             let mut mesh = half(kind);
             let volume = mesh.part_volumes().unwrap()[0];

@@ -72,7 +72,7 @@ pub fn shots(graph: &Graph, design: &Design, count: usize, seed: u64, progress: 
 /// What became of the candidates for drawn shots.
 #[derive(Debug, Clone, Default, PartialEq, Serialize)]
 pub struct Counted {
-    /// Designs drawn; the list of them says it, too.
+    /// Number of designs drawn. It is the length of their list, so that it is not written.
     #[serde(skip)]
     pub drawn: usize,
     /// Candidates drawn for them, those that were refused among them.

@@ -175,9 +175,9 @@ fn a_mesh_without_the_group_of_a_force_is_refused_with_its_name() {
     assert!(error.contains("\"seat\"") && error.contains("nose_tip"), "{error}");
 }
 
-/// Mesh, ties and lumped masses are symmetric about y = 0; one node without its image would cost twice the time.
+/// Mesh, ties and lumped masses are symmetric about y = 0. A single node without an image would double the time.
 #[test]
-fn even_and_odd_modes_of_the_shipped_tool_are_solved_apart() {
+fn even_and_odd_modes_of_the_shipped_tool_are_solved_separately() {
     let mut design = design("designs/n80cb.toml");
     design.analysis.body_top = 500.0 / design.analysis.mode_margin;
     let tool = common::body(&design, BodyKind::Tool, false, Store::none())

@@ -95,7 +95,7 @@ fn a_point_outside_is_refused_with_its_distance() {
     ));
 }
 
-/// Two tetrahedra, images of each other in y = 0, that share an edge of their upper faces and no side.
+/// Two tetrahedra that are images of each other in y = 0. They share an edge of their upper faces and no face.
 fn images() -> Mesh {
     let nodes = [
         [0.0, 0.0, 0.0],

@@ -1,4 +1,5 @@
-//! The part of a symmetric surface that stands for the whole: even and odd motions radiate apart, each on that part alone.
+//! The part of a symmetric surface that stands for the whole: even and odd motions are solved
+//! separately, each on that part alone.
 
 use crate::bem::mesh::panel::{BoundaryMesh, Panel};
 use crate::bem::mesh::symmetry::Parity;
@@ -21,8 +22,8 @@ pub struct SymmetricPart {
 }
 
 impl SymmetricPart {
-    /// Of a surface whose points and panels are their own images in planes through its middle. A surface without such a plane
-    /// is its own part.
+    /// The part of a surface whose points and panels are their own images in planes through its middle. A surface without such
+    /// a plane stays whole.
     pub fn of(mesh: BoundaryMesh) -> Self {
         let mut part = Self {
             mesh,
@@ -49,8 +50,8 @@ impl SymmetricPart {
         self.mirrors
     }
 
-    /// Displacements of the part's points, (3 x points) x modes, as the sum of displacements of every parity: on either side of a
-    /// plane with the image point's displacement u' and the reflection S, even are (u + S u')/2 and odd (u - S u')/2.
+    /// Divides the displacements of the part's points, (3 x points) x modes, into those of every parity, whose sum they are. With
+    /// the displacement u' of the image point and the reflection S, the even part is (u + S u')/2 and the odd part (u - S u')/2.
     pub fn by_parity(&self, displacements: DMatrix<f64>) -> Vec<(Parity, DMatrix<f64>)> {
         let mut parts = vec![(Parity::default(), displacements)];
         for axis in (0..2).filter(|&axis| self.mirrors[axis].is_some()) {
@@ -114,7 +115,7 @@ fn mirror(mesh: &BoundaryMesh, axis: usize) -> Option<(f64, Vec<usize>)> {
     symmetric.then_some((plane, images))
 }
 
-/// The point in a cell or in one beside it: rounding may part points that are one.
+/// The point in a cell or in a neighbouring one: rounding may put coincident points into different cells.
 fn near(places: &HashMap<[i64; 3], usize>, cell: [i64; 3]) -> Option<usize> {
     let beside = (0..27).map(|k| [k % 3 - 1, k / 3 % 3 - 1, k / 9 - 1]);
     let cells = std::iter::once([0; 3]).chain(beside);
@@ -162,7 +163,7 @@ mod tests {
     }
 
     #[test]
-    fn a_surface_without_symmetry_is_its_own_part() {
+    fn a_surface_without_symmetry_stays_whole() {
         let mut whole = solid([0.0; 2]);
         let corner = whole.panels[0].corners()[0];
         whole.points[corner].x += 1e-3;
@@ -250,7 +251,7 @@ mod tests {
     }
 
     #[test]
-    fn a_surface_with_panels_across_its_middle_is_its_own_part() {
+    fn a_surface_with_panels_across_its_middle_stays_whole() {
         let solid = SolidBox {
             part: 0,
             low: [0.0, 0.0, 0.0],
