@@ -4,6 +4,7 @@ use super::hermitian_root::hermitian_root;
 use super::packed::{Motions, PackedHermitian};
 use super::products::{forms, real_images};
 use super::resistance::Resistance;
+use crate::matrix::real_product;
 use faer::Mat;
 use nalgebra::{Complex, DMatrix};
 use rayon::prelude::*;
@@ -124,7 +125,7 @@ impl AveragedResistance {
         }
     }
 
-    /// Adds `share` times (R / omega²) a of the whole surface.
+    /// Adds `share` times (R / omega²) a of the whole surface, in double precision.
     pub(crate) fn add_images(
         &self,
         (frequency, share): (&[f64], &[f64]),
@@ -132,9 +133,14 @@ impl AveragedResistance {
         images: &mut DMatrix<Complex<f64>>,
     ) {
         for run in self.runs(frequency, share) {
-            let motions = motions(accelerations, &run);
+            let motions = accelerations.columns(run.bins.start, run.bins.len()).into_owned();
             for (node, factors) in self.patches[run.nodes.clone()].iter().zip(&run.factors) {
-                add(&node.dense(), &motions, (&run.bins, factors), (0, images));
+                let products = real_product(&node.sum(1.0).real, &motions);
+                for ((bin, factor), product) in run.bins.clone().zip(factors).zip(products.column_iter()) {
+                    images
+                        .column_mut(bin)
+                        .axpy(Complex::from(*factor), &product, Complex::from(1.0));
+                }
             }
         }
     }

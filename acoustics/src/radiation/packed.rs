@@ -2,7 +2,7 @@
 
 use super::resistance::Resistance;
 use faer::Mat;
-use nalgebra::{Complex, DMatrix};
+use nalgebra::{Complex, DMatrix, DVector};
 use serde::{Deserialize, Serialize};
 
 /// Rows are padded with zeros to a whole number of vectors.
@@ -91,8 +91,8 @@ impl PackedHermitian {
         self.unpacked(|at| factor * sums[at])
     }
 
-    /// The sum of all rows.
-    fn summed(&self) -> Vec<f64> {
+    /// The sum of all matrices as one row, not rounded.
+    pub(super) fn summed(&self) -> Vec<f64> {
         summed(&self.values, self.stride())
     }
 
@@ -214,6 +214,35 @@ pub(super) fn whole(modes: usize, matrices: &[Resistance]) -> Vec<f64> {
         }
     }
     row
+}
+
+/// M a of the matrix in a row with or without an imaginary part.
+pub(super) fn product(modes: usize, skew: bool, row: &[f64], a: &[Complex<f64>]) -> DVector<Complex<f64>> {
+    let mut product = vec![Complex::default(); modes];
+    let (real, imaginary) = row.split_at(row.len().min(modes * (modes + 1) / 2));
+    let mut rest = real;
+    for j in 0..modes {
+        let column;
+        (column, rest) = rest.split_at(j + 1);
+        let mut sum = a[j] * column[j];
+        for ((to, a_i), m) in product.iter_mut().zip(a).zip(&column[..j]) {
+            *to += a[j] * *m;
+            sum += a_i * *m;
+        }
+        product[j] += sum;
+    }
+    let mut rest = imaginary;
+    for j in 0..if skew { modes } else { 0 } {
+        let column;
+        (column, rest) = rest.split_at(j);
+        let mut sum = Complex::default();
+        for ((to, a_i), m) in product.iter_mut().zip(a).zip(column) {
+            *to += a[j] * Complex::new(0.0, *m);
+            sum -= a_i * Complex::new(0.0, *m);
+        }
+        product[j] += sum;
+    }
+    DVector::from_vec(product)
 }
 
 /// The diagonal of one matrix in a row.

@@ -222,6 +222,7 @@ fn triangle<'a, S: Simd>(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::radiation::packed;
     use crate::radiation::resistance::Resistance;
     use nalgebra::{Complex, DMatrix};
 
@@ -258,6 +259,14 @@ mod tests {
                     let form = found[m * 5 + b] * scale * scale;
                     assert!(
                         (form - a.dotc(&exact).re).abs() < 1e-6 * size * a.norm_squared(),
+                        "{n} {m} {b}"
+                    );
+                    let row: Vec<f64> = packed.summed();
+                    let double = packed::product(n, packed.is_skew(), &row, a.as_slice());
+                    let rounded = packed.matrix(0, 1.0);
+                    let rounded = rounded.product(&DMatrix::from_column_slice(n, 1, a.as_slice()));
+                    assert!(
+                        (double - rounded.column(0)).norm() < 1e-13 * size * a.norm(),
                         "{n} {m} {b}"
                     );
                     let [re, im] = image(n, packed.is_skew(), packed.row(0), motions.part(b));

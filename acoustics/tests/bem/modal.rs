@@ -450,7 +450,7 @@ fn root_signals_carry_the_energy_of_the_resistance() {
 fn images_times_the_motion_equal_the_form_of_the_resistance() {
     let (frequency, a) = &*MOTION;
     let images = IN_COLD.images(frequency, a);
-    equals_the_form(&*IN_COLD, 1e-5, |bin| a.column(bin).dotc(&images.column(bin)).re);
+    equals_the_form(&*IN_COLD, 1e-10, |bin| a.column(bin).dotc(&images.column(bin)).re);
 }
 
 #[test]
@@ -470,7 +470,8 @@ fn the_impedance_times_the_motion_is_that_of_resistance_and_added_mass_in_any_ai
             });
             let expected = z * v.column(k);
             let error = (found.column(k) - &expected).norm() / expected.norm();
-            assert!(error < 1e-6, "{hz} Hz: {error:.1e}");
+            // In double precision: coefficients of fitted modes, up to 200, multiply any rounding twice.
+            assert!(error < 1e-12, "{hz} Hz: {error:.1e}");
         }
     }
 }

@@ -2,10 +2,12 @@
 
 use super::{Run, SampledRadiation, per_omega2};
 use crate::radiation::operator::ModalRadiation;
-use crate::radiation::packed::{Motions, PackedHermitian};
+use crate::radiation::packed::{self, Motions, PackedHermitian};
 use crate::radiation::products::{forms, image};
 use crate::radiation::resistance::Resistance;
 use faer::linalg::matmul::matmul;
+use faer::traits::RealField;
+use faer::traits::math_utils::from_f64;
 use faer::{Accum, Mat, Par};
 use nalgebra::{Complex, ComplexField, DMatrix};
 use rayon::prelude::*;
@@ -84,11 +86,19 @@ impl ModalRadiation for SampledRadiation {
         side_by_side(patches, frequency.len(), &self.grid.runs(frequency), evaluate)
     }
 
+    /// In double precision: in the equations of a fluid-loaded structure other terms cancel most of it.
     fn images(&self, frequency: &[f64], accelerations: &DMatrix<Complex<f64>>) -> DMatrix<Complex<f64>> {
         let runs = self.grid.runs(frequency);
-        let rows = self.rows_of(&runs, |sample| Cow::Owned(self.samples[sample].sum_row()));
+        let rows = self.rows_of(&runs, |sample| Cow::Owned(self.samples[sample].summed()));
         let evaluate = |run: &Run| {
-            let mut images = self.products(&rows, 2, run, frequency, accelerations);
+            let matrices = self.matrices(&rows, 2, run, frequency);
+            let skew = self.is_skew(run);
+            let mut images = self.motion(run, frequency, accelerations);
+            for ((bin, matrix), mut image) in run.bins.clone().zip(matrices.col_iter()).zip(images.column_iter_mut()) {
+                let row = matrix.try_as_col_major().map_or(&[][..], |row| row.as_slice());
+                let product = packed::product(self.modes, skew, row, image.as_slice());
+                image.copy_from(&(product * Complex::from(per_omega2(frequency[bin]))));
+            }
             self.extrapolate(run, frequency, &mut images);
             images
         };
@@ -105,13 +115,13 @@ impl ModalRadiation for SampledRadiation {
             None => Cow::Owned(self.root(sample).row(0).to_vec()),
         };
         let rows = self.rows_of(&runs, row);
-        let evaluate = |run: &Run| self.products(&rows, 1, run, frequency, accelerations);
+        let evaluate = |run: &Run| self.root_products(&rows, run, frequency, accelerations);
         side_by_side(self.modes, frequency.len(), &runs, evaluate)
     }
 }
 
 /// A packed row for every sample that is needed, by index.
-type Rows<'a> = BTreeMap<usize, Cow<'a, [f32]>>;
+type Rows<'a, T> = BTreeMap<usize, Cow<'a, [T]>>;
 
 /// Evaluates the blocks of all runs in parallel and joins them in the order of their bins.
 fn side_by_side<T: ComplexField>(
@@ -170,55 +180,71 @@ impl SampledRadiation {
     }
 
     /// Rows of all samples that some runs need.
-    fn rows_of<'a>(&self, runs: &[Run], row: impl Fn(usize) -> Cow<'a, [f32]> + Sync) -> Rows<'a> {
+    fn rows_of<'a, T: Clone + Send + Sync>(
+        &self,
+        runs: &[Run],
+        row: impl Fn(usize) -> Cow<'a, [T]> + Sync,
+    ) -> Rows<'a, T> {
         let mut wanted: Vec<usize> = runs.iter().flat_map(|run| self.grid.nodes(run.interval)).collect();
         wanted.sort_unstable();
         wanted.dedup();
         wanted.par_iter().map(|&sample| (sample, row(sample))).collect()
     }
 
-    /// M a for the bins of a run, with M / omega^power interpolated between rows of matrices.
-    fn products(
+    /// Whether a sample of a run has an imaginary part: where sand moves in a part of the range only, only some have.
+    fn is_skew(&self, run: &Run) -> bool {
+        let nodes = self.grid.nodes(run.interval);
+        nodes.iter().any(|&node| self.samples[node].is_skew())
+    }
+
+    /// omega^power times M / omega^power interpolated between rows of matrices, in a column for each bin of a run. This
+    /// factor keeps them within the range of single precision.
+    fn matrices<T: RealField + Copy>(&self, rows: &Rows<'_, T>, power: i32, run: &Run, frequency: &[f64]) -> Mat<T> {
+        let hz = &frequency[run.bins.clone()];
+        let nodes = self.grid.nodes(run.interval);
+        let rows: Vec<&[T]> = nodes.iter().map(|node| &*rows[node]).collect();
+        let length = rows.iter().map(|row| row.len()).max().unwrap_or(0);
+        let mut samples = Mat::<T>::zeros(length, nodes.len());
+        for (row, column) in rows.iter().zip(samples.col_iter_mut()) {
+            column.iter_mut().zip(*row).for_each(|(to, v)| *to = *v);
+        }
+        let mut weights = Mat::<T>::zeros(nodes.len(), hz.len());
+        for (bin, &f) in hz.iter().enumerate() {
+            for (n, (node, weight)) in nodes.iter().zip(self.grid.weights(run.interval, f)).enumerate() {
+                weights[(n, bin)] = from_f64(weight * (f / self.grid.hz()[*node]).powi(power));
+            }
+        }
+        let mut matrices = Mat::<T>::zeros(length, hz.len());
+        let whole = from_f64(1.0);
+        matmul(
+            matrices.as_mut(),
+            Accum::Replace,
+            samples.as_ref(),
+            weights.as_ref(),
+            whole,
+            Par::Seq,
+        );
+        matrices
+    }
+
+    /// S a for the bins of a run, in single precision.
+    fn root_products(
         &self,
-        rows: &Rows<'_>,
-        power: i32,
+        rows: &Rows<'_, f32>,
         run: &Run,
         frequency: &[f64],
         accelerations: &DMatrix<Complex<f64>>,
     ) -> DMatrix<Complex<f64>> {
         let hz = &frequency[run.bins.clone()];
         let motions = Motions::new(&self.motion(run, frequency, accelerations));
-        let nodes = self.grid.nodes(run.interval);
-        let rows: Vec<&[f32]> = nodes.iter().map(|node| &*rows[node]).collect();
-        // If sand moves in a part of the range only, only some samples have an imaginary part.
-        let length = rows.iter().map(|row| row.len()).max().unwrap_or(0);
-        let skew = nodes.iter().any(|&node| self.samples[node].is_skew());
-        let mut samples = Mat::<f32>::zeros(length, nodes.len());
-        for (row, column) in rows.iter().zip(samples.col_iter_mut()) {
-            column.iter_mut().zip(*row).for_each(|(to, v)| *to = *v);
-        }
-        // Relative to omega^power at the bin, which is within the range of single precision.
-        let mut weights = Mat::<f32>::zeros(nodes.len(), hz.len());
-        for (bin, &f) in hz.iter().enumerate() {
-            for (n, (node, weight)) in nodes.iter().zip(self.grid.weights(run.interval, f)).enumerate() {
-                weights[(n, bin)] = (weight * (f / self.grid.hz()[*node]).powi(power)) as f32;
-            }
-        }
-        let mut matrices = Mat::<f32>::zeros(length, hz.len());
-        matmul(
-            matrices.as_mut(),
-            Accum::Replace,
-            samples.as_ref(),
-            weights.as_ref(),
-            1.0,
-            Par::Seq,
-        );
+        let matrices = self.matrices(rows, 1, run, frequency);
+        let skew = self.is_skew(run);
         let mut products = DMatrix::zeros(self.modes, hz.len());
         for (bin, mut product) in products.column_iter_mut().enumerate() {
             let Some(row) = matrices.col(bin).try_as_col_major() else {
                 continue;
             };
-            let scale = motions.scale(bin) / (2.0 * PI * hz[bin]).powi(power);
+            let scale = motions.scale(bin) / (2.0 * PI * hz[bin]);
             let [re, im] = image(self.modes, skew, row.as_slice(), motions.part(bin));
             for (to, (re, im)) in product.iter_mut().zip(re.into_iter().zip(im)) {
                 *to = Complex::new(f64::from(re), f64::from(im)) * scale;
