@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use nalgebra::{Matrix2, Matrix3, Point3, Vector2, Vector3};
 
-use crate::{FaceKind, Mesh, MeshError};
+use crate::{ElementRef, FaceKind, FaceRef, Mesh, MeshError};
 
 /// Nodes and weights of a point: u(x) = sum of weights\[a\] u(nodes\[a\]); the transpose spreads a force at x.
 #[derive(Clone, Debug, PartialEq)]
@@ -113,7 +113,8 @@ impl Mesh {
     }
 
     /// The weights with which the shape functions of the element behind the face of a group nearest to `point`, carried on
-    /// beyond the face if need be, take a value to the point itself: every linear field arrives unchanged. Where faces are
+    /// beyond the face if need be, take a value to the point itself: every linear field arrives unchanged. An element too
+    /// curved to reach the point is carried on by its tangent at the face. Where faces are
     /// equally near, as where the foot lies on their common edge, the weights are the mean of those of their elements, so
     /// that a symmetric mesh has symmetric weights. Nodes without weight are left out.
     ///
@@ -121,7 +122,7 @@ impl Mesh {
     /// [`MeshError::UnknownGroup`], or [`MeshError::Outside`] when no face is within `tolerance` \[m\].
     pub fn locate_near(&self, group: &str, point: Point3<f64>, tolerance: f64) -> Result<Location, MeshError> {
         let (mut nearest, mut nearest_box) = (f64::INFINITY, f64::INFINITY);
-        let mut near: Vec<(f64, usize)> = Vec::new();
+        let mut near: Vec<(FaceRef, Vector2<f64>)> = Vec::new();
         for &face in &self.group(group)?.faces {
             let nodes = self.face_nodes(face);
             let gap = box_distance(nodes.iter().map(|&i| self.nodes[i]), point);
@@ -141,37 +142,32 @@ impl Mesh {
             }
             if distance <= nearest + same {
                 nearest = nearest.min(distance);
-                near.push((distance, face.element));
+                near.push((face, xi));
             }
         }
         let place = || format!("the face group \"{group}\"");
-        let Some(&(_, element)) = near.first() else {
+        let Some(&(FaceRef { element, .. }, _)) = near.first() else {
             return Err(outside(point, place(), nearest_box));
         };
         if nearest > tolerance {
             return Err(outside(point, place(), nearest));
         }
-        let (mut weights, mut found) = (BTreeMap::<usize, f64>::new(), 0);
-        for &(_, element) in &near {
-            let (_, shape) = invert(self, element, point);
-            let view = self.element(element);
-            let at = |(&node, weight): (&usize, &f64)| self.nodes[node].coords * *weight;
-            let x: Vector3<f64> = view.nodes.iter().zip(&shape).map(at).sum();
-            let size = box_size(&view.nodes.iter().map(|&i| self.nodes[i]).collect::<Vec<_>>());
-            // Newton's method has not found the point when the element is too curved for its surroundings.
-            let miss = (x - point.coords).norm();
-            if miss.is_nan() || miss > 1e-10 * size {
-                continue;
-            }
-            found += 1;
+        let mut weights = BTreeMap::<usize, f64>::new();
+        for &(face, xi) in &near {
+            let view = self.element(face.element);
+            let (_, shape) = invert(self, face.element, point);
+            let shape = if self.carries(view, &shape, point) {
+                shape
+            } else {
+                let tangent = self.tangent(face, xi, point);
+                tangent
+                    .filter(|shape| self.carries(view, shape, point))
+                    .ok_or_else(|| outside(point, place(), nearest))?
+            };
             for (&node, weight) in view.nodes.iter().zip(&shape) {
-                *weights.entry(node).or_insert(0.0) += weight;
+                *weights.entry(node).or_insert(0.0) += weight / near.len() as f64;
             }
         }
-        if found == 0 {
-            return Err(outside(point, place(), nearest));
-        }
-        weights.values_mut().for_each(|weight| *weight /= f64::from(found));
         weights.retain(|_, weight| weight.abs() > 1e-13);
         Ok(Location {
             element,
@@ -179,6 +175,46 @@ impl Mesh {
             weights: weights.into_values().collect(),
         })
     }
+
+    /// Whether weights of an element's nodes give a point. Those of Newton's method do not where the element is too curved
+    /// for its surroundings.
+    fn carries(&self, element: ElementRef<'_>, weights: &[f64], point: Point3<f64>) -> bool {
+        let at = |(&node, weight): (&usize, &f64)| self.nodes[node].coords * *weight;
+        let x: Vector3<f64> = element.nodes.iter().zip(weights).map(at).sum();
+        let size = box_size(&element.nodes.iter().map(|&i| self.nodes[i]).collect::<Vec<_>>());
+        (x - point.coords).norm() <= 1e-10 * size
+    }
+
+    /// Weights with which the nodes of the element behind a face carry a value to `point` by the value and gradient at natural
+    /// coordinates of the face; none where the element is folded there.
+    fn tangent(&self, face: FaceRef, xi: Vector2<f64>, point: Point3<f64>) -> Option<Vec<f64>> {
+        let view = self.element(face.element);
+        let (mut on_face, mut unused) = ([0.0; 9], [[0.0; 2]; 9]);
+        self.face_kind(face).shape(xi.into(), &mut on_face, &mut unused);
+        let natural = view.kind.natural_nodes();
+        let corners = view.kind.faces()[face.face].iter().zip(on_face);
+        let foot: Vector3<f64> = corners
+            .map(|(&node, weight)| Vector3::from(natural[node]) * weight)
+            .sum();
+        let n = view.kind.nodes();
+        let (mut shape, mut slope) = (vec![0.0; n], vec![[0.0; 3]; n]);
+        view.kind.shape(view.kind.clamped(foot.into()), &mut shape, &mut slope);
+        let (x, jacobian) = position(self, view, &shape, &slope);
+        let step = jacobian.lu().solve(&(point.coords - x))?;
+        let at_point = |(value, slope): (&f64, &[f64; 3])| value + Vector3::from(*slope).dot(&step);
+        Some(shape.iter().zip(&slope).map(at_point).collect())
+    }
+}
+
+/// The place of natural coordinates in an element, and the derivatives of place by them.
+fn position(mesh: &Mesh, view: ElementRef<'_>, shape: &[f64], slope: &[[f64; 3]]) -> (Vector3<f64>, Matrix3<f64>) {
+    let (mut x, mut jacobian) = (Vector3::zeros(), Matrix3::zeros());
+    for ((&node, value), slope) in view.nodes.iter().zip(shape).zip(slope) {
+        let p = mesh.nodes[node].coords;
+        x += p * *value;
+        jacobian += p * Vector3::from(*slope).transpose();
+    }
+    (x, jacobian)
 }
 
 /// Diagonal of the box around points \[m\].
@@ -199,13 +235,10 @@ fn invert(mesh: &Mesh, element: usize, point: Point3<f64>) -> (Vector3<f64>, Vec
     let mut xi = Vector3::from(view.kind.centre());
     for _ in 0..25 {
         view.kind.shape(xi.into(), &mut shape, &mut slope);
-        let (mut x, mut j) = (-point.coords, Matrix3::zeros());
-        for (a, &node) in view.nodes.iter().enumerate() {
-            let p = mesh.nodes[node].coords;
-            x += shape[a] * p;
-            j += p * Vector3::from(slope[a]).transpose();
-        }
-        let Some(step) = j.lu().solve(&x) else { break };
+        let (x, jacobian) = position(mesh, view, &shape, &slope);
+        let Some(step) = jacobian.lu().solve(&(x - point.coords)) else {
+            break;
+        };
         xi -= step;
         if step.amax() < 1e-13 {
             break;

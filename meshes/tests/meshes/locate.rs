@@ -139,3 +139,39 @@ fn a_point_over_a_common_edge_has_the_mean_weights_of_both_elements() {
     let sum: Vector3<f64> = (0..6).map(|node| mesh.nodes[node].coords * weight(node)).sum();
     assert!((sum - point.coords).norm() < 1e-12);
 }
+
+/// A tetrahedron whose edges below its upper face bend so much that no natural coordinates reach 0.05 above it.
+#[test]
+fn a_point_that_a_curved_element_does_not_reach_is_carried_by_its_tangent() {
+    let corners = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.2, 0.2, -1.0]].map(Point3::from);
+    let mut nodes = corners.to_vec();
+    for [a, b] in ElementKind::Tet10.edges() {
+        let mut middle = nalgebra::center(&corners[*a], &corners[*b]);
+        if middle.z < 0.0 {
+            middle.z = -0.2;
+        }
+        nodes.push(middle);
+    }
+    let mut mesh = Mesh {
+        nodes,
+        kinds: vec![ElementKind::Tet10],
+        offsets: vec![0, 10],
+        connectivity: (0..10).collect(),
+        parts: vec![0],
+        part_names: vec!["body".to_owned()],
+        groups: vec![],
+    };
+    let faces = (0..4).map(|face| FaceRef { element: 0, face });
+    let upper = |face: &FaceRef| mesh.face_nodes(*face).into_iter().all(|node| mesh.nodes[node].z == 0.0);
+    let faces = faces.filter(upper).collect();
+    mesh.groups.push(FaceGroup {
+        name: "top".to_owned(),
+        faces,
+    });
+    let point = Point3::new(0.3, 0.4, 0.05);
+    let at = mesh.locate_near("top", point, 0.1).unwrap();
+    close(at.weights.iter().sum(), 1.0, 1e-12);
+    let nodes = at.nodes.iter().map(|&node| mesh.nodes[node].coords);
+    let sum: Vector3<f64> = nodes.zip(&at.weights).map(|(node, weight)| node * *weight).sum();
+    assert!((sum - point.coords).norm() < 1e-12);
+}
