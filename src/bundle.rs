@@ -185,9 +185,7 @@ pub fn deliver(
     files.extend(of_cycle);
     let json = files.iter().find(|file| file.path == Path::new(LAST));
     let bundle = Bundle {
-        json: json.map_or_else(String::new, |file| {
-            String::from_utf8_lossy(&file.content.0).into_owned()
-        }),
+        json: json.map_or_else(String::new, |file| String::from_utf8_lossy(&file.content).into_owned()),
         files,
         text: words(&run),
         checks: run.result.checks,
@@ -195,7 +193,7 @@ pub fn deliver(
     };
     let place = || {
         // Every file, be it the same as before or not: to see that would cost more.
-        let write = |file: &File| staging.write_unsynced(&file.path, &file.content.0);
+        let write = |file: &File| staging.write_unsynced(&file.path, &file.content);
         bundle.files.par_iter().try_for_each(write)?;
         wanted.write(&staging)?;
         staging.place(&outdated, Path::new(LAST))
@@ -366,7 +364,7 @@ fn heard_at(files: &[File], run: &Run, microphone: usize) -> Vec<Recording> {
         let file = files.iter().find(|file| file.path == path)?;
         Some(Recording {
             name: source.clone(),
-            wav: file.content.0.clone(),
+            wav: file.content.clone(),
         })
     };
     let sources = run.microphones.signals.iter().rev();
@@ -376,7 +374,7 @@ fn heard_at(files: &[File], run: &Run, microphone: usize) -> Vec<Recording> {
 impl Bundle {
     /// Writes the files that differ from those in `folder`, and nothing where all are in their places.
     fn restore(&self, folder: &Path, fields: &Wanted, outdated: &[PathBuf]) -> Result<(), Error> {
-        let differs = |file: &&File| !fs::read(folder.join(&file.path)).is_ok_and(|there| there == file.content.0);
+        let differs = |file: &&File| !fs::read(folder.join(&file.path)).is_ok_and(|there| there == file.content);
         let mut differing: Vec<&File> = self.files.par_iter().filter(differs).collect();
         if differing.is_empty() && fields.missing.is_empty() && outdated.is_empty() {
             return Ok(());
@@ -386,7 +384,7 @@ impl Bundle {
             differing.extend(self.files.iter().find(is_last));
         }
         let staging = Staging::within(folder)?;
-        let write = |file: &&File| staging.write_unsynced(&file.path, &file.content.0);
+        let write = |file: &&File| staging.write_unsynced(&file.path, &file.content);
         differing.par_iter().try_for_each(write)?;
         fields.write(&staging)?;
         staging.place(outdated, Path::new(LAST))

@@ -165,7 +165,7 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
 fn write(folder: &Path, record: &CycleRecord, charts: &[Chart]) -> Result<Vec<PathBuf>, Error> {
     let staging = Staging::within(folder)?;
     for file in output::of_cycle(record, true)? {
-        staging.write(&file.path, &file.content.0)?;
+        staging.write(&file.path, &file.content)?;
     }
     let figures = figures::write(&staging, Path::new("figures"), charts)?;
     staging.place(&[], Path::new(LAST))?;

@@ -27,7 +27,6 @@ use crate::stages::bodies::Body;
 use crate::stages::spectra::{Driven, MovingBody};
 use crate::stages::{Code, Input, Postcard, Progress, Stage, Stored, code};
 use crate::staging::Staging;
-use crate::store::Bytes;
 
 pub use columns::{Column, columns};
 pub use csv::{EVENT_NAMES, event_name};
@@ -48,14 +47,15 @@ pub struct File {
     /// The path.
     pub path: PathBuf,
     /// What is in it.
-    pub content: Bytes,
+    #[serde(with = "serde_bytes")]
+    pub content: Vec<u8>,
 }
 
 impl File {
     pub(crate) fn new(path: impl Into<PathBuf>, content: impl Into<Vec<u8>>) -> Self {
         Self {
             path: path.into(),
-            content: Bytes(content.into()),
+            content: content.into(),
         }
     }
 }

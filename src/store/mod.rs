@@ -6,7 +6,6 @@
 //! Files are written whole, so that several processes may share a folder and a killed one leaves nothing half-written.
 //! The least recently used entries go first when the folder outgrows its limit.
 
-mod bytes;
 mod checksum;
 mod claim;
 mod entry;
@@ -21,7 +20,6 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::SystemTime;
 
-pub use bytes::Bytes;
 pub(crate) use checksum::{Checksum, checksum};
 pub use claim::Claim;
 pub use entry::Damage;

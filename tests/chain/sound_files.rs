@@ -49,7 +49,6 @@ impl Files {
                 .find(|file| file.path.to_str() == Some(name))
                 .unwrap()
                 .content
-                .0
         };
         let text = |name: &str| String::from_utf8(content(name).clone()).unwrap();
         let levels = rows(&text("microphones.csv"));

@@ -199,7 +199,7 @@ impl MeshRanges {
         };
         // Pressures on the surface are kept in 4 bytes.
         let pressures = |(mesh, solves): (&MeshRange, &f64)| {
-            let modes = mesh.patterns.first().map_or(0, |patterns| patterns.velocities.ncols());
+            let modes = mesh.motions();
             4.0 * solves * mesh.problem.estimate().unknowns as f64 * modes as f64
         };
         let kept = self.levels.iter().zip(&self.solves).map(pressures).sum::<f64>();
@@ -296,6 +296,6 @@ pub(crate) fn describe_gap(gap: &Gap) -> String {
 
 /// Velocity patterns that are solved together, about: most modes of a symmetric body have one parity.
 fn patterns(mesh: &MeshRange) -> usize {
-    let modes = mesh.patterns.first().map_or(0, |patterns| patterns.velocities.ncols());
+    let modes = mesh.motions();
     modes.div_ceil(mesh.problem.boundary().copies())
 }

@@ -289,8 +289,8 @@ impl ToolRadiation {
     fn mean_ranges(&self, housing: &Housing, finest: &MeshRange, air: &Air) -> Result<MeanRanges, Error> {
         self.resolution.mean_ranges(finest.top_hz, |hz| {
             let mut finer = self.of_finer_mesh(housing, hz, air)?;
-            let own = motions(&finer);
-            if motions(finest) == own || append(&mut finer, finest, own) {
+            let own = finer.motions();
+            if finest.motions() == own || append(&mut finer, finest, own) {
                 Ok(finer)
             } else {
                 Err(OTHER_SURFACE)
@@ -375,11 +375,6 @@ fn refuse_open_cavities(outline: &BoundaryMesh) -> Result<(), Error> {
 const OTHER_SURFACE: Error = Error::OtherModes {
     body: "standard bodies",
 };
-
-/// Number of motions of every parity.
-fn motions(range: &MeshRange) -> usize {
-    range.patterns.first().map_or(0, |patterns| patterns.velocities.ncols())
-}
 
 /// Appends the motions of another mesh of the same surface from number `first` on; false where the surfaces differ.
 fn append(to: &mut MeshRange, from: &MeshRange, first: usize) -> bool {

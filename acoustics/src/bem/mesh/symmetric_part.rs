@@ -118,11 +118,11 @@ fn mirror(mesh: &BoundaryMesh, axis: usize) -> Option<(f64, Vec<usize>)> {
 /// The point in a cell or in a neighbouring one: rounding may put coincident points into different cells.
 fn near(places: &HashMap<[i64; 3], usize>, cell: [i64; 3]) -> Option<usize> {
     let beside = (0..27).map(|k| [k % 3 - 1, k / 3 % 3 - 1, k / 9 - 1]);
-    let cells = std::iter::once([0; 3]).chain(beside);
-    cells
-        .filter_map(|step| places.get(&[0, 1, 2].map(|axis| cell[axis] + step[axis])))
-        .next()
-        .copied()
+    let mut cells = std::iter::once([0; 3]).chain(beside);
+    cells.find_map(|step| {
+        let cell = [0, 1, 2].map(|axis| cell[axis] + step[axis]);
+        places.get(&cell).copied()
+    })
 }
 
 #[cfg(test)]

@@ -13,6 +13,11 @@ pub struct MeshRange {
 }
 
 impl MeshRange {
+    /// Number of motions.
+    pub fn motions(&self) -> usize {
+        self.patterns.first().map_or(0, |patterns| patterns.velocities.ncols())
+    }
+
     /// Highest frequency that its mesh resolves \[Hz\].
     pub fn resolved_hz(&self) -> f64 {
         let problem = &self.problem;

@@ -169,7 +169,7 @@ impl ModalBem {
         }
         let mut patches = finest.problem.boundary().mesh().patches.clone();
         patches.push(REST.to_owned());
-        let modes = finest.patterns.first().map_or(0, |p| p.velocities.ncols());
+        let modes = finest.motions();
         let chosen = independent(finest);
         let mut ranges: Vec<Vec<SampledRadiation>> = vec![Vec::new(); chosen.len()];
         let mut surface = SurfacePressures::default();

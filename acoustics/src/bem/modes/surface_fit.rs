@@ -51,7 +51,7 @@ impl SurfaceFit {
             return None;
         }
         let areas = weights(boundary);
-        let modes = body.patterns.first().map_or(0, |p| p.velocities.ncols());
+        let modes = body.motions();
         let carried = body
             .patterns
             .par_iter()
