@@ -3,50 +3,42 @@
 //! [`Chain::new`] adds the stages of a design to a graph without computing any. [`Chain::run`] (`run.rs`) makes the outputs
 //! that a result needs, side by side, and ranks the sources.
 
+mod bodies;
+mod motion;
+mod radiation;
 mod shape;
+mod sources;
 
-use std::sync::Arc;
 use std::time::Instant;
 
-use nailnoise_acoustics::Air;
 use nailnoise_acoustics::exhaust::ExhaustNoise;
 use nailnoise_acoustics::levels::SourceSpectrum;
-use nailnoise_acoustics::radiator::{Loading, Radiator};
+use nailnoise_acoustics::radiator::Loading;
 use nailnoise_dynamics::CycleRecord;
 
-use crate::design::inputs;
-use crate::design::inputs::bodies::BodyInputs;
-use crate::design::{BodyModel, Carrier, Coupling, Design, SupportKind};
+use crate::design::{Design, inputs};
 use crate::error::Error;
 use crate::graph::Graph;
 use crate::result::Starts;
-use crate::stages::bodies::{
-    Body, BodyKind, BodySensors, Discretisation, Meshed, ModalModel, Model, Modes, SensorModes, WholeModes,
-};
 use crate::stages::cycle::{Cycle, Preset};
-use crate::stages::exhaust::{Exhaust, ExhaustSource, noise};
+use crate::stages::exhaust::{ExhaustSource, noise};
 use crate::stages::levels::{Levels, ShotLevels};
-use crate::stages::radiation::{
-    FluidLoadings, FlushMatrix, RadiatingShape, ToolRadiator, WorkpieceMethod, WorkpieceRadiation, WorkpieceRadiator,
-};
-use crate::stages::requirements::{Radiating, Requirements, Usable};
-use crate::stages::response::{
-    Coupled, CoupledCycle, CoupledResponse, CoupledVibration, CouplingReport, End, LinearResponse, Reported, Response,
-    ResponseChecks, ResponseReport, Shot, Structure, Vibration,
-};
+use crate::stages::requirements::Usable;
+use crate::stages::response::{CouplingReport, End, Reported, ResponseChecks, ResponseReport, Vibration};
 use crate::stages::sensors::{SensorRecord, Sensors};
-use crate::stages::sound_fields::{FieldMethod, Fields, SoundFields, ToolField};
-use crate::stages::sources::{
-    BodyEnergy, BodySound, BodySource, Housing, HousingAtMicrophones, SurfaceSource, WorkpieceEnergy,
-    WorkpieceRadiated, WorkpieceSound, WorkpieceSource,
-};
-use crate::stages::spectra::{BodyAnalysis, BodyMotion, MovingBody};
+use crate::stages::sound_fields::{Fields, SoundFields, ToolField};
+use crate::stages::sources::SurfaceSource;
+use crate::stages::spectra::{BodyMotion, MovingBody};
 use crate::stages::starts::OtherStarts;
-use crate::stages::tool_response::{ToolChecks, ToolReport, ToolResponse};
+use crate::stages::tool_response::{ToolChecks, ToolReport};
 use crate::stages::transducers::{PressureRecord, Transducers};
 use crate::stages::{Digest, Progress, Stage, Stored};
+use bodies::Bodies;
+pub use bodies::{BodyStages, CheckedBody, check_bodies, solved_bodies};
+use motion::{Driven, Motions};
+use radiation::Radiators;
 pub use shape::SharedShapes;
-use shape::{Standards, by_shape, standards};
+use sources::Sources;
 
 /// What a run may change about the physics without being another design; for studies and tests of laws.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -68,165 +60,6 @@ impl Default for Options {
             shared: SharedShapes::default(),
         }
     }
-}
-
-/// The stages of a body.
-#[derive(Clone)]
-pub struct BodyStages {
-    /// Its mesh with materials.
-    pub meshed: Stored<Meshed>,
-    /// Its finite elements with load vectors.
-    pub model: Stored<Model>,
-    /// Its modes with their shapes on every node.
-    pub modes: Stored<WholeModes>,
-    /// The body in modal coordinates.
-    pub body: Stored<Body>,
-    /// Loss factor of all modes \[-\].
-    pub loss_factor: f64,
-    /// Frequency up to which its motion is part of the result \[Hz\].
-    pub top_hz: f64,
-}
-
-impl BodyStages {
-    /// Adds the stages of a body of a design, with the places of the shot's forces if it is `driven`.
-    ///
-    /// # Errors
-    /// [`Error::NoSuchBody`] for the worktable of a design without one; those of materials and mesh file.
-    pub fn add(graph: &Graph, design: &Design, kind: BodyKind, driven: bool) -> Result<Self, Error> {
-        let BodyInputs {
-            geometry,
-            places,
-            below_hz,
-            residual_limit,
-            loss_factor,
-            top_hz,
-        } = inputs::bodies::body(design, kind, driven)?;
-        let mesh = graph.add(geometry.meshing());
-        let order = graph.add(geometry.elimination(mesh.clone()));
-        let meshed = graph.add(geometry.attachment(mesh));
-        let model = graph.add(Discretisation {
-            kind,
-            meshed: meshed.clone(),
-            places,
-        });
-        let modes = graph.add(Modes {
-            kind,
-            model: model.clone(),
-            order,
-            below_hz,
-            residual_limit,
-        });
-        let body = graph.add(ModalModel {
-            kind,
-            model: model.clone(),
-            modes: modes.clone(),
-            top_hz,
-            below_hz,
-        });
-        Ok(Self {
-            meshed,
-            model,
-            modes,
-            body,
-            loss_factor,
-            top_hz,
-        })
-    }
-
-    /// Displacement of the body's modes at a design's sensors on it; none without sensors.
-    fn sensors(&self, graph: &Graph, design: &Design, carrier: Carrier) -> Result<Option<Stored<BodySensors>>, Error> {
-        let points = inputs::sensors::points(design, carrier)?;
-        let stage = |points| SensorModes {
-            points,
-            body: self.body.clone(),
-            modes: self.modes.clone(),
-        };
-        Ok((!points.is_empty()).then(|| graph.add(stage(points))))
-    }
-}
-
-/// Bodies of a design that a run solves.
-pub fn solved_bodies(design: &Design) -> Vec<BodyKind> {
-    let on_table = design.support.kind == SupportKind::Worktable;
-    let mut kinds = vec![BodyKind::Workpiece];
-    kinds.extend(on_table.then_some(BodyKind::Worktable));
-    kinds.extend((design.body.model == BodyModel::Elastic).then_some(BodyKind::Tool));
-    kinds
-}
-
-/// Adds what a run requires of a body to a graph; `stages` are those of all its bodies.
-fn requirements(
-    graph: &Graph,
-    design: &Design,
-    kind: BodyKind,
-    stages: &[(BodyKind, BodyStages)],
-) -> Result<Option<Stored<Usable>>, Error> {
-    let Some((_, own)) = stages.iter().find(|(other, _)| *other == kind) else {
-        return Ok(None);
-    };
-    let (carrier, radiating) = match kind {
-        BodyKind::Tool => {
-            let cap = inputs::radiation::cap(design);
-            let places = inputs::radiation::tool_places(design);
-            let radiating = inputs::radiation::tool(design).map(|elements| Radiating::Tool(elements, cap, places));
-            (Carrier::Tool, radiating)
-        }
-        BodyKind::Workpiece | BodyKind::Worktable => {
-            let of = |wanted: BodyKind| stages.iter().find(|(kind, _)| *kind == wanted);
-            let structure = [BodyKind::Workpiece, BodyKind::Worktable].into_iter().filter_map(of);
-            let meshed = structure.map(|(_, stages)| stages.meshed.clone()).collect();
-            let places = inputs::radiation::workpiece_places(design);
-            let radiating = Radiating::Workpiece(inputs::radiation::workpiece(design)?, meshed, places);
-            let carrier = match kind {
-                BodyKind::Worktable => Carrier::Worktable,
-                _ => Carrier::Workpiece,
-            };
-            (carrier, Some(radiating))
-        }
-    };
-    Ok(Some(graph.add(Requirements {
-        kind,
-        meshed: own.meshed.clone(),
-        model: own.model.clone(),
-        sensors: inputs::sensors::points(design, carrier)?,
-        mass: inputs::bodies::mass(design, kind),
-        radiating,
-    })))
-}
-
-/// A meshed body, and whether a run can use it.
-pub struct CheckedBody {
-    /// The mesh with materials.
-    pub meshed: Arc<Meshed>,
-    /// Why a run cannot use it; empty for a body that no run of the design solves.
-    pub problems: Vec<Error>,
-}
-
-/// Meshes bodies of a design and checks them as a run does before it solves any.
-pub fn check_bodies(design: &Design, kinds: &[BodyKind]) -> Vec<Result<CheckedBody, Error>> {
-    let (graph, solved) = (Graph::default(), solved_bodies(design));
-    let locate = |error| inputs::located(design, error);
-    let others = solved.iter().filter(|kind| !kinds.contains(kind));
-    let all = kinds.iter().chain(others);
-    let added = all.map(|&kind| (kind, BodyStages::add(&graph, design, kind, solved.contains(&kind))));
-    // Each mesh before any check: what reads a mesh that failed before no longer knows why.
-    let meshed = added.map(|(kind, stages)| {
-        let meshed = stages.and_then(|stages| Ok((stages.meshed.get()?, stages)));
-        (kind, meshed.map_err(locate))
-    });
-    let mut meshed: Vec<_> = meshed.collect();
-    let stages = meshed
-        .iter()
-        .filter_map(|(kind, meshed)| Some((*kind, meshed.as_ref().ok()?.1.clone())));
-    let stages: Vec<_> = stages.filter(|(kind, _)| solved.contains(kind)).collect();
-    let checked = meshed.drain(..kinds.len()).map(|(kind, meshed)| {
-        let (meshed, _) = meshed?;
-        let usable = requirements(&graph, design, kind, &stages)?;
-        let problem = usable.and_then(|usable| usable.get().err());
-        let problems = problem.map_or_else(Vec::new, |error| locate(error).parts());
-        Ok(CheckedBody { meshed, problems })
-    });
-    checked.collect()
 }
 
 /// The stages of a design's shot.
@@ -300,443 +133,156 @@ pub(crate) struct ImpedanceComparison {
     pub(crate) body: Option<[Stored<(SourceSpectrum, Option<SourceSpectrum>)>; 2]>,
 }
 
-/// What sets workpiece and support in motion, and the cycle that goes with it.
-struct Driven {
-    cycle: Stored<CycleRecord>,
-    vibration: Stored<Vibration>,
-    coupled: Option<Stored<Coupled>>,
-}
-
 impl Chain {
     /// Adds the stages of a design to a graph.
     ///
     /// # Errors
     /// Values of the design from which no inputs can be made.
-    #[expect(clippy::too_many_lines, reason = "the chain reads from top to bottom")]
     pub fn new(graph: &Graph, design: &Design, options: Options) -> Result<Self, Error> {
         let (begin, air) = (Instant::now(), inputs::air(design)?);
-        let two_way = design.support.coupling == Coupling::TwoWay;
         let lumped = graph.add(cycle_stage(design)?);
+        let bodies = Bodies::add(graph, design)?;
+        let radiators = Radiators::add(graph, design, &bodies, (air, options.shared))?;
 
-        // Bodies: the tool and what it stands on do not affect each other.
-        let add = |kind| Ok((kind, BodyStages::add(graph, design, kind, true)?));
-        let solved = solved_bodies(design)
-            .into_iter()
-            .map(add)
-            .collect::<Result<Vec<(BodyKind, BodyStages)>, Error>>()?;
-        let (tools, structure): (Vec<_>, Vec<_>) =
-            solved.iter().cloned().partition(|(kind, _)| *kind == BodyKind::Tool);
-        let structure: Vec<BodyStages> = structure.into_iter().map(|(_, stages)| stages).collect();
-        let tool = tools.into_iter().next().map(|(_, stages)| stages);
-        let bodies: Vec<Stored<Body>> = structure.iter().map(|stages| stages.body.clone()).collect();
-
-        // What a run requires of them, known before any is solved.
-        let usable = solved
-            .iter()
-            .map(|(kind, _)| requirements(graph, design, *kind, &solved));
-        let usable = usable.collect::<Result<Vec<_>, _>>()?.into_iter().flatten().collect();
-
-        // Radiation per unit of modal motion, and the damping that it adds to the modes.
-        let RadiationStages {
-            radiator,
-            at_microphones,
-            field: field_method,
-            matrix_key: workpiece_matrix,
-        } = workpiece_radiation(graph, design, &bodies, (air, options.shared))?;
-        let acts = inputs::radiation::loading(design);
-        let zeta = |bodies: &[&BodyStages]| {
-            let zeta = bodies.iter().map(|stages| 0.5 * stages.loss_factor);
-            (acts == Loading::Full).then(|| zeta.collect())
-        };
-        let loads = graph.add(FluidLoadings {
-            radiator: radiator.clone(),
-            bodies: bodies.clone(),
-            with_mass: zeta(&structure.iter().collect::<Vec<_>>()),
-        });
-        let tool_elements = tool.as_ref().zip(inputs::radiation::tool(design));
-        // The modes of a user's housing are its own: no other run has them, and what a standard housing lacks of them may be
-        // worth a decibel.
-        let standard_tool = match &tool_elements {
-            Some(_) if design.body.mesh.is_empty() && options.shared.tool => {
-                standards(graph, design, &[BodyKind::Tool])?
-            }
-            _ => Standards::new(),
-        };
-        let tool_places = inputs::radiation::tool_places(design);
-        let of_tool = |shape: &RadiatingShape, stages: &BodyStages| {
-            let body = std::slice::from_ref(&stages.body);
-            let radiation = by_shape(graph, (shape, &tool_places), &standard_tool, body);
-            let (at_microphones, matrix) = (radiation.at_microphones(graph), radiation.matrix);
-            let key = *matrix.key();
-            let [alone, at_microphones] =
-                [matrix, at_microphones].map(|matrix| graph.add(ToolRadiator { matrix, air }));
-            (key, alone, at_microphones)
-        };
-        let tool_radiation = tool_elements.map(|(stages, elements)| {
-            let of_shape = of_tool(&RadiatingShape::Tool(elements.clone()), stages);
-            (elements, of_shape)
-        });
-        let cap = tool
-            .as_ref()
-            .zip(tool_radiation.as_ref())
-            .zip(inputs::radiation::cap(design));
-        let cap_radiation =
-            cap.map(|((stages, (elements, _)), cap)| of_tool(&RadiatingShape::Cap(elements.clone(), cap), stages));
-        let tool_radiator = tool_radiation.as_ref().map(|(_, (_, radiator, _))| radiator.clone());
-        let cap_radiator = cap_radiation.as_ref().map(|(_, radiator, _)| radiator.clone());
-        let tool_loads = tool.as_ref().zip(tool_radiator.clone()).map(|(stages, radiator)| {
-            graph.add(FluidLoadings {
-                radiator,
-                bodies: vec![stages.body.clone()],
-                with_mass: zeta(&[stages]),
-            })
-        });
-
-        let modal = structure.iter().chain(&tool).map(|stages| *stages.body.key());
-        let tool_matrix_key = tool_radiation.as_ref().map(|(_, (key, ..))| *key);
-        let cap_matrix_key = cap_radiation.as_ref().map(|(key, ..)| *key);
-        let matrices = [workpiece_matrix, tool_matrix_key, cap_matrix_key];
-        let structures = modal.chain(matrices.into_iter().flatten()).collect();
-
-        // Motion: of workpiece and support for each start and coupling, of the tool for each cycle.
-        let shot = inputs::response::shot(design)?;
-        let driven_bodies = Structure {
-            bodies: bodies.clone(),
-            loss_factors: structure.iter().map(|stages| stages.loss_factor).collect(),
-            fluid: acts.damps().then(|| loads.clone()),
-        };
-        let driven = |start: u32, two_way: bool| {
-            let (shot, structure) = (shot.with_start(start), driven_bodies.clone());
-            if two_way {
-                let both = graph.add(CoupledResponse {
-                    shot,
-                    structure,
-                    cycle: inputs::cycle::cycle_settings(design),
-                });
-                Driven {
-                    cycle: graph.add(CoupledCycle(both.clone())),
-                    vibration: graph.add(CoupledVibration(both.clone())),
-                    coupled: Some(both),
-                }
-            } else {
-                let response = Response {
-                    shot,
-                    structure,
-                    cycle: lumped.clone(),
-                    force_scale: options.workpiece_force_scale,
-                };
-                Driven {
-                    cycle: lumped.clone(),
-                    vibration: graph.add(response),
-                    coupled: None,
-                }
-            }
-        };
-        let range_hz = [design.analysis.range_low, design.analysis.range_high];
-        let within = |top_hz: f64| [range_hz[0], top_hz.min(range_hz[1])];
-        let carriers = [Carrier::Workpiece, Carrier::Worktable];
-        let on_structure = structure.iter().zip(carriers);
-        let on_structure = on_structure.map(|(stages, carrier)| stages.sensors(graph, design, carrier));
-        let on_structure = on_structure.collect::<Result<Vec<_>, _>>()?;
-        let analysed = |vibration: &Stored<Vibration>, with_sensors: bool| -> Vec<Stored<BodyMotion>> {
-            let bodies = structure.iter().zip(&on_structure).enumerate();
-            let motion = bodies.map(|(index, (stages, sensors))| BodyAnalysis {
-                vibration: vibration.clone(),
-                index,
-                range_hz: within(stages.top_hz),
-                sensors: sensors.clone().filter(|_| with_sensors),
-            });
-            motion.map(|stage| graph.add(stage)).collect()
-        };
-        let tool_shot = inputs::response::tool(design)?;
-        let on_tool = match &tool {
-            Some(stages) => stages.sensors(graph, design, Carrier::Tool)?,
-            None => None,
-        };
-        let tool_analysed = |stages: &BodyStages, vibration: &Stored<Vibration>| {
-            graph.add(BodyAnalysis {
-                vibration: vibration.clone(),
-                index: 0,
-                range_hz: within(stages.top_hz),
-                sensors: on_tool.clone(),
-            })
-        };
-        let frozen_tool_in = |stages: &BodyStages, cycle: &Stored<CycleRecord>| {
-            graph.add(ToolResponse {
-                shot: tool_shot.clone(),
-                body: stages.body.clone(),
-                loss_factor: stages.loss_factor,
-                fluid: tool_loads.clone().filter(|_| acts.damps()),
-                cycle: cycle.clone(),
-            })
-        };
-        let tool_fluid = tool_radiator.clone().zip(tool_loads.clone());
-        let tool_fluid = tool_fluid.filter(|_| acts == Loading::Full);
-        let tool_in = |cycle: &Stored<CycleRecord>| {
-            tool.as_ref().map(|stages| {
-                let frozen = frozen_tool_in(stages, cycle);
-                let vibration = match &tool_fluid {
-                    None => frozen,
-                    Some((radiator, fluid)) => graph.add(LinearResponse {
-                        frozen,
-                        radiator: radiator.clone(),
-                        bodies: vec![stages.body.clone()],
-                        loss_factors: vec![stages.loss_factor],
-                        fluid: fluid.clone(),
-                        supports: Vec::new(),
-                        guided: true,
-                    }),
-                };
-                let motion = tool_analysed(stages, &vibration);
-                (vibration, motion)
-            })
-        };
-        // A response whose contact cannot open, with the complete impedance of the air.
-        let complete = |frozen: &Stored<Vibration>, shot: &Shot| {
-            graph.add(LinearResponse {
-                frozen: frozen.clone(),
-                radiator: radiator.clone(),
-                bodies: bodies.clone(),
-                loss_factors: driven_bodies.loss_factors.clone(),
-                fluid: loads.clone(),
-                supports: shot.supports.clone(),
-                guided: false,
-            })
-        };
-        let workpiece_is_linear = acts == Loading::Full && !two_way && !shot.can_lose_contact();
+        // Motion.
+        let forced = (lumped.clone(), options.workpiece_force_scale);
+        let motions = Motions::new(graph, design, (&bodies, &radiators), forced)?;
         let Driven {
             cycle,
             vibration: frozen,
             coupled,
-        } = driven(0, two_way);
-        let vibration = match workpiece_is_linear {
-            true => complete(&frozen, &shot),
+        } = motions.driven(0, motions.two_way);
+        let vibration = match motions.is_linear() {
+            true => motions.complete(&frozen, &motions.shot),
             false => frozen.clone(),
         };
-        let compared_motions = (acts == Loading::Full).then(|| {
-            if workpiece_is_linear {
-                return [frozen.clone(), vibration.clone()];
-            }
-            let bonded = shot.bonded();
-            let frozen = graph.add(Response {
-                shot: bonded.clone(),
-                structure: driven_bodies.clone(),
-                cycle: lumped.clone(),
-                force_scale: options.workpiece_force_scale,
-            });
-            let complete = complete(&frozen, &bonded);
-            [frozen, complete]
-        });
-        let motions = analysed(&vibration, true);
-        let tool_motion = tool_in(&cycle);
-
-        // Sources.
-        let longest = tool_motion.as_ref().map_or(&vibration, |(vibration, _)| vibration);
+        let of_structure = motions.analysed(&vibration, true);
+        let tool = motions.tool(&cycle);
+        let of_tool = tool.as_ref().map(|(_, motion)| motion.clone());
+        let all_motions: Vec<Stored<BodyMotion>> = of_structure.iter().chain(&of_tool).cloned().collect();
+        let tool_vibration = tool.as_ref().map(|(vibration, _)| vibration);
         let end = graph.add(End {
             cycle: cycle.clone(),
-            longest: longest.clone(),
+            longest: tool_vibration.unwrap_or(&vibration).clone(),
         });
-        let microphones = inputs::microphones::array(design)?;
-        let workpiece_sound = WorkpieceSound {
-            radiator: radiator.clone(),
-            bodies: bodies.clone(),
-            loads: loads.clone(),
-            acts,
-            loss_factors: driven_bodies.loss_factors.clone(),
-            motions: motions.clone(),
-        };
-        let workpiece = graph.add(WorkpieceSource {
-            radiated: graph.add(WorkpieceRadiated {
-                sound: workpiece_sound.clone(),
-                at_microphones,
-            }),
-            bodies: bodies.clone(),
-            top_hz: structure.iter().map(|stages| stages.top_hz).collect(),
-            cycle: cycle.clone(),
-            end: end.clone(),
-            microphones: microphones.clone(),
-            centre: inputs::microphones::workpiece_centre(design),
-        });
-        let openings = inputs::exhaust::openings(design)?;
-        let exhaust_of = |cycle: &Stored<CycleRecord>, end: &Stored<f64>| Exhaust {
-            openings: openings.clone(),
-            outlet: inputs::exhaust::outlet(design),
-            microphones: microphones.clone(),
-            cycle: cycle.clone(),
-            end: end.clone(),
-            noise_seed: options.noise_seed,
-        };
-        let exhaust = graph.add(exhaust_of(&cycle, &end));
-        let body_sound = |cycle: &Stored<CycleRecord>, motion: Option<Stored<BodyMotion>>| BodySound {
-            housing: tool.as_ref().zip(motion).map(|(stages, motion)| Housing {
-                body: stages.body.clone(),
-                top_hz: stages.top_hz,
-                motion,
-                radiator: tool_radiator.clone(),
-                loads: tool_loads.clone(),
-                acts,
-                loss_factor: stages.loss_factor,
-                cap: cap_radiator.clone(),
-            }),
-            volume: design.body.volume(design.piston.bore),
-            air,
-            range_hz,
-            cycle: cycle.clone(),
-        };
-        let of_tool = tool_motion.as_ref().map(|(_, motion)| motion.clone());
+
+        // Sources.
+        let seed = options.noise_seed;
+        let sources = Sources::new(graph, design, (&bodies, &radiators, &motions), (air, seed))?;
+        let workpiece_sound = sources.workpiece_sound(&of_structure);
+        let body_sound = sources.body_sound(&cycle, of_tool.clone());
+        let workpiece = sources.workpiece(&workpiece_sound, (&cycle, &end));
+        let exhaust = sources.exhaust(&cycle, &end);
+        let body = sources.body(body_sound.clone(), &end);
         let sensors = Sensors {
             accelerometers: inputs::sensors::accelerometers(design)?,
             cycle: cycle.clone(),
             vibration: vibration.clone(),
-            motions: motions.iter().chain(&of_tool).cloned().collect(),
+            motions: all_motions,
         };
         let levels = graph.add(ShotLevels {
             workpiece: workpiece_sound,
-            openings: openings.clone(),
-            body: body_sound(&cycle, of_tool.clone()),
+            openings: sources.openings.clone(),
+            body: body_sound,
             cycle: cycle.clone(),
             end: end.clone(),
-            range_hz,
-            bodies: bodies
-                .iter()
-                .cloned()
-                .chain(tool.iter().map(|stages| stages.body.clone()))
-                .collect(),
-            responses: [&vibration]
-                .into_iter()
-                .chain(tool_motion.iter().map(|(response, _)| response))
-                .cloned()
-                .collect(),
+            range_hz: motions.range_hz,
+            bodies: bodies.all().cloned().collect(),
+            responses: std::iter::once(&vibration).chain(tool_vibration).cloned().collect(),
             sensors: (!sensors.accelerometers.is_empty()).then(|| sensors.clone()),
         });
-        let housing_at_microphones = tool_radiation.as_ref().map(|(_, (.., whole))| HousingAtMicrophones {
-            whole: whole.clone(),
-            cap: cap_radiation.as_ref().map(|(.., cap)| cap.clone()),
-        });
-        let body = graph.add(BodySource {
-            sound: body_sound(&cycle, of_tool.clone()),
-            at_microphones: housing_at_microphones,
-            end: end.clone(),
-            microphones: microphones.clone(),
-            sphere: inputs::microphones::tool_sphere(design),
-        });
 
-        // What stands beside them: sensors, other starts, checks, the same shot one way, fields.
-        let sensors = graph.add(sensors);
+        // Beside them: signals, checks, the same shot in other ways, fields.
         let transducers = graph.add(Transducers {
             transducers: inputs::sensors::transducers(design),
             cycle: cycle.clone(),
         });
-        let energy = |vibration: &Stored<Vibration>| {
-            graph.add(WorkpieceEnergy {
-                radiator: radiator.clone(),
-                motions: analysed(vibration, false),
-            })
-        };
-        let own_key = vibration.key();
-        let loading = compared_motions.map(|both| ImpedanceComparison {
-            report: (!workpiece_is_linear).then(|| {
-                graph.add(ResponseReport {
-                    bodies: Vec::new(),
-                    vibration: both[1].clone(),
-                })
-            }),
-            workpiece: both.map(|vibration| match vibration.key() == own_key {
-                true => graph.add(WorkpieceEnergy {
-                    radiator: radiator.clone(),
-                    motions: motions.clone(),
-                }),
-                false => energy(&vibration),
-            }),
-            workpiece_is_linear,
-            body: tool.as_ref().zip(tool_fluid.as_ref()).map(|(stages, _)| {
-                let frozen = tool_analysed(stages, &frozen_tool_in(stages, &cycle));
-                [Some(frozen), of_tool.clone()].map(|motion| {
-                    graph.add(BodyEnergy {
-                        sound: body_sound(&cycle, motion),
-                    })
-                })
-            }),
-        });
-        let scatters = shot.can_lose_contact() && design.analysis.starts > 1;
-        let starts = scatters.then(|| {
-            let others = (1..design.analysis.starts).map(|start| energy(&driven(start, two_way).vibration));
-            graph.add(OtherStarts {
-                first: workpiece.clone(),
-                others: others.collect(),
-                range_hz,
-            })
-        });
         let response_report = graph.add(ResponseReport {
-            bodies: bodies.clone(),
+            bodies: bodies.of_structure(),
             vibration: vibration.clone(),
         });
-        let tool_report = tool.as_ref().zip(tool_motion.as_ref()).map(|(stages, (vibration, _))| {
+        let tool_report = bodies.tool.as_ref().zip(tool_vibration).map(|(stages, vibration)| {
             graph.add(ToolReport {
-                shot: tool_shot.clone(),
+                shot: motions.tool_shot.clone(),
                 body: stages.body.clone(),
                 vibration: vibration.clone(),
             })
         });
-        let one_way = coupled.map(|both| {
-            let lumped_shot = driven(0, false);
-            let motion = tool_in(&lumped).map(|(_, motion)| motion);
-            OneWay {
-                report: graph.add(CouplingReport(both)),
-                workpiece: energy(&lumped_shot.vibration),
-                exhaust: graph.add(exhaust_of(&lumped, &end)),
-                body: graph.add(BodyEnergy {
-                    sound: body_sound(&lumped, motion),
+        let starts = (motions.shot.can_lose_contact() && design.analysis.starts > 1).then(|| {
+            let others = (1..design.analysis.starts).map(|start| motions.driven(start, motions.two_way).vibration);
+            graph.add(OtherStarts {
+                first: workpiece.clone(),
+                others: others.map(|vibration| sources.energy_of(&vibration)).collect(),
+                range_hz: motions.range_hz,
+            })
+        });
+        let one_way = coupled.map(|both| OneWay {
+            report: graph.add(CouplingReport(both)),
+            workpiece: sources.energy_of(&motions.driven(0, false).vibration),
+            exhaust: sources.exhaust(&lumped, &end),
+            body: sources.body_energy(&lumped, motions.tool(&lumped).map(|(_, motion)| motion)),
+            cycle: lumped.clone(),
+        });
+        let loading = (radiators.acts == Loading::Full).then(|| {
+            let bonded = (!motions.is_linear()).then(|| motions.bonded());
+            ImpedanceComparison {
+                report: bonded.as_ref().map(|[_, complete]| {
+                    graph.add(ResponseReport {
+                        bodies: Vec::new(),
+                        vibration: complete.clone(),
+                    })
                 }),
-                cycle: lumped.clone(),
+                workpiece: match &bonded {
+                    Some(both) => both.each_ref().map(|vibration| sources.energy_of(vibration)),
+                    None => [
+                        sources.energy_of(&frozen),
+                        sources.workpiece_energy(of_structure.clone()),
+                    ],
+                },
+                workpiece_is_linear: bonded.is_none(),
+                body: motions
+                    .tool_with_frozen_impedance(&cycle)
+                    .map(|frozen| [Some(frozen), of_tool.clone()].map(|motion| sources.body_energy(&cycle, motion))),
             }
         });
-        let of_field = tool.as_ref().zip(of_tool.clone());
+
+        let modal = bodies.all().map(|body| *body.key());
+        let structures = modal.chain(radiators.matrix_keys()).collect();
+        let of_field = bodies.tool.as_ref().zip(of_tool.clone());
         let fields = graph.add(SoundFields {
-            method: field_method,
-            bodies,
-            motions: motions.clone(),
+            method: radiators.workpiece.field,
+            bodies: bodies.of_structure(),
+            motions: of_structure.clone(),
             tool: of_field.map(|(stages, motion)| ToolField {
                 body: stages.body.clone(),
                 motion,
-                elements: tool_radiation.map(|(elements, (_, radiator, _))| (elements, radiator)),
+                elements: radiators.tool.map(|tool| (tool.elements, tool.whole.radiator)),
                 nose: inputs::radiation::nose(design).into(),
             }),
             air,
             cuts: inputs::microphones::cuts(design),
         });
-        let of_structure = structure.iter().zip(motions).enumerate();
-        let of_structure = of_structure.map(|(index, (stages, motion))| MovingBody {
-            body: stages.body.clone(),
-            loss_factor: stages.loss_factor,
-            vibration: vibration.clone(),
-            index,
-            motion,
-        });
-        let of_tool = tool.as_ref().zip(tool_motion);
-        let of_tool = of_tool.map(|(stages, (vibration, motion))| MovingBody {
-            body: stages.body.clone(),
-            loss_factor: stages.loss_factor,
-            vibration,
-            index: 0,
-            motion,
-        });
+        let moving = bodies.structure.iter().zip(of_structure).enumerate();
+        let moving = moving.map(|(index, (stages, motion))| moving_body(stages, (&vibration, index), motion));
+        let tool_moving = bodies.tool.as_ref().zip(tool);
+        let tool_moving = tool_moving.map(|(stages, (vibration, motion))| moving_body(stages, (&vibration, 0), motion));
         Ok(Self {
-            moving: of_structure.chain(of_tool).collect(),
+            moving: moving.chain(tool_moving).collect(),
             graph: graph.clone(),
-            usable,
             begin,
+            sensors: graph.add(sensors),
+            structures,
+            noise_seed: seed,
+            usable: bodies.usable,
+            structure: bodies.structure,
+            tool: bodies.tool,
             cycle,
-            structure,
-            tool,
             vibration,
             end,
             workpiece,
             exhaust,
             body,
             levels,
-            structures,
-            sensors,
             transducers,
             fields,
             starts,
@@ -744,81 +290,22 @@ impl Chain {
             tool_report,
             one_way,
             loading,
-            noise_seed: options.noise_seed,
         })
     }
 }
 
-/// Radiation of the workpiece with its support.
-struct RadiationStages {
-    /// The radiator.
-    radiator: Stored<Box<dyn Radiator>>,
-    /// The same with its pressures at the microphones.
-    at_microphones: Stored<Box<dyn Radiator>>,
-    /// How its sound field is computed.
-    field: FieldMethod,
-    /// The key of its radiation matrix.
-    matrix_key: Option<Digest>,
-}
-
-/// Radiation of the workpiece with its support.
-fn workpiece_radiation(
-    graph: &Graph,
-    design: &Design,
-    bodies: &[Stored<Body>],
-    (air, shared): (Air, SharedShapes),
-) -> Result<RadiationStages, Error> {
-    let radiator = |method| {
-        graph.add(WorkpieceRadiator {
-            method,
-            bodies: bodies.to_vec(),
-            air,
-        })
-    };
-    Ok(match inputs::radiation::workpiece(design)? {
-        WorkpieceRadiation::BoundaryElements(elements) => {
-            let kinds = [BodyKind::Workpiece, BodyKind::Worktable];
-            let standards = match shared.workpiece {
-                true => standards(graph, design, &kinds[..bodies.len()])?,
-                false => Standards::new(),
-            };
-            let shape = RadiatingShape::Workpiece(elements.clone());
-            let places = inputs::radiation::workpiece_places(design);
-            let radiation = by_shape(graph, (&shape, &places), &standards, bodies);
-            let (at_microphones, matrix) = (radiation.at_microphones(graph), radiation.matrix);
-            RadiationStages {
-                radiator: radiator(WorkpieceMethod::BoundaryElements(matrix.clone())),
-                at_microphones: radiator(WorkpieceMethod::BoundaryElements(at_microphones)),
-                matrix_key: Some(*matrix.key()),
-                field: FieldMethod::BoundaryElements(elements, matrix),
-            }
-        }
-        WorkpieceRadiation::Erp(covered) => {
-            let radiator = radiator(WorkpieceMethod::Erp(covered));
-            RadiationStages {
-                at_microphones: radiator.clone(),
-                radiator,
-                field: FieldMethod::Erp,
-                matrix_key: None,
-            }
-        }
-        WorkpieceRadiation::Rayleigh(top) => {
-            let alone = graph.add(FlushMatrix {
-                places: top.places.clone(),
-                top_hz: top.top_hz,
-                air: FlushMatrix::computed_air(&air),
-                body: bodies[0].clone(),
-            });
-            let matrix_key = Some(*alone.key());
-            let radiator = radiator(WorkpieceMethod::Rayleigh(top.clone(), alone));
-            RadiationStages {
-                at_microphones: radiator.clone(),
-                field: FieldMethod::Rayleigh(top, radiator.clone()),
-                radiator,
-                matrix_key,
-            }
-        }
-    })
+fn moving_body(
+    stages: &BodyStages,
+    (vibration, index): (&Stored<Vibration>, usize),
+    motion: Stored<BodyMotion>,
+) -> MovingBody {
+    MovingBody {
+        body: stages.body.clone(),
+        loss_factor: stages.loss_factor,
+        vibration: vibration.clone(),
+        index,
+        motion,
+    }
 }
 
 /// Computes the nailing cycle of a design.
@@ -858,6 +345,9 @@ mod tests {
     #![allow(clippy::unwrap_used)]
 
     use super::*;
+    use crate::stages::bodies::BodyKind;
+    use crate::stages::sound_fields::FieldMethod;
+    use radiation::workpiece_radiation;
 
     /// Beginnings of keys whose values reach no mesh, no mode and no load vector.
     const BEYOND_BODIES: [&str; 4] = ["acoustics.", "ambient.", "exhaust.", "supply."];

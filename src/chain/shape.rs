@@ -3,7 +3,7 @@
 use nailnoise_acoustics::bem::{ModalBem, ModalPressures};
 use nailnoise_meshes::gmsh;
 
-use super::{BodyStages, solved_bodies};
+use super::bodies::{BodyStages, solved_bodies};
 use crate::design::{Design, inputs};
 use crate::error::Error;
 use crate::graph::Graph;
@@ -206,7 +206,7 @@ mod tests {
     use nailnoise_meshes::{Block, FaceGroup, FaceRef, Surface, block};
     use nalgebra::{Complex, DMatrix, DVector, Vector3};
 
-    use super::super::workpiece_radiation;
+    use super::super::radiation::workpiece_radiation;
     use super::*;
     use crate::design::{BodyModel, Convention, RadiationMethod};
     use crate::stages::radiation::WorkpieceRadiation;

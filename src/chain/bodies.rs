@@ -1,0 +1,222 @@
+//! Bodies of a design, from mesh to modal coordinates, and what a run requires of them.
+
+use std::sync::Arc;
+
+use crate::design::inputs;
+use crate::design::inputs::bodies::BodyInputs;
+use crate::design::{BodyModel, Carrier, Design, SupportKind};
+use crate::error::Error;
+use crate::graph::Graph;
+use crate::stages::Stored;
+use crate::stages::bodies::{
+    Body, BodyKind, BodySensors, Discretisation, Meshed, ModalModel, Model, Modes, SensorModes, WholeModes,
+};
+use crate::stages::requirements::{Radiating, Requirements, Usable};
+
+/// The stages of a body.
+#[derive(Clone)]
+pub struct BodyStages {
+    /// Its mesh with materials.
+    pub meshed: Stored<Meshed>,
+    /// Its finite elements with load vectors.
+    pub model: Stored<Model>,
+    /// Its modes with their shapes on every node.
+    pub modes: Stored<WholeModes>,
+    /// The body in modal coordinates.
+    pub body: Stored<Body>,
+    /// Loss factor of all modes \[-\].
+    pub loss_factor: f64,
+    /// Frequency up to which its motion is part of the result \[Hz\].
+    pub top_hz: f64,
+}
+
+impl BodyStages {
+    /// Adds the stages of a body of a design, with the places of the shot's forces if it is `driven`.
+    ///
+    /// # Errors
+    /// [`Error::NoSuchBody`] for the worktable of a design without one; those of materials and mesh file.
+    pub fn add(graph: &Graph, design: &Design, kind: BodyKind, driven: bool) -> Result<Self, Error> {
+        let BodyInputs {
+            geometry,
+            places,
+            below_hz,
+            residual_limit,
+            loss_factor,
+            top_hz,
+        } = inputs::bodies::body(design, kind, driven)?;
+        let mesh = graph.add(geometry.meshing());
+        let order = graph.add(geometry.elimination(mesh.clone()));
+        let meshed = graph.add(geometry.attachment(mesh));
+        let model = graph.add(Discretisation {
+            kind,
+            meshed: meshed.clone(),
+            places,
+        });
+        let modes = graph.add(Modes {
+            kind,
+            model: model.clone(),
+            order,
+            below_hz,
+            residual_limit,
+        });
+        let body = graph.add(ModalModel {
+            kind,
+            model: model.clone(),
+            modes: modes.clone(),
+            top_hz,
+            below_hz,
+        });
+        Ok(Self {
+            meshed,
+            model,
+            modes,
+            body,
+            loss_factor,
+            top_hz,
+        })
+    }
+
+    /// Displacement of the body's modes at a design's sensors on it; none without sensors.
+    pub(super) fn sensors(
+        &self,
+        graph: &Graph,
+        design: &Design,
+        carrier: Carrier,
+    ) -> Result<Option<Stored<BodySensors>>, Error> {
+        let points = inputs::sensors::points(design, carrier)?;
+        let stage = |points| SensorModes {
+            points,
+            body: self.body.clone(),
+            modes: self.modes.clone(),
+        };
+        Ok((!points.is_empty()).then(|| graph.add(stage(points))))
+    }
+}
+
+/// Bodies of a design that a run solves.
+pub fn solved_bodies(design: &Design) -> Vec<BodyKind> {
+    let on_table = design.support.kind == SupportKind::Worktable;
+    let mut kinds = vec![BodyKind::Workpiece];
+    kinds.extend(on_table.then_some(BodyKind::Worktable));
+    kinds.extend((design.body.model == BodyModel::Elastic).then_some(BodyKind::Tool));
+    kinds
+}
+
+/// The bodies of a design that a run solves.
+pub(super) struct Bodies {
+    /// Workpiece, and worktable if there is one.
+    pub(super) structure: Vec<BodyStages>,
+    /// The tool's body, unless it is rigid.
+    pub(super) tool: Option<BodyStages>,
+    /// What a run requires of each, known before any is solved.
+    pub(super) usable: Vec<Stored<Usable>>,
+}
+
+impl Bodies {
+    /// Adds the bodies of a design. The tool and what it stands on do not affect each other.
+    ///
+    /// # Errors
+    /// As [`BodyStages::add`].
+    pub(super) fn add(graph: &Graph, design: &Design) -> Result<Self, Error> {
+        let add = |kind| Ok((kind, BodyStages::add(graph, design, kind, true)?));
+        let solved: Vec<(BodyKind, BodyStages)> = solved_bodies(design)
+            .into_iter()
+            .map(add)
+            .collect::<Result<_, Error>>()?;
+        let mut usable = Vec::new();
+        for (kind, _) in &solved {
+            usable.extend(requirements(graph, design, *kind, &solved)?);
+        }
+        let (tools, structure): (Vec<_>, Vec<_>) = solved.into_iter().partition(|(kind, _)| *kind == BodyKind::Tool);
+        Ok(Self {
+            structure: structure.into_iter().map(|(_, stages)| stages).collect(),
+            tool: tools.into_iter().next().map(|(_, stages)| stages),
+            usable,
+        })
+    }
+
+    /// Workpiece and worktable in modal coordinates.
+    pub(super) fn of_structure(&self) -> Vec<Stored<Body>> {
+        self.structure.iter().map(|stages| stages.body.clone()).collect()
+    }
+
+    /// All in modal coordinates: the structure, then the tool.
+    pub(super) fn all(&self) -> impl Iterator<Item = &Stored<Body>> {
+        self.structure.iter().chain(&self.tool).map(|stages| &stages.body)
+    }
+}
+
+/// Adds what a run requires of a body to a graph; `stages` are those of all its bodies.
+fn requirements(
+    graph: &Graph,
+    design: &Design,
+    kind: BodyKind,
+    stages: &[(BodyKind, BodyStages)],
+) -> Result<Option<Stored<Usable>>, Error> {
+    let Some((_, own)) = stages.iter().find(|(other, _)| *other == kind) else {
+        return Ok(None);
+    };
+    let (carrier, radiating) = match kind {
+        BodyKind::Tool => {
+            let cap = inputs::radiation::cap(design);
+            let places = inputs::radiation::tool_places(design);
+            let radiating = inputs::radiation::tool(design).map(|elements| Radiating::Tool(elements, cap, places));
+            (Carrier::Tool, radiating)
+        }
+        BodyKind::Workpiece | BodyKind::Worktable => {
+            let of = |wanted: BodyKind| stages.iter().find(|(kind, _)| *kind == wanted);
+            let structure = [BodyKind::Workpiece, BodyKind::Worktable].into_iter().filter_map(of);
+            let meshed = structure.map(|(_, stages)| stages.meshed.clone()).collect();
+            let places = inputs::radiation::workpiece_places(design);
+            let radiating = Radiating::Workpiece(inputs::radiation::workpiece(design)?, meshed, places);
+            let carrier = match kind {
+                BodyKind::Worktable => Carrier::Worktable,
+                _ => Carrier::Workpiece,
+            };
+            (carrier, Some(radiating))
+        }
+    };
+    Ok(Some(graph.add(Requirements {
+        kind,
+        meshed: own.meshed.clone(),
+        model: own.model.clone(),
+        sensors: inputs::sensors::points(design, carrier)?,
+        mass: inputs::bodies::mass(design, kind),
+        radiating,
+    })))
+}
+
+/// A meshed body, and whether a run can use it.
+pub struct CheckedBody {
+    /// The mesh with materials.
+    pub meshed: Arc<Meshed>,
+    /// Why a run cannot use it; empty for a body that no run of the design solves.
+    pub problems: Vec<Error>,
+}
+
+/// Meshes bodies of a design and checks them as a run does before it solves any.
+pub fn check_bodies(design: &Design, kinds: &[BodyKind]) -> Vec<Result<CheckedBody, Error>> {
+    let (graph, solved) = (Graph::default(), solved_bodies(design));
+    let locate = |error| inputs::located(design, error);
+    let others = solved.iter().filter(|kind| !kinds.contains(kind));
+    let all = kinds.iter().chain(others);
+    let added = all.map(|&kind| (kind, BodyStages::add(&graph, design, kind, solved.contains(&kind))));
+    // Each mesh before any check: what reads a mesh that failed before no longer knows why.
+    let meshed = added.map(|(kind, stages)| {
+        let meshed = stages.and_then(|stages| Ok((stages.meshed.get()?, stages)));
+        (kind, meshed.map_err(locate))
+    });
+    let mut meshed: Vec<_> = meshed.collect();
+    let stages = meshed
+        .iter()
+        .filter_map(|(kind, meshed)| Some((*kind, meshed.as_ref().ok()?.1.clone())));
+    let stages: Vec<_> = stages.filter(|(kind, _)| solved.contains(kind)).collect();
+    let checked = meshed.drain(..kinds.len()).map(|(kind, meshed)| {
+        let (meshed, _) = meshed?;
+        let usable = requirements(&graph, design, kind, &stages)?;
+        let problem = usable.and_then(|usable| usable.get().err());
+        let problems = problem.map_or_else(Vec::new, |error| locate(error).parts());
+        Ok(CheckedBody { meshed, problems })
+    });
+    checked.collect()
+}

@@ -1,0 +1,214 @@
+//! Motion of the bodies of a design: of workpiece and support for each start and coupling, of the tool for each cycle.
+
+use nailnoise_acoustics::radiator::Loading;
+use nailnoise_dynamics::{CycleRecord, Settings};
+
+use super::bodies::{Bodies, BodyStages};
+use super::radiation::Radiators;
+use crate::design::{Carrier, Coupling, Design, inputs};
+use crate::error::Error;
+use crate::graph::Graph;
+use crate::stages::Stored;
+use crate::stages::bodies::BodySensors;
+use crate::stages::response::{
+    Coupled, CoupledCycle, CoupledResponse, CoupledVibration, LinearResponse, Response, Shot, Structure, Vibration,
+};
+use crate::stages::spectra::{BodyAnalysis, BodyMotion};
+use crate::stages::tool_response::{ToolResponse, ToolShot};
+
+/// What adds the motion of the bodies to a graph.
+pub(super) struct Motions<'a> {
+    graph: &'a Graph,
+    bodies: &'a Bodies,
+    radiators: &'a Radiators,
+    /// The cycle with the tool's lumped masses alone.
+    lumped: Stored<CycleRecord>,
+    settings: Settings,
+    /// The shot on workpiece and support.
+    pub(super) shot: Shot,
+    /// The shot on the tool.
+    pub(super) tool_shot: ToolShot,
+    /// Workpiece and support.
+    pub(super) structure: Structure,
+    /// Sensors on each body of the structure, and on the tool.
+    on_structure: Vec<Option<Stored<BodySensors>>>,
+    on_tool: Option<Stored<BodySensors>>,
+    force_scale: f64,
+    /// Range of the levels \[Hz\].
+    pub(super) range_hz: [f64; 2],
+    /// Whether the bodies act back on the cycle.
+    pub(super) two_way: bool,
+}
+
+/// What sets workpiece and support in motion, and the cycle that goes with it.
+pub(super) struct Driven {
+    /// The cycle.
+    pub(super) cycle: Stored<CycleRecord>,
+    /// The motion.
+    pub(super) vibration: Stored<Vibration>,
+    /// Both together, where they are coupled two ways.
+    pub(super) coupled: Option<Stored<Coupled>>,
+}
+
+impl<'a> Motions<'a> {
+    /// Of a design whose cycle with lumped masses is `lumped`, with a factor on the forces of the shot on the workpiece.
+    ///
+    /// # Errors
+    /// Values of the design from which no inputs can be made.
+    pub(super) fn new(
+        graph: &'a Graph,
+        design: &Design,
+        (bodies, radiators): (&'a Bodies, &'a Radiators),
+        (lumped, force_scale): (Stored<CycleRecord>, f64),
+    ) -> Result<Self, Error> {
+        let carriers = [Carrier::Workpiece, Carrier::Worktable];
+        let on_structure = bodies.structure.iter().zip(carriers);
+        let on_structure = on_structure.map(|(stages, carrier)| stages.sensors(graph, design, carrier));
+        let on_tool = bodies.tool.as_ref();
+        let on_tool = on_tool.map(|stages| stages.sensors(graph, design, Carrier::Tool));
+        let loads = &radiators.workpiece_loads;
+        Ok(Self {
+            graph,
+            bodies,
+            radiators,
+            lumped,
+            settings: inputs::cycle::cycle_settings(design),
+            shot: inputs::response::shot(design)?,
+            tool_shot: inputs::response::tool(design)?,
+            structure: Structure {
+                bodies: bodies.of_structure(),
+                loss_factors: bodies.structure.iter().map(|stages| stages.loss_factor).collect(),
+                fluid: radiators.acts.damps().then(|| loads.clone()),
+            },
+            on_structure: on_structure.collect::<Result<_, _>>()?,
+            on_tool: on_tool.transpose()?.flatten(),
+            force_scale,
+            range_hz: [design.analysis.range_low, design.analysis.range_high],
+            two_way: design.support.coupling == Coupling::TwoWay,
+        })
+    }
+
+    /// Whether the contact cannot open nor act back on the cycle, and the complete impedance of the air acts.
+    pub(super) fn is_linear(&self) -> bool {
+        self.radiators.acts == Loading::Full && !self.two_way && !self.shot.can_lose_contact()
+    }
+
+    /// A start of the shot, with the impedance of the air frozen at each mode's resonance.
+    pub(super) fn driven(&self, start: u32, two_way: bool) -> Driven {
+        let shot = self.shot.with_start(start);
+        if !two_way {
+            return Driven {
+                cycle: self.lumped.clone(),
+                vibration: self.one_way(shot),
+                coupled: None,
+            };
+        }
+        let both = self.graph.add(CoupledResponse {
+            shot,
+            structure: self.structure.clone(),
+            cycle: self.settings.clone(),
+        });
+        Driven {
+            cycle: self.graph.add(CoupledCycle(both.clone())),
+            vibration: self.graph.add(CoupledVibration(both.clone())),
+            coupled: Some(both),
+        }
+    }
+
+    fn one_way(&self, shot: Shot) -> Stored<Vibration> {
+        self.graph.add(Response {
+            shot,
+            structure: self.structure.clone(),
+            cycle: self.lumped.clone(),
+            force_scale: self.force_scale,
+        })
+    }
+
+    /// A response whose contact cannot open, with the complete impedance of the air.
+    pub(super) fn complete(&self, frozen: &Stored<Vibration>, shot: &Shot) -> Stored<Vibration> {
+        self.graph.add(LinearResponse {
+            frozen: frozen.clone(),
+            radiator: self.radiators.workpiece.radiator.clone(),
+            bodies: self.structure.bodies.clone(),
+            loss_factors: self.structure.loss_factors.clone(),
+            fluid: self.radiators.workpiece_loads.clone(),
+            supports: shot.supports.clone(),
+            guided: false,
+        })
+    }
+
+    /// The same shot one way with every contact bonded: with the impedance frozen, and with the complete one.
+    pub(super) fn bonded(&self) -> [Stored<Vibration>; 2] {
+        let bonded = self.shot.bonded();
+        let frozen = self.one_way(bonded.clone());
+        let complete = self.complete(&frozen, &bonded);
+        [frozen, complete]
+    }
+
+    /// Spectra of workpiece and support, with the signals of their sensors if asked for.
+    pub(super) fn analysed(&self, vibration: &Stored<Vibration>, with_sensors: bool) -> Vec<Stored<BodyMotion>> {
+        let bodies = self.bodies.structure.iter().zip(&self.on_structure).enumerate();
+        let analysis = bodies.map(|(index, (stages, sensors))| BodyAnalysis {
+            vibration: vibration.clone(),
+            index,
+            range_hz: self.within(stages.top_hz),
+            sensors: sensors.clone().filter(|_| with_sensors),
+        });
+        analysis.map(|stage| self.graph.add(stage)).collect()
+    }
+
+    /// Motion and spectra of an elastic tool in a cycle, with the impedance of the air that acts.
+    pub(super) fn tool(&self, cycle: &Stored<CycleRecord>) -> Option<(Stored<Vibration>, Stored<BodyMotion>)> {
+        let stages = self.bodies.tool.as_ref()?;
+        let frozen = self.frozen_tool(stages, cycle);
+        let complete = self.radiators.tool.as_ref();
+        let complete = complete.filter(|_| self.radiators.acts == Loading::Full);
+        let vibration = match complete {
+            None => frozen,
+            Some(tool) => self.graph.add(LinearResponse {
+                frozen,
+                radiator: tool.whole.radiator.clone(),
+                bodies: vec![stages.body.clone()],
+                loss_factors: vec![stages.loss_factor],
+                fluid: tool.loads.clone(),
+                supports: Vec::new(),
+                guided: true,
+            }),
+        };
+        let motion = self.tool_analysed(stages, &vibration);
+        Some((vibration, motion))
+    }
+
+    /// Spectra of an elastic tool with the impedance of the air frozen, where otherwise the complete one acts.
+    pub(super) fn tool_with_frozen_impedance(&self, cycle: &Stored<CycleRecord>) -> Option<Stored<BodyMotion>> {
+        let stages = self.bodies.tool.as_ref()?;
+        self.radiators.tool.as_ref()?;
+        Some(self.tool_analysed(stages, &self.frozen_tool(stages, cycle)))
+    }
+
+    fn frozen_tool(&self, stages: &BodyStages, cycle: &Stored<CycleRecord>) -> Stored<Vibration> {
+        let loads = self.radiators.tool.as_ref().map(|tool| tool.loads.clone());
+        self.graph.add(ToolResponse {
+            shot: self.tool_shot.clone(),
+            body: stages.body.clone(),
+            loss_factor: stages.loss_factor,
+            fluid: loads.filter(|_| self.radiators.acts.damps()),
+            cycle: cycle.clone(),
+        })
+    }
+
+    fn tool_analysed(&self, stages: &BodyStages, vibration: &Stored<Vibration>) -> Stored<BodyMotion> {
+        self.graph.add(BodyAnalysis {
+            vibration: vibration.clone(),
+            index: 0,
+            range_hz: self.within(stages.top_hz),
+            sensors: self.on_tool.clone(),
+        })
+    }
+
+    /// The range of the levels up to a frequency \[Hz\].
+    fn within(&self, top_hz: f64) -> [f64; 2] {
+        let [low, high] = self.range_hz;
+        [low, top_hz.min(high)]
+    }
+}
