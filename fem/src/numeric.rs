@@ -5,8 +5,8 @@
 //! ([`Subtrees`] says which). The few supernodes of the top are large: threads share their columns as they take over what is
 //! below, and their rows as they are eliminated, in pieces of [`WIDTH`] and [`HEIGHT`].
 //!
-//! Written here because the factorisation of faer shares single supernodes alone among threads, which the many small ones of a thin
-//! housing do not repay. Its dense kernels do the work.
+//! The factorisation is our own because that of faer is only parallel within single supernodes. This does not pay off for the
+//! many small supernodes of a thin housing. The dense kernels are those of faer.
 
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::cholesky::ldlt::factor::{LdltError, cholesky_in_place, cholesky_in_place_scratch};

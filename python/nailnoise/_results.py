@@ -297,8 +297,8 @@ class Shots(_Shown):
         names = [own["key"] for own in self.data["parameters"]] + self.data["scores"]
 
         def row(draw: dict[str, Any]) -> dict[str, Any]:
-            fate = draw["fate"]
-            figures = dict(fate["Shot"]) if isinstance(fate, dict) and "Shot" in fate else {"outcome": _failed(fate)}
+            end = draw["outcome"]
+            figures = dict(end["Shot"]) if isinstance(end, dict) and "Shot" in end else {"outcome": _failed(end)}
             return {"candidate": draw["candidate"], **figures, **dict(zip(names, draw["values"]))}
 
         return [row(draw) for draw in self.data["draws"]]
@@ -308,9 +308,9 @@ class Shots(_Shown):
         return f"{len(self.data['draws'])} shots (seed {self.data['seed']})", ["outcome", "draws"], [[own, str(n)] for own, n in counts]
 
 
-def _failed(fate: Any) -> str:
+def _failed(end: Any) -> str:
     """Name of the end of a shot that has no figures."""
-    return {"DryFire": "dry_fire"}.get(fate, "solver_failure") if isinstance(fate, str) else "solver_failure"
+    return {"DryFire": "dry_fire"}.get(end, "solver_failure") if isinstance(end, str) else "solver_failure"
 
 
 class Sweep(_Shown):

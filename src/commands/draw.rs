@@ -14,7 +14,7 @@ use crate::graph::Graph;
 use crate::output;
 use crate::result::DesignId;
 use crate::staging::Staging;
-use crate::study::{Counted, DrawnShot, Fate, Rejections, ShotSampler};
+use crate::study::{Counted, DrawnShot, Rejections, ShotOutcome, ShotSampler};
 
 /// Layout of `cycle --draw --json`; the draws themselves are in the file.
 #[derive(Serialize)]
@@ -50,7 +50,7 @@ pub(super) fn execute(common: &Common, design: &Design, count: usize, seed: u64)
     let mut failures = Vec::new();
     // Every draw goes to the file at once: memory does not grow with their number.
     let counted = sampler.each(&Graph::default(), count, &progress, |draw| {
-        if let Fate::SolverFailure(error) = &draw.fate {
+        if let ShotOutcome::SolverFailure(error) = &draw.outcome {
             failures.push(Failure {
                 candidate: draw.candidate,
                 error: error.clone(),
@@ -106,9 +106,9 @@ fn text(name: &str, seed: u64, sampler: &ShotSampler, study: &Counted) -> String
     counts.sort_by(|a, b| b.1.cmp(a.1));
     let rows: Vec<Vec<String>> = counts
         .into_iter()
-        .map(|(fate, count)| {
+        .map(|(outcome, count)| {
             let share = 100.0 * *count as f64 / drawn.max(1) as f64;
-            vec![fate.replace('_', " "), count.to_string(), format!("{share:.1}")]
+            vec![outcome.replace('_', " "), count.to_string(), format!("{share:.1}")]
         })
         .collect();
     text.push_str(&table(&["the shot", "designs", "%"], &rows));
@@ -137,7 +137,7 @@ fn text(name: &str, seed: u64, sampler: &ShotSampler, study: &Counted) -> String
 fn header(sampler: &ShotSampler) -> Vec<String> {
     let figures = [
         "candidate",
-        "fate",
+        "outcome",
         "mean_drive_speed [m/s]",
         "penetration [m]",
         "exhaust_mass [kg]",
@@ -161,9 +161,9 @@ fn header(sampler: &ShotSampler) -> Vec<String> {
 
 /// Cells of a design drawn.
 fn cells(draw: &DrawnShot) -> Vec<String> {
-    let (speed, depth, mass) = match &draw.fate {
-        Fate::Shot(shot) => (shot.mean_drive_speed, Some(shot.penetration), Some(shot.exhaust_mass)),
-        Fate::DryFire | Fate::SolverFailure(_) | Fate::Refused(_) => (None, None, None),
+    let (speed, depth, mass) = match &draw.outcome {
+        ShotOutcome::Shot(shot) => (shot.mean_drive_speed, Some(shot.penetration), Some(shot.exhaust_mass)),
+        ShotOutcome::DryFire | ShotOutcome::SolverFailure(_) | ShotOutcome::Refused(_) => (None, None, None),
     };
     let figures = [speed, depth, mass].map(|value| value.map_or_else(String::new, |value| format!("{value:e}")));
     let values = draw.values.iter().map(|value| match value {
@@ -173,7 +173,7 @@ fn cells(draw: &DrawnShot) -> Vec<String> {
         Value::Choice(word) => (*word).to_owned(),
         Value::File(path) => path.clone(),
     });
-    let names = [draw.candidate.to_string(), draw.fate.name().to_owned()];
+    let names = [draw.candidate.to_string(), draw.outcome.name().to_owned()];
     names.into_iter().chain(figures).chain(values).collect()
 }
 

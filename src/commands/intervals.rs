@@ -66,7 +66,7 @@ pub(super) fn study_of(store: &Store, design: &Design, progress: &Progress) -> R
         return Err("`study.screening` is 0".to_owned());
     }
     progress.note(&format!(
-        "no study of this design is kept: {} draws show how firm the levels are; `nailnoise study` makes more",
+        "no study of this design is kept: {} draws give a first estimate of the uncertainty; `nailnoise study` makes more",
         request.draws
     ));
     let made = super::study::compute(store, design, &request, progress);

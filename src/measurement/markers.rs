@@ -56,11 +56,11 @@ pub struct Marker {
 pub const MARKERS: [Marker; 9] = [
     marker("t0", Some("t0"), "trigger"),
     marker("t3", None, "block or table starts to move"),
-    marker("t4", Some("t7"), "transducer sees the chamber behind the piston"),
+    marker("t4", Some("t7"), "piston passes the transducer downwards"),
     marker("t7", None, "largest acceleration of table or block"),
     marker("t8", Some("t11"), "pressure in the cylinder has come to rest"),
     marker("t10", None, "handle is quiet"),
-    marker("t11", Some("t15"), "transducer sees the return chamber again"),
+    marker("t11", Some("t15"), "piston passes the transducer upwards"),
     marker("t12", Some("t16"), "piston hits its stop"),
     marker("t13", Some("t18"), "handle is quiet for good"),
 ];

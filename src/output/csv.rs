@@ -22,7 +22,7 @@ pub const EVENT_NAMES: [&str; 19] = [
     "nail meets the wood",
     "piston at 50.51 mm down",
     "check-ring holes uncovered",
-    "piston stops on the workpiece",
+    "piston stops relative to the workpiece",
     "piston on the bumper",
     "piston at rest on the bumper",
     "trigger valve released",

@@ -68,7 +68,7 @@ fn note(report: &MicrophoneReport) -> String {
         text.push_str(&format!("{}: {}; {phases}.\n", source.source, source.how));
     }
     text.push_str(
-        "\nJets are random: the exhaust is one draw of them. Peaks of synthetic parts and of jets are those of one draw.\n",
+        "\nJet noise is random: the exhaust files hold one realisation. Peaks of synthetic parts and of jets are those of one realisation.\n",
     );
     text
 }

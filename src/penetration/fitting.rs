@@ -225,7 +225,7 @@ fn remarks(law: &FittedLaw, drives: &[Drive], method: Method) -> Vec<String> {
     let [slow, fast] = file.ranges.speed_m_s;
     if form.uses(Variable::Rate) && !law.dynamic() && fast <= slow * (1.0 + 1e-9) {
         notes.push(
-            "all drives have one speed: the term rate is NL rho/H_M there, of nail and wood, and no effect of the speed"
+            "all drives have the same speed: the term rate varies with NL rho/H_M only and does not show the effect of speed"
                 .to_owned(),
         );
     }
@@ -238,7 +238,7 @@ fn remarks(law: &FittedLaw, drives: &[Drive], method: Method) -> Vec<String> {
     }
     if form.uses(Variable::Decay) && method == Method::LeastSquares {
         notes.push(
-            "least squares is biased with decay, which answers to the specimen: prefer within-between".to_owned(),
+            "least squares is biased for the term decay, because v/v0 depends on the specimen: prefer the within-between method".to_owned(),
         );
     }
     if drives.len() < 2 {

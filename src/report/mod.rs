@@ -45,7 +45,7 @@ pub use sound::Recording;
 
 pub(crate) use page::compared_by;
 use page::{Page, Section};
-use surface::Painted;
+use surface::ColouredSurface;
 pub use surface::Surroundings;
 
 /// Keys of a result that the report shows in a form of their own.
@@ -118,8 +118,8 @@ impl Stage for BodyPictures {
 
     fn compute(&self, _: &Progress) -> Result<Pictures, Error> {
         let moving: Vec<Driven> = self.moving.iter().map(MovingBody::get).collect::<Result<_, _>>()?;
-        let paint = |driven| Painted::new(&self.surroundings, driven);
-        let bodies: Vec<Painted<'_>> = moving.par_iter().map(paint).collect();
+        let paint = |driven| ColouredSurface::new(&self.surroundings, driven);
+        let bodies: Vec<ColouredSurface<'_>> = moving.par_iter().map(paint).collect();
         let (scene, modes) = rayon::join(
             || scene::figure(&bodies).map(Markup::into_string),
             || modes::section(&bodies).into_string(),

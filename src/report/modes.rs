@@ -4,19 +4,19 @@ use maud::{Markup, html};
 use rayon::prelude::*;
 
 use super::picture;
-use super::surface::{Painted, level};
+use super::surface::{ColouredSurface, level};
 
 /// Modes in the table, and those that are drawn.
 const LISTED: usize = 15;
 const DRAWN: usize = 6;
 
-pub(super) fn section(bodies: &[Painted<'_>]) -> Markup {
-    let mut modes: Vec<(&Painted<'_>, usize)> = bodies
+pub(super) fn section(bodies: &[ColouredSurface<'_>]) -> Markup {
+    let mut modes: Vec<(&ColouredSurface<'_>, usize)> = bodies
         .iter()
         .flat_map(|painted| (0..painted.body.basis.hz.len()).map(move |mode| (painted, mode)))
         .collect();
     modes.sort_by(|a, b| b.0.modes[b.1].total_cmp(&a.0.modes[a.1]));
-    let name = |painted: &Painted<'_>, mode: usize| -> String {
+    let name = |painted: &ColouredSurface<'_>, mode: usize| -> String {
         if painted.body.basis.rigid[mode] {
             "rigid".to_owned()
         } else {

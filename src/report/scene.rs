@@ -7,7 +7,7 @@ use nailnoise_acoustics::levels::octaves;
 use serde_json::json;
 
 use super::raster::{self, Triangle, picture, scale};
-use super::surface::{Painted, level};
+use super::surface::{ColouredSurface, level};
 
 /// Levels shown below the highest \[dB\].
 const SHOWN: f64 = 30.0;
@@ -24,7 +24,7 @@ const PLACE_STEPS: f64 = 30_000.0;
 
 /// A triangulated surface: corners of the triangles and the face of each, those that are free first.
 struct Triangles<'a> {
-    painted: &'a Painted<'a>,
+    painted: &'a ColouredSurface<'a>,
     corners: Vec<[usize; 3]>,
     faces: Vec<usize>,
     free: usize,
@@ -40,7 +40,7 @@ struct View {
 }
 
 /// A view of all bodies; none where there is no surface.
-pub(super) fn figure(bodies: &[Painted<'_>]) -> Option<Markup> {
+pub(super) fn figure(bodies: &[ColouredSurface<'_>]) -> Option<Markup> {
     let surfaces: Vec<Triangles<'_>> = bodies.iter().map(Triangles::new).collect();
     let whole = View::new(
         "all, A-weighted".to_owned(),
@@ -54,7 +54,7 @@ pub(super) fn figure(bodies: &[Painted<'_>]) -> Option<Markup> {
     let in_octave = |(index, octave): (usize, &nailnoise_acoustics::levels::Band)| {
         bodies.iter().find(|painted| painted.octaves[index].is_some())?;
         // A body that is not analysed there does not radiate there either.
-        let energies = |painted: &Painted<'_>| {
+        let energies = |painted: &ColouredSurface<'_>| {
             let own = painted.octaves[index].clone();
             own.unwrap_or_else(|| vec![0.0; painted.whole.len()])
         };
@@ -89,7 +89,7 @@ pub(super) fn figure(bodies: &[Painted<'_>]) -> Option<Markup> {
 
 impl<'a> Triangles<'a> {
     /// The faces as triangles between their corners.
-    fn new(painted: &'a Painted<'a>) -> Self {
+    fn new(painted: &'a ColouredSurface<'a>) -> Self {
         let faces = &painted.body.surface.faces;
         let mut found = Self {
             painted,
@@ -205,8 +205,8 @@ fn data(surfaces: &[Triangles<'_>], views: &[View]) -> serde_json::Value {
 }
 
 /// The range of each body in words.
-fn ranges(bodies: &[Painted<'_>]) -> String {
-    let range = |painted: &Painted<'_>| {
+fn ranges(bodies: &[ColouredSurface<'_>]) -> String {
+    let range = |painted: &ColouredSurface<'_>| {
         let [from, to] = painted.range_hz;
         format!("{from:.0} to {to:.0} Hz ({})", painted.body.name)
     };

@@ -223,8 +223,8 @@ fn variables(result: &StudyResult) -> Markup {
     let place = |place: Option<f64>| place.map_or_else(|| "\u{2013}".to_owned(), |place| format!("{place:.2}"));
     html! {
         div.scroll { table {
-            thead { tr { th { "quantity" } th { "changes" } th { "range (SI)" } th { "distribution" } th.n { "place of the design" }
-                th.n { "mean place of draws" } } }
+            thead { tr { th { "quantity" } th { "changes" } th { "range (SI)" } th { "distribution" } th.n { "quantile of the design" }
+                th.n { "mean quantile of draws" } } }
             tbody { @for own in &result.variables { tr {
                 td.key-name { (own.name) } td { (own.scope) @if !own.drawn { ", held" } }
                 td { @if let Some([low, high]) = own.range { (format!("{low:.4e} .. {high:.4e} {}", own.unit)) } @else { "own" } }

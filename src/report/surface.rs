@@ -37,7 +37,7 @@ pub struct Surroundings {
 }
 
 /// A body's surface with what its faces would radiate.
-pub(super) struct Painted<'a> {
+pub(super) struct ColouredSurface<'a> {
     pub(super) body: &'a Body,
     /// Loss factor of its modes \[-\].
     pub(super) loss_factor: f64,
@@ -55,7 +55,7 @@ pub(super) struct Painted<'a> {
     pub(super) modes: Vec<f64>,
 }
 
-impl<'a> Painted<'a> {
+impl<'a> ColouredSurface<'a> {
     pub(super) fn new(around: &Surroundings, driven: &'a Driven) -> Self {
         let (body, spectra) = (&*driven.body, &driven.motion.spectra);
         let surface = &body.surface;
@@ -128,7 +128,7 @@ impl<'a> Painted<'a> {
     }
 }
 
-impl Painted<'_> {
+impl ColouredSurface<'_> {
     /// The source to which the body belongs.
     pub(super) fn source(&self) -> &'static str {
         match self.body.name {

@@ -201,9 +201,9 @@ pub mod matrix {
 }
 
 /// Nothing is kept: the output costs less to compute than to read, or is an intermediate of outputs that are kept.
-pub struct NotKept;
+pub struct Uncached;
 
-impl<T> Codec<T> for NotKept {
+impl<T> Codec<T> for Uncached {
     const KEPT: bool = false;
 
     fn write(_: &T, _: &mut dyn Write) -> io::Result<()> {

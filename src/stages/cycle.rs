@@ -3,7 +3,7 @@
 use nailnoise_dynamics::{CycleRecord, Parameters, Settings, simulate};
 use serde::Serialize;
 
-use super::{Code, NotKept, Progress, Stage, code};
+use super::{Code, Progress, Stage, Uncached, code};
 use crate::error::Error;
 
 /// One nailing cycle: chamber pressures, motions, events, contact forces and exhaust flow.
@@ -29,7 +29,7 @@ impl Cycle {
 impl Stage for Cycle {
     type Output = CycleRecord;
     /// Computing the record takes less time than reading its 20 MB.
-    type Codec = NotKept;
+    type Codec = Uncached;
     const NAME: &'static str = "nailing cycle";
     const CODE: Code = code![dynamics, stages_cycle];
 

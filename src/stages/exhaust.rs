@@ -17,7 +17,7 @@ use super::convention::MovedPart;
 use super::intervals::EventEdges;
 use super::microphones::{AtMicrophones, JetOutlet, MicrophoneArray};
 use super::sound::{Sound, SoundSource, parts_of};
-use super::{Code, Input, NotKept, Progress, Stage, Stored, code};
+use super::{Code, Input, Progress, Stage, Stored, Uncached, code};
 use crate::error::Error;
 use crate::result::{Check, CrossCheck, Uncertainty};
 
@@ -86,7 +86,7 @@ impl ExhaustDetails {
     /// Check that cycle and acoustics see the same flow.
     pub fn check(&self) -> Check {
         Check::at_most(
-            "exhaust: mass of the jets over the cycle's, less 1",
+            "exhaust: relative difference between the air mass of the jets and that of the cycle",
             self.mass_gap,
             MASS_GAP,
         )
@@ -134,7 +134,7 @@ pub struct ExhaustSource {
 
 impl Stage for Exhaust {
     type Output = ExhaustSource;
-    type Codec = NotKept;
+    type Codec = Uncached;
     const NAME: &'static str = "exhaust";
     const CODE: Code = code!(
         dynamics,

@@ -37,7 +37,7 @@ use std::sync::Arc;
 
 use serde::{Serialize, Serializer};
 
-pub use codec::{Codec, Entry, HasMatrix, NotKept, Postcard, Undecodable, WithMatrix, matrix};
+pub use codec::{Codec, Entry, HasMatrix, Postcard, Uncached, Undecodable, WithMatrix, matrix};
 pub use progress::{Observer, Progress, Silent, Task, WithoutStages};
 
 use crate::error::Error;
@@ -46,7 +46,7 @@ use crate::error::Error;
 pub trait Stage: Serialize + Send + Sync + 'static {
     /// What it makes.
     type Output: Send + Sync + 'static;
-    /// How the output is kept between runs: [`Postcard`], [`NotKept`], or a form of its own.
+    /// How the output is kept between runs: [`Postcard`], [`Uncached`], or a form of its own.
     type Codec: Codec<Self::Output>;
     /// Its name in the store, in progress and in the timing of a run.
     const NAME: &'static str;

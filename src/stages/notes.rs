@@ -72,16 +72,16 @@ pub fn notes(inputs: &NoteInputs<'_>, record: &CycleRecord, openings: &Openings,
     shot.extend(estimates(inputs));
     let list = |what: &str, names: &[&str]| (!names.is_empty()).then(|| format!("{what}: {}", names.join(", ")));
     shot.extend(list(
-        "springs on bodies that are not in this design",
+        "unused springs, because their body is not in this design",
         &inputs.idle_springs,
     ));
     shot.extend(list(
-        "surfaces of bodies that this design builds itself",
+        "unused surfaces, because their body is built in or absent",
         &inputs.idle_surfaces,
     ));
     let guessed: Vec<&str> = inputs.guessed.iter().map(String::as_str).collect();
     shot.extend(list(
-        "surfaces that the file of a body does not name, by its shape",
+        "surfaces recognised by shape, because the body's file does not name them",
         &guessed,
     ));
     let mut methods = radiation_notes(inputs);
@@ -90,7 +90,7 @@ pub fn notes(inputs: &NoteInputs<'_>, record: &CycleRecord, openings: &Openings,
     methods.extend(inputs.convention.iter().cloned());
     methods.push(inputs.ending.to_owned());
     methods.extend(list(
-        "sensors on bodies that are not in this design",
+        "unused sensors, because their body is not in this design",
         &inputs.idle_sensors,
     ));
     let limited: Vec<String> = inputs
@@ -99,7 +99,10 @@ pub fn notes(inputs: &NoteInputs<'_>, record: &CycleRecord, openings: &Openings,
         .map(|(name, hz)| format!("{name} at {hz:.0} Hz"))
         .collect();
     let limited: Vec<&str> = limited.iter().map(String::as_str).collect();
-    methods.extend(list("sensors whose band ends with the modes of their body", &limited));
+    methods.extend(list(
+        "sensors whose upper frequency limit is that of the modes of their body",
+        &limited,
+    ));
     methods.push("the tool's later landing is not part of the shot".to_owned());
     Notes { shot, methods }
 }
@@ -120,7 +123,7 @@ fn estimates(inputs: &NoteInputs<'_>) -> Vec<String> {
             let difference = body.and_then(|report| report.surface_difference_db);
             let difference = difference.map_or_else(String::new, |decibels| {
                 format!(
-                    "; its power by the surface of the sphere of its volume {decibels:+.3} dB to that by the sphere's far field"
+                    "; power of the equivalent sphere from its surface {decibels:+.3} dB relative to its far field"
                 )
             });
             notes.push(format!(
@@ -221,14 +224,14 @@ fn radiation_note(what: &str, report: &RadiationReport) -> String {
     let [least, most] = report.limit_error_db;
     let blend = report.blend_error_db;
     format!(
-        "{what}: boundary elements at {} frequencies up to {:.0} Hz and in the mean over neighbouring ones up to {:.0} Hz (surface \
-         {:+.2} dB to the far field), the limit of high frequencies above, {} off at the transition and {least:+.1} to \
-         {most:+.1} dB in the last three bands of boundary elements; radiation efficiency 1 over all bands would give {}",
+        "{what}: boundary elements at {} single frequencies up to {:.0} Hz, averaged over bands up to {:.0} Hz (power from the \
+         surface {:+.2} dB relative to the far field); the high-frequency limit above (error at the transition: {}; in the last \
+         three bands of the boundary elements: {least:+.1} to {most:+.1} dB); radiation efficiency 1 in all bands would give {}",
         report.frequencies,
         report.solved_hz[0],
         report.solved_hz[1],
         report.surface_difference_db.unwrap_or(0.0),
-        blend.map_or_else(|| "nothing".to_owned(), |error| format!("{error:+.1} dB")),
+        blend.map_or_else(|| "none stated".to_owned(), |error| format!("{error:+.1} dB")),
         decibels(report.erp_lwa_db),
     )
 }
@@ -261,7 +264,7 @@ fn loading_note(sources: &[(&str, &FluidLoading)]) -> Option<String> {
         }
         part += ")";
         if let Some(shift) = loading.largest_shift {
-            part += &format!(", modes down by at most {:.2} %", -100.0 * shift);
+            part += &format!(", mode frequencies lowered by at most {:.2} %", -100.0 * shift);
         }
         let mass = loading.largest_mass.filter(|_| loading.acts != Loading::Full);
         if let Some(mass) = mass.filter(|mass| *mass > NOTABLE_MASS) {
@@ -271,7 +274,7 @@ fn loading_note(sources: &[(&str, &FluidLoading)]) -> Option<String> {
     }
     let warning = heaviest.map_or_else(String::new, |mass: f64| {
         format!(
-            "; the air that moves along has up to {:.1} % of a mode's mass: `acoustics.fluid_loading = \"full\"` lets it act",
+            "; the added mass of the air is up to {:.1} % of a mode's mass: set `acoustics.fluid_loading = \"full\"` to include it",
             100.0 * mass
         )
     });
@@ -293,7 +296,7 @@ fn complete_impedance_note(changes: &[FluidLoadingChange]) -> Option<String> {
     let parts: Vec<String> = changes.iter().filter_map(part).collect();
     (!parts.is_empty()).then(|| {
         format!(
-            "fluid loading, complete impedance of every frequency against the one frozen at each mode's resonance: {}",
+            "fluid loading, change by the complete impedance relative to the impedance frozen at each mode's resonance: {}",
             parts.join("; ")
         )
     })

@@ -17,7 +17,7 @@ pub struct Outcomes {
 
 /// What became of a shot.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub enum Fate {
+pub enum ShotOutcome {
     /// The cycle was computed.
     Shot(Shot),
     /// The piston used up the volume below it: nothing stops it, and the model ends.
@@ -41,7 +41,7 @@ pub struct Shot {
     pub exhaust_mass: f64,
 }
 
-impl Fate {
+impl ShotOutcome {
     /// Its name: the outcome, `dry_fire`, `solver_failure` or `refused`.
     pub fn name(&self) -> &str {
         match self {
@@ -54,30 +54,30 @@ impl Fate {
 }
 
 impl Stage for Outcomes {
-    type Output = Vec<Fate>;
+    type Output = Vec<ShotOutcome>;
     type Codec = Postcard;
     const NAME: &'static str = "outcomes of shots";
     const CODE: Code = code![dynamics, stages_cycle, stages_outcomes];
 
-    fn compute(&self, _: &Progress) -> Result<Vec<Fate>, Error> {
-        Ok(self.cycles.par_iter().map(fate).collect())
+    fn compute(&self, _: &Progress) -> Result<Vec<ShotOutcome>, Error> {
+        Ok(self.cycles.par_iter().map(outcome).collect())
     }
 }
 
 /// What becomes of the shot of a cycle.
-pub fn fate(cycle: &Cycle) -> Fate {
+pub fn outcome(cycle: &Cycle) -> ShotOutcome {
     match simulate(&cycle.parameters, &cycle.settings) {
-        Ok(record) => Fate::Shot(Shot {
+        Ok(record) => ShotOutcome::Shot(Shot {
             outcome: record.outcome.name().to_owned(),
             mean_drive_speed: record.summary.mean_drive_speed,
             penetration: record.summary.penetration,
             exhaust_mass: record.summary.exhaust_mass,
         }),
-        Err(CycleError::DryFire { .. }) => Fate::DryFire,
+        Err(CycleError::DryFire { .. }) => ShotOutcome::DryFire,
         Err(error @ (CycleError::Integration { .. } | CycleError::Collapse { .. } | CycleError::Chatter { .. })) => {
-            Fate::SolverFailure(error.to_string())
+            ShotOutcome::SolverFailure(error.to_string())
         }
-        Err(error) => Fate::Refused(rule(&error).to_owned()),
+        Err(error) => ShotOutcome::Refused(rule(&error).to_owned()),
     }
 }
 

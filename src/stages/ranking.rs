@@ -146,7 +146,8 @@ pub fn interval_checks(ranking: &[RankedSource], sources: &[&SoundSource], toler
         let name = format!("{}: intervals sum to the total", ranked.source);
         checks.push(Check::at_most(name, gap, ROUNDING));
         for (part, mismatch) in &source.mismatches {
-            let name = format!("{part}: energy of interval signals beside the spectrum's");
+            let name =
+                format!("{part}: relative difference between the energies of the interval signals and of the spectrum");
             checks.push(Check::at_most(name, *mismatch, MISMATCH + tolerance));
         }
     }

@@ -240,7 +240,7 @@ impl SoundFields {
 /// Checks that a field holds the energy of its source.
 fn checks(source: &str, field: &SoundField) -> Vec<Check> {
     let check = |(what, decibels): &(&str, f64)| {
-        let name = format!("pictures: {what} less the energy of the {source} in these bands [dB]");
+        let name = format!("sound field: energy by {what} relative to that of the {source} in these bands [dB]");
         Check::at_most(name, *decibels, DIFFERENCE)
     };
     field.balances.iter().map(check).collect()

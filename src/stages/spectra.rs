@@ -12,7 +12,7 @@ use serde::Serialize;
 
 use super::bodies::{Body, BodySensors};
 use super::response::Vibration;
-use super::{Code, Input, NotKept, Progress, Stage, Stored, code};
+use super::{Code, Input, Progress, Stage, Stored, Uncached, code};
 use crate::error::Error;
 
 /// Modes whose motion is computed together: their forces are one matrix product.
@@ -109,7 +109,7 @@ impl SensorMotion {
 
 impl Stage for BodyAnalysis {
     type Output = BodyMotion;
-    type Codec = NotKept;
+    type Codec = Uncached;
     const NAME: &'static str = "modal spectra";
     const CODE: Code = code!(
         dynamics,

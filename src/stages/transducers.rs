@@ -4,7 +4,7 @@ use nailnoise_dynamics::CycleRecord;
 use rayon::prelude::*;
 use serde::Serialize;
 
-use super::{Code, Input, NotKept, Progress, Stage, Stored, code};
+use super::{Code, Input, Progress, Stage, Stored, Uncached, code};
 use crate::design::Chamber;
 use crate::error::Error;
 use crate::result::TransducerRange;
@@ -61,7 +61,7 @@ pub struct Transducers {
 
 impl Stage for Transducers {
     type Output = Vec<PressureRecord>;
-    type Codec = NotKept;
+    type Codec = Uncached;
     const NAME: &'static str = "pressure transducers";
     const CODE: Code = code!(dynamics, stages_transducers);
 

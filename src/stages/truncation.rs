@@ -43,7 +43,7 @@ impl Truncation {
     /// Note on it.
     pub fn note(&self) -> String {
         format!(
-            "{} is absent above {:.0} Hz; its last octave continued would add {:.2} dB to the {}",
+            "{} is not modelled above {:.0} Hz; extrapolation of its last octave would add {:.2} dB to the {}",
             self.part, self.top_hz, self.decibels, self.source
         )
     }

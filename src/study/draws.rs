@@ -21,7 +21,7 @@ use crate::error::Error;
 use crate::graph::Graph;
 use crate::stages::Progress;
 use crate::stages::levels::Levels;
-use crate::stages::outcomes::{Fate, Shot};
+use crate::stages::outcomes::{Shot, ShotOutcome};
 
 /// A draw.
 #[derive(Debug, Clone, PartialEq)]
@@ -236,8 +236,8 @@ pub(super) fn levels(
         drop(anchors);
         for (place, (planned, results)) in group.iter().zip(all.chunks(designs.len())).enumerate() {
             let candidate = &planned.candidate;
-            let draw = |(result, fate): (&Result<Levels, Error>, &Fate)| match (result, fate) {
-                (Ok(levels), Fate::Shot(shot)) => Ok(Draw {
+            let draw = |(result, outcome): (&Result<Levels, Error>, &ShotOutcome)| match (result, outcome) {
+                (Ok(levels), ShotOutcome::Shot(shot)) => Ok(Draw {
                     structure: planned.structure,
                     candidate: candidate.index,
                     method_db: method_errors(sampler.variables(), &candidate.point, levels),
@@ -246,9 +246,9 @@ pub(super) fn levels(
                     levels: levels.clone(),
                 }),
                 (Err(error), _) => Err(reason(error, all.iter().filter_map(|result| result.as_ref().err()))),
-                (Ok(_), fate) => Err(format!("its shot ends as {}", fate.name())),
+                (Ok(_), outcome) => Err(format!("its shot ends as {}", outcome.name())),
             };
-            let own = results.iter().zip(&candidate.fates).map(draw);
+            let own = results.iter().zip(&candidate.outcomes).map(draw);
             match own.collect::<Result<Vec<Draw>, String>>() {
                 Ok(own) => draws.iter_mut().zip(own).for_each(|(draws, own)| draws.push(own)),
                 Err(message) => failures.push((first + place, message)),

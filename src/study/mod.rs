@@ -57,4 +57,4 @@ pub use table::csv;
 pub use variable_report::VariableReport;
 pub use variables::{Drawn, Kind, Scope, Variable, common_variables, differing_keys, variables};
 
-pub use crate::stages::outcomes::{Fate, Shot};
+pub use crate::stages::outcomes::{Shot, ShotOutcome};

@@ -70,7 +70,7 @@ pub(super) fn notes(design: &Design, request: &Request, made: &Draws, variables:
             .take(6)
             .map(|(name, place)| format!("{name} to {place:.2}"));
         notes.push(format!(
-            "rejected values and shots move the mean place of {} quantities in their distributions from 0.50: {}{}",
+            "rejection of values and shots shifts the mean quantile of {} quantities from 0.50: {}{}",
             shifted.len(),
             list.collect::<Vec<_>>().join(", "),
             if shifted.len() > 6 { ", ..." } else { "" }
@@ -86,7 +86,7 @@ pub(super) fn notes(design: &Design, request: &Request, made: &Draws, variables:
         .collect();
     if !ends.is_empty() {
         notes.push(format!(
-            "{} values of the design stand at an end of what is drawn: {}",
+            "{} values of the design lie at an end of the range that is drawn: {}",
             ends.len(),
             ends.join(", ")
         ));

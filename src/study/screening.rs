@@ -14,7 +14,7 @@ use crate::design::{Design, Values};
 use crate::error::Error;
 use crate::graph::Graph;
 use crate::stages::cycle::Cycle;
-use crate::stages::outcomes::{Fate, Outcomes};
+use crate::stages::outcomes::{Outcomes, ShotOutcome};
 
 /// Candidates computed and kept at a time; for a partner of a point, which needs one, at first and then twice as many each time.
 pub(super) const BLOCK: u64 = 64;
@@ -33,7 +33,7 @@ pub struct Candidate {
     /// What is drawn.
     pub point: Point,
     /// What became of its shot in each design.
-    pub fates: Vec<Fate>,
+    pub outcomes: Vec<ShotOutcome>,
 }
 
 /// What became of all candidates.
@@ -143,8 +143,8 @@ pub(super) fn block_of(
 }
 
 /// The name under which the outcomes of a candidate are counted: one name, or those of the designs.
-fn name(fates: &[Fate]) -> String {
-    let mut names: Vec<&str> = fates.iter().map(Fate::name).collect();
+fn name(outcomes: &[ShotOutcome]) -> String {
+    let mut names: Vec<&str> = outcomes.iter().map(ShotOutcome::name).collect();
     names.dedup();
     names.join(" / ")
 }
@@ -181,8 +181,8 @@ pub fn screen(
         }
         let (block, outcomes) = block(first, size);
         size = BLOCK.min(2 * size);
-        let fates = graph.get(outcomes)?;
-        let mut fates = fates.chunks(designs.len());
+        let outcomes = graph.get(outcomes)?;
+        let mut outcomes = outcomes.chunks(designs.len());
         for (index, (cycles, rejections)) in (first..).zip(block) {
             if accepted.len() == want {
                 break;
@@ -191,31 +191,34 @@ pub fn screen(
             for (keys, count) in rejections {
                 *tally.rejections.entry(keys).or_default() += count;
             }
-            let (point, fates) = match cycles {
-                Ok((point, _)) => (point, fates.next().unwrap_or_default().to_vec()),
+            let (point, outcomes) = match cycles {
+                Ok((point, _)) => (point, outcomes.next().unwrap_or_default().to_vec()),
                 Err(reason) => {
                     *tally.refused.entry(reason).or_default() += 1;
                     continue;
                 }
             };
-            let refused = fates.iter().find_map(|fate| match fate {
-                Fate::Refused(reason) => Some(reason.clone()),
+            let refused = outcomes.iter().find_map(|outcome| match outcome {
+                ShotOutcome::Refused(reason) => Some(reason.clone()),
                 _ => None,
             });
             if let Some(reason) = refused {
                 *tally.refused.entry(reason).or_default() += 1;
                 continue;
             }
-            *tally.outcomes.entry(name(&fates)).or_default() += 1;
-            let messages = fates.iter().filter_map(|fate| match fate {
-                Fate::SolverFailure(message) => Some((index, message.clone())),
+            *tally.outcomes.entry(name(&outcomes)).or_default() += 1;
+            let messages = outcomes.iter().filter_map(|outcome| match outcome {
+                ShotOutcome::SolverFailure(message) => Some((index, message.clone())),
                 _ => None,
             });
             tally.failures.extend(messages);
-            let counts = fates.iter().zip(designs).all(|(fate, design)| qualifies(design, fate));
+            let counts = outcomes
+                .iter()
+                .zip(designs)
+                .all(|(outcome, design)| qualifies(design, outcome));
             tally.condition.add(&point.shares, counts);
             if counts {
-                accepted.push(Candidate { index, point, fates });
+                accepted.push(Candidate { index, point, outcomes });
             }
         }
         found(accepted.len());
@@ -238,10 +241,10 @@ pub fn screen(
 }
 
 /// Whether a study of a design counts a shot.
-pub(super) fn qualifies(design: &Design, fate: &Fate) -> bool {
+pub(super) fn qualifies(design: &Design, outcome: &ShotOutcome) -> bool {
     let require = &design.study().require;
-    match fate {
-        Fate::Shot(shot) => require.is_empty() || require.contains(&shot.outcome.as_str()),
-        Fate::DryFire | Fate::SolverFailure(_) | Fate::Refused(_) => false,
+    match outcome {
+        ShotOutcome::Shot(shot) => require.is_empty() || require.contains(&shot.outcome.as_str()),
+        ShotOutcome::DryFire | ShotOutcome::SolverFailure(_) | ShotOutcome::Refused(_) => false,
     }
 }

@@ -13,7 +13,7 @@ use super::variables::{Drawn, Kind, Scope, Variable, law_scores, without_sensors
 use crate::design::{Design, Value, Values};
 use crate::error::Error;
 use crate::graph::Graph;
-use crate::stages::outcomes::Fate;
+use crate::stages::outcomes::ShotOutcome;
 use crate::stages::{Progress, Stage};
 
 /// Candidates drawn at most for each design asked for, lest a design whose ranges hardly go together never ends.
@@ -43,7 +43,7 @@ pub struct DrawnShot {
     /// Values of the parameters, then the scores, in their order.
     pub values: Vec<Value>,
     /// What became of it.
-    pub fate: Fate,
+    pub outcome: ShotOutcome,
 }
 
 /// Draws `count` designs from the ranges of the keys of `design` that take part in the cycle, and computes the cycle of each on a graph.
@@ -141,11 +141,11 @@ impl ShotSampler {
             let block = first as u64..first as u64 + BLOCK;
             let (block, outcomes) = block_of((designs, &self.sampler), frame, block);
             // Without a store, a graph would hold the outcomes of all blocks.
-            let fates = match graph.store().folder() {
+            let outcomes = match graph.store().folder() {
                 Some(_) => graph.get(outcomes)?,
                 None => Arc::new(outcomes.compute(progress)?),
             };
-            let mut fates = fates.iter();
+            let mut outcomes = outcomes.iter();
             for (candidate, (cycles, rejections)) in (first..).zip(block) {
                 if all.drawn == count {
                     break;
@@ -154,14 +154,14 @@ impl ShotSampler {
                 for (keys, count) in rejections {
                     *all.rejections.entry(keys).or_default() += count;
                 }
-                let shot = cycles.and_then(|(point, _)| match fates.next() {
-                    Some(Fate::Refused(reason)) => Err(reason.clone()),
-                    Some(fate) => Ok((point, fate.clone())),
+                let shot = cycles.and_then(|(point, _)| match outcomes.next() {
+                    Some(ShotOutcome::Refused(reason)) => Err(reason.clone()),
+                    Some(outcome) => Ok((point, outcome.clone())),
                     None => Err("its computation ended".to_owned()),
                 });
                 match shot {
-                    Ok((point, fate)) => {
-                        *all.counts.entry(fate.name().to_owned()).or_default() += 1;
+                    Ok((point, outcome)) => {
+                        *all.counts.entry(outcome.name().to_owned()).or_default() += 1;
                         all.drawn += 1;
                         let value = |(variable, share): (&Variable, &f64)| match variable.drawn(*share) {
                             Some(Drawn::Value(value)) => Some(value),
@@ -171,7 +171,7 @@ impl ShotSampler {
                         sink(DrawnShot {
                             candidate,
                             values: variables.iter().zip(&point.shares).filter_map(value).collect(),
-                            fate,
+                            outcome,
                         })?;
                     }
                     Err(reason) => *all.refused.entry(reason).or_default() += 1,

@@ -14,7 +14,7 @@ use crate::design::{Design, Values};
 use crate::error::Error;
 use crate::graph::Graph;
 use crate::stages::levels::Levels;
-use crate::stages::outcomes::Fate;
+use crate::stages::outcomes::ShotOutcome;
 use crate::wording::hexadecimal;
 
 /// The candidates of a study, or of draws of shots, in blocks.
@@ -68,12 +68,12 @@ impl Candidates {
         let bases = [Values::clone(&self.design)];
         let frame = Frame::new(&bases, &self.active, 0);
         let (_, outcomes) = block_of((designs, &self.sampler), frame, block * BLOCK..(block + 1) * BLOCK);
-        let fates = graph.get(outcomes)?;
-        let counts = |fate: &&Fate| match fate {
-            Fate::Refused(_) => false,
-            fate => !self.conditional || qualifies(&self.design, fate),
+        let outcomes = graph.get(outcomes)?;
+        let counts = |outcome: &&ShotOutcome| match outcome {
+            ShotOutcome::Refused(_) => false,
+            outcome => !self.conditional || qualifies(&self.design, outcome),
         };
-        Ok(fates.iter().filter(counts).count())
+        Ok(outcomes.iter().filter(counts).count())
     }
 }
 

@@ -60,8 +60,8 @@ pub(super) fn event(name: &str, state: &State) -> String {
 fn status(state: &State) -> String {
     match (&state.doing, &state.failure, &state.last) {
         (Some(doing), ..) => format!("computing: {doing}"),
-        (None, Some(_), Some(last)) => format!("what was saved last has no result; run {} is shown", last.number),
-        (None, Some(_), None) => "what was saved last has no result".to_owned(),
+        (None, Some(_), Some(last)) => format!("the last save has no result; run {} is shown", last.number),
+        (None, Some(_), None) => "the last save has no result".to_owned(),
         (None, None, Some(last)) => format!("run {}, computed in {:.1} s", last.number, last.seconds),
         (None, None, None) => "waits".to_owned(),
     }

@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use nailnoise::Error;
 use nailnoise::graph::{Graph, key};
-use nailnoise::stages::{Code, Input, NotKept, Postcard, Progress, Silent, Stage, Stored};
+use nailnoise::stages::{Code, Input, Postcard, Progress, Silent, Stage, Stored, Uncached};
 use nailnoise::store::{LIMIT, Store};
 use serde::Serialize;
 
@@ -39,7 +39,7 @@ struct Sum {
 
 impl Stage for Sum {
     type Output = u64;
-    type Codec = NotKept;
+    type Codec = Uncached;
     const NAME: &'static str = "sum";
     const CODE: Code = Code(&[("test", "1")]);
 

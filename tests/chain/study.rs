@@ -10,7 +10,7 @@ use nailnoise::design::Value;
 use nailnoise::design::inputs::cycle as inputs;
 use nailnoise::graph::Graph;
 use nailnoise::stages::Progress;
-use nailnoise::study::{DrawnShot, Fate, Shots, shots, taking_part};
+use nailnoise::study::{DrawnShot, ShotOutcome, Shots, shots, taking_part};
 use nailnoise_dynamics::{Parameters, simulate};
 use rayon::prelude::*;
 
@@ -31,7 +31,7 @@ fn a_thousand_designs_have_an_outcome_and_none_fails_in_the_solver() {
     let failed: Vec<_> = study
         .draws
         .iter()
-        .filter(|draw| matches!(draw.fate, Fate::SolverFailure(_)))
+        .filter(|draw| matches!(draw.outcome, ShotOutcome::SolverFailure(_)))
         .collect();
     assert!(failed.is_empty(), "{failed:#?}");
     let counted = &study.counted;
@@ -55,7 +55,7 @@ fn parameters(design: &Design, study: &Shots, draw: &DrawnShot) -> Parameters {
 }
 
 /// What the reference says became of a shot.
-fn fate(p: &Parameters, shot: &reference::Shot) -> &'static str {
+fn outcome(p: &Parameters, shot: &reference::Shot) -> &'static str {
     let [t3, t9, t12] = [3, 9, 12].map(|i| shot.events[i]);
     if shot.dry {
         "dry_fire"
@@ -94,10 +94,10 @@ fn differences(design: &Design, p: &Parameters, draw: &DrawnShot, (step, part): 
     let record = simulate(p, &settings).ok();
     let end = record.as_ref().map_or(settings.end, |r| r.time(r.len() - 1));
     let shot = reference::integrate(p, step, end);
-    let name = format!("candidate {}, {}, step {step}", draw.candidate, draw.fate.name());
+    let name = format!("candidate {}, {}, step {step}", draw.candidate, draw.outcome.name());
     let mut wrong = Vec::new();
-    if fate(p, &shot) != draw.fate.name() {
-        wrong.push(format!("{name}: the reference says {}", fate(p, &shot)));
+    if outcome(p, &shot) != draw.outcome.name() {
+        wrong.push(format!("{name}: the reference says {}", outcome(p, &shot)));
     }
     let events = record.map(|record| record.events.to_array());
     for (i, (a, b)) in events.into_iter().flatten().zip(shot.events).enumerate() {
@@ -118,7 +118,7 @@ fn ten_of_each_outcome_agree_with_the_reference() {
     let (design, study) = (design(), thousand());
     let mut chosen: Vec<&DrawnShot> = Vec::new();
     for name in study.counted.counts.keys() {
-        chosen.extend(study.draws.iter().filter(|draw| draw.fate.name() == name).take(10));
+        chosen.extend(study.draws.iter().filter(|draw| draw.outcome.name() == name).take(10));
     }
     let compare = |draw: &&DrawnShot| -> Vec<String> {
         let p = parameters(&design, study, draw);
@@ -143,7 +143,7 @@ fn draws_depend_on_the_seed_and_not_on_threads() {
         study
             .draws
             .iter()
-            .map(|d| (d.candidate, d.values.clone(), d.fate.name().to_owned()))
+            .map(|d| (d.candidate, d.values.clone(), d.outcome.name().to_owned()))
             .collect::<Vec<_>>()
     };
     assert_eq!(draws(7, 1), draws(7, 2));

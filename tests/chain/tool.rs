@@ -156,7 +156,7 @@ fn an_impact_shorter_than_a_sample_keeps_its_impulse() {
     let mut design = bar(1.0);
     design.contacts.cap_stiffness = 1.1e11;
     let run = run(&design);
-    let name = "tool: velocity beside the cycle's";
+    let name = "tool: difference between its velocity and that in the cycle, relative to the largest velocity";
     let check = run.result.checks.iter().find(|check| check.name == name).unwrap();
     assert!(check.ok, "{check:?}");
 }

@@ -37,7 +37,7 @@ pub use modes::surface_fit::SurfaceFit;
 pub use modes::surface_pressures::SurfacePressures;
 pub use solver::cost::{FrequencyCost, SurfaceSize};
 pub use solver::neumann::Patterns;
-pub use solver::plate::{Plate, Wetted};
+pub use solver::plate::{Plate, WetSides};
 pub use solver::problem::{EquationSolver, Exterior, SurfacePressure};
 pub use solver::resistance::{Estimate, TwoEvaluations};
 pub use solver::transfer::MovingPart;

@@ -1,4 +1,4 @@
-//! The complete impedance on a linear motion of which the one with a frozen impedance is known.
+//! Correction of a linear motion from the frozen to the complete radiation impedance.
 
 use super::damped_transform::DampedTransform;
 use super::error::FluidLoadingError;

@@ -133,7 +133,7 @@ fn uncertainty(
     let evaluations =
         differences.surface_db.map_or(0.0, f64::abs) + lacking_db.unwrap_or(0.0) + bem.summary.gap_error_db;
     let lacking = lacking_db.map_or_else(String::new, |db| {
-        format!("; standard modes of the same surface lack motion worth at most {db:.2} dB")
+        format!("; motion that the standard modes of the same surface do not represent, at most {db:.2} dB")
     });
     let gap = match bem.summary.gap_error_db {
         0.0 => String::new(),
@@ -143,8 +143,8 @@ fn uncertainty(
         minus: Some(evaluations - above(10f64.powf(-most.max(0.0) / 10.0)).min(0.0)),
         plus: Some(evaluations + above(10f64.powf(-least.min(0.0) / 10.0)).max(0.0)),
         basis: format!(
-            "power by surface and by far field, and above {:.0} Hz the limit of high frequencies, {least:+.1} to {most:+.1} dB \
-             off in the last bands of boundary elements{lacking}{gap}",
+            "difference between surface and far-field power, and above {:.0} Hz the error of the high-frequency limit, {least:+.1} to \
+             {most:+.1} dB in the last bands of the boundary elements{lacking}{gap}",
             bem.transition_hz()[0]
         ),
     }

@@ -2,7 +2,7 @@
 
 use crate::common::{even, graded, quarter_disk, rectangle};
 use nailnoise_acoustics::Air;
-use nailnoise_acoustics::bem::{Boundary, BoundaryMesh, Parity, Patterns, Plate, Wetted};
+use nailnoise_acoustics::bem::{Boundary, BoundaryMesh, Parity, Patterns, Plate, WetSides};
 use nailnoise_acoustics::fluid_loading::{DryModes, ImpedanceTable, WetModes, resonances};
 use nalgebra::{Complex, DMatrix, DVector, SymmetricEigen};
 use std::f64::consts::{PI, TAU};
@@ -21,7 +21,7 @@ fn water() -> Air {
 fn plate(
     mesh: BoundaryMesh,
     mirrors: [Option<f64>; 2],
-    wetted: Wetted,
+    wetted: WetSides,
     shapes: &[Box<dyn Fn(f64, f64) -> f64>],
 ) -> (Plate, Patterns) {
     let midplane = Boundary::flat(mesh, mirrors).unwrap();
@@ -50,7 +50,7 @@ fn added_mass((plate, patterns): &(Plate, Patterns)) -> DMatrix<f64> {
 fn a_rigid_disk_in_free_fluid_carries_the_mass_of_lamb() {
     let errors = [2, 3, 6].map(|n| {
         let mesh = quarter_disk(n, |s| (0.5 * PI * s).sin());
-        let disk = plate(mesh, [Some(0.0); 2], Wetted::Both, &[Box::new(|_, _| 1.0)]);
+        let disk = plate(mesh, [Some(0.0); 2], WetSides::Both, &[Box::new(|_, _| 1.0)]);
         added_mass(&disk)[(0, 0)] / (8.0 / 3.0 * WATER) - 1.0
     });
     println!("{errors:?}");
@@ -68,7 +68,7 @@ fn a_clamped_disk_in_a_baffle() {
         let disk = plate(
             mesh,
             [Some(0.0); 2],
-            Wetted::OneInBaffle,
+            WetSides::OneInBaffle,
             &[Box::new(|x, y| (1.0 - x * x - y * y).powi(2))],
         );
         let of_plate = PI / 5.0;
@@ -92,7 +92,7 @@ fn a_clamped_disk_in_a_baffle() {
 fn rigid_rectangles_in_broadside_motion() {
     for (ratio, coefficient) in [(1.0, 0.5804), (2.0, 0.7583), (3.0, 0.8333)] {
         let mesh = rectangle(&graded(ratio, 12), &graded(1.0, 8));
-        let moving = plate(mesh, [None; 2], Wetted::Both, &[Box::new(|_, _| 1.0)]);
+        let moving = plate(mesh, [None; 2], WetSides::Both, &[Box::new(|_, _| 1.0)]);
         let error = added_mass(&moving)[(0, 0)] / (WATER * PI * ratio / 4.0) / coefficient - 1.0;
         println!("{ratio}: {error:.4}");
         assert!(error.abs() < 0.01, "{ratio}: {error}");
@@ -112,7 +112,7 @@ fn a_simply_supported_plate_in_a_baffle() {
     let moving = plate(
         rectangle(&even(a, 10), &even(b, 10)),
         [None; 2],
-        Wetted::OneInBaffle,
+        WetSides::OneInBaffle,
         &[Box::new(move |x, y| {
             amplitude * (PI * x / a).sin() * (PI * y / b).sin()
         })],
@@ -148,7 +148,7 @@ fn sheets_in_air() {
                 v[0] = amplitude * (PI * point.position.x / a).sin() * (PI * point.position.y / b).sin();
             }),
         };
-        let sheet = Plate::new(midplane, &Air::default(), Wetted::OneInBaffle);
+        let sheet = Plate::new(midplane, &Air::default(), WetSides::OneInBaffle);
         let both = |hz: f64| sheet.impedance(hz, &patterns).map(|z| z * Complex::from(2.0));
         let table = ImpedanceTable::new([0.5 * hz, 1.5 * hz], 6, both).unwrap();
         let modes = DryModes::new(vec![TAU * hz], vec![zeta]).unwrap();
@@ -303,7 +303,7 @@ fn cantilevers_in_water() {
     for ([a, b], dry, ratio) in cases {
         let beam = Cantilever::new([a, b, 0.005], [207e9, 0.3, 7850.0]);
         let mesh = rectangle(&graded(a, 10), &graded(b, 10));
-        let (plate, patterns) = plate(mesh, [None; 2], Wetted::Both, &beam.functions());
+        let (plate, patterns) = plate(mesh, [None; 2], WetSides::Both, &beam.functions());
         let table = ImpedanceTable::new([3.0, 700.0], 6, |hz| plate.impedance(hz, &patterns)).unwrap();
         let at = |w: f64| table.at(Complex::from(w));
         let modes = DryModes::new(beam.omega.clone(), vec![0.0; beam.omega.len()]).unwrap();

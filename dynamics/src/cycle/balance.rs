@@ -90,7 +90,7 @@ fn elastic(system: &System, mode: &Mode, y: &State) -> f64 {
     for contact in Contact::ALL {
         if mode.closed(contact) {
             let u = system.overlap(contact, mode, y).0;
-            energy += 0.5 * system.pads[contact as usize].stiffness * u * u;
+            energy += 0.5 * system.springs[contact as usize].stiffness * u * u;
         }
     }
     if mode.guard {

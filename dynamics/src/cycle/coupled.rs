@@ -204,7 +204,7 @@ impl<'s> Cycle<'s> {
         let f = system.forces(y, &system.instant(y), mode);
         let nose = Contact::Nose as usize;
         let (stiffness, damping) = if mode.closed[nose] && f.push[nose] > 0.0 {
-            (system.pads[nose].stiffness, system.pads[nose].damping)
+            (system.springs[nose].stiffness, system.springs[nose].damping)
         } else {
             (0.0, 0.0)
         };

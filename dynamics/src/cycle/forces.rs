@@ -50,10 +50,10 @@ impl System {
         let mut dashpot = [zero; Contact::COUNT];
         for contact in Contact::ALL {
             if mode.closed(contact) {
-                let pad = self.pads[contact as usize];
+                let spring = self.springs[contact as usize];
                 let (u, rate) = self.overlap(contact, mode, y);
-                dashpot[contact as usize] = rate * pad.damping;
-                push[contact as usize] = u * pad.stiffness + dashpot[contact as usize];
+                dashpot[contact as usize] = rate * spring.damping;
+                push[contact as usize] = u * spring.stiffness + dashpot[contact as usize];
             }
         }
         let guard = if mode.guard {

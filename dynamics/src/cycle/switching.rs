@@ -70,8 +70,8 @@ pub(crate) fn margins(system: &System, mode: &Mode, y: &State) -> [f64; SLOTS] {
             (Contact::Nose, Some(wood)) if !mode.closed(contact) => wood.seat_gap(y),
             _ => system.overlap(contact, mode, y),
         };
-        let pad = system.pads[contact as usize];
-        let push = u + pad.damping / pad.stiffness * rate;
+        let spring = system.springs[contact as usize];
+        let push = u + spring.damping / spring.stiffness * rate;
         // Closing needs overlap and a pushing force; a contact that overlaps while its force falls below zero stays
         // open. Published contacts may pull, so only overlap counts (C-13).
         let push = if p.model.contacts == Form::Published { u } else { push };

@@ -9,7 +9,7 @@ use crate::{Form, Geometry, Parameters};
 
 /// Spring and dashpot of a contact.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Pad {
+pub(crate) struct SpringDashpot {
     pub(crate) stiffness: f64,
     pub(crate) damping: f64,
 }
@@ -21,7 +21,7 @@ pub(crate) struct System {
     pub(crate) geometry: Geometry,
     pub(crate) air: Air,
     /// Contacts, indexed by [`Contact`].
-    pub(crate) pads: [Pad; Contact::COUNT],
+    pub(crate) springs: [SpringDashpot; Contact::COUNT],
     /// k_esg = k_sg k_wsn/(k_sg + k_wsn) (C-12).
     pub(crate) guard_stiffness: f64,
     /// A_h3 as far as P_1 acts on it, zero in the published form (C-06).
@@ -66,23 +66,23 @@ impl System {
             p.model.orifice_linear,
         );
         let c = &p.contacts;
-        let ratio = |zeta: f64, k: f64, mass: f64| Pad {
+        let ratio = |zeta: f64, k: f64, mass: f64| SpringDashpot {
             stiffness: k,
             damping: 2.0 * zeta * (k * mass).sqrt(),
         };
-        let pads = [
-            Pad {
+        let springs = [
+            SpringDashpot {
                 stiffness: c.bumper_stiffness,
                 damping: c.bumper_damping,
             },
-            Pad {
+            SpringDashpot {
                 stiffness: c.stopper_stiffness,
                 damping: c.stopper_damping,
             },
             ratio(c.valve_damping_ratio, c.cap_stiffness, p.head_valve.mass),
             ratio(c.valve_damping_ratio, c.seat_stiffness, p.head_valve.mass),
             ratio(c.nose_damping_ratio, c.nose_stiffness, p.tool.mass),
-            Pad {
+            SpringDashpot {
                 stiffness: p.support.stiffness,
                 damping: geometry.support_damping,
             },
@@ -109,7 +109,7 @@ impl System {
             intake_angle: p.head_valve.intake_angle.sin_cos(),
             exhaust_angle: p.head_valve.exhaust_angle.sin_cos(),
             sprung_hand: p.hand.mass > 0.0,
-            pads,
+            springs,
             air,
             geometry,
             p: p.clone(),

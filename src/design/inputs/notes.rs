@@ -86,7 +86,7 @@ pub(crate) fn fitted_law(design: &Design, record: &CycleRecord) -> Result<Vec<St
     )];
     if law.form().uses(Variable::Decay) {
         notes.push(
-            "the gas pushes on behind the piston, and v/v0 is held to the range of the tests, in which nothing pushes"
+            "v/v0 is limited to the range of the tests: in a tool the gas continues to push the piston, in the tests nothing pushes the projectile"
                 .to_owned(),
         );
     } else if !law.dynamic() {

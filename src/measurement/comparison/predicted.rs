@@ -151,8 +151,11 @@ impl Quantity {
     /// What is compared with an entry.
     pub fn in_words(self, entry: &MeasuredQuantity) -> String {
         match self {
-            Self::Bound(_) => format!("{}: the bound, by the same steps", entry.quantity),
-            Self::Workpiece(_) => format!("{}: the source itself, which the bound must hold", entry.quantity),
+            Self::Bound(_) => format!("{}: upper bound, processed like the measurement", entry.quantity),
+            Self::Workpiece(_) => format!(
+                "{}: level of the source itself, which must not exceed the bound",
+                entry.quantity
+            ),
             Self::BlockRms(setup) => format!("{}, {}", entry.quantity, setup.as_str()),
             _ => entry.quantity.clone(),
         }

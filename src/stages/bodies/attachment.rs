@@ -10,7 +10,7 @@ use super::geometry::{AddedSand, Geometry, Properties, Remainder};
 use super::meshing::NamedMesh;
 use super::surfaces::FoundSurface;
 use crate::error::Error;
-use crate::stages::{Code, Input, NotKept, Progress, Stage, Stored, code};
+use crate::stages::{Code, Input, Progress, Stage, Stored, Uncached, code};
 
 /// A meshed body with its materials, supports and attachments.
 #[derive(Debug, Clone)]
@@ -42,7 +42,7 @@ pub struct Attachment {
 
 impl Stage for Attachment {
     type Output = Meshed;
-    type Codec = NotKept;
+    type Codec = Uncached;
     const NAME: &'static str = "materials and attachments";
     const CODE: Code = code!(meshes, fem, stages_bodies);
 

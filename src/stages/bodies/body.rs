@@ -62,12 +62,13 @@ impl Resolution {
 
     fn checks(&self, body: &str) -> Vec<Check> {
         let sides = self.sides.iter().map(|(part, sides)| {
-            let name =
-                format!("{body}: longest element side of the {part}, in shortest waves at the top frequency [-]");
+            let name = format!(
+                "{body}: longest element side of the {part} over the shortest wavelength at the top frequency [-]"
+            );
             Check::at_most(name, *sides, 1.0 / SIDES_PER_WAVE)
         });
         let margin = Check::at_most(
-            format!("{body}: top frequency over that below which modes are complete [-]"),
+            format!("{body}: top frequency over the frequency up to which all modes are known [-]"),
             self.top_over_modes,
             1.0 / MODE_MARGIN,
         );
@@ -249,7 +250,7 @@ impl Body {
         let mut checks = vec![
             Check::at_most(format!("{name}: eigen residual"), worst, 1e-8),
             Check::at_most(format!("{name}: orthonormality"), basis.orthonormality, 1e-8),
-            Check::at_most(format!("{name}: Sturm count less modes found"), missing, 0.0),
+            Check::at_most(format!("{name}: number of missing modes, by Sturm count"), missing, 0.0),
         ];
         checks.extend(self.resolution.checks(name));
         checks

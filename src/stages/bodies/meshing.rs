@@ -6,7 +6,7 @@ use serde::Serialize;
 use super::geometry::{BodyKind, Geometry, MeshSource};
 use super::surfaces::{FoundSurface, Naming};
 use crate::error::Error;
-use crate::stages::{Code, NotKept, Progress, Stage, code};
+use crate::stages::{Code, Progress, Stage, Uncached, code};
 
 /// Makes the mesh of a body and names its surfaces.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -30,7 +30,7 @@ pub struct NamedMesh {
 
 impl Stage for Meshing {
     type Output = NamedMesh;
-    type Codec = NotKept;
+    type Codec = Uncached;
     const NAME: &'static str = "mesh";
     const CODE: Code = code!(meshes, fem, stages_bodies);
 

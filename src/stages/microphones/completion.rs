@@ -5,9 +5,9 @@
 //! F(f) = g_b [P(f) + N(f)],   g_b^2 = X_b / int_b 2 |P + N|^2 df
 //! ```
 //!
-//! P is the spectrum of the known signal, N that of the noise that continues it, b a one-third-octave band. The factors g_b are
-//! 1 but for the ends of the record where pressures are known; where a signal is drawn (jets, noise above the known pressures)
-//! they make the drawn energy the expected one. What lies outside the range is left out.
+//! P is the spectrum of the known signal, N that of the noise that continues it, b a one-third-octave band. Where the
+//! pressures are known, the factors g_b are 1 except for the effect of the ends of the record. Where the signal is random (jets,
+//! noise above the known pressures), they scale its energy to the expected one. Frequencies outside the range are left out.
 
 use nalgebra::Complex;
 use rayon::prelude::*;

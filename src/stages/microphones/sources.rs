@@ -144,7 +144,7 @@ impl MicrophoneArray {
         let (parts, signals): (Vec<Part>, Vec<_>) = parts.collect::<Result<Vec<_>, _>>()?.into_iter().unzip();
         Ok(self.received(Received {
             radiated: &source.spectrum,
-            how: "spread evenly: ERP knows no directions",
+            how: "omnidirectional: ERP has no directivity",
             range: source.spectrum.range_hz,
             phases_to_hz: source.spectrum.range_hz[0],
             interpolation_error: None,
@@ -195,9 +195,9 @@ impl MicrophoneArray {
         Ok(self.received(Received {
             radiated: &source.spectrum,
             how: if spread {
-                "shaken sphere, vibration of the housing spread evenly"
+                "oscillating sphere; vibration of the housing omnidirectional"
             } else {
-                "shaken sphere"
+                "oscillating sphere"
             },
             range,
             // The vibration has an energy at each frequency, and no phases.

@@ -26,7 +26,7 @@ use super::tool::{CapSurface, ToolRadiation};
 use super::workpiece::WorkpieceBoundaryElements;
 use crate::error::Error;
 use crate::stages::bodies::{Body, MovingSurface};
-use crate::stages::{Code, Input, NotKept, Postcard, Progress, Stage, Stored, all};
+use crate::stages::{Code, Input, Postcard, Progress, Stage, Stored, Uncached, all};
 
 /// Boundary elements of workpiece and worktable as one surface, or of a workpiece alone.
 #[derive(Serialize)]
@@ -39,7 +39,7 @@ pub struct WorkpieceSolution {
 
 impl Stage for WorkpieceSolution {
     type Output = Solution;
-    type Codec = NotKept;
+    type Codec = Uncached;
     const NAME: &'static str = "radiation of workpiece and worktable";
     const CODE: Code = CODE;
 
@@ -63,7 +63,7 @@ pub struct ToolSolution {
 
 impl Stage for ToolSolution {
     type Output = Solution;
-    type Codec = NotKept;
+    type Codec = Uncached;
     const NAME: &'static str = "radiation of the tool";
     const CODE: Code = CODE;
 
@@ -89,7 +89,7 @@ pub struct ToolCapSolution {
 
 impl Stage for ToolCapSolution {
     type Output = Solution;
-    type Codec = NotKept;
+    type Codec = Uncached;
     const NAME: &'static str = "radiation of the tool's cap";
     const CODE: Code = CODE;
 
@@ -191,7 +191,7 @@ pub struct MatrixWithMicrophones {
 
 impl Stage for MatrixWithMicrophones {
     type Output = ModalBem;
-    type Codec = NotKept;
+    type Codec = Uncached;
     const NAME: &'static str = "radiation at the microphones";
     const CODE: Code = CODE;
 

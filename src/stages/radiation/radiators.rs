@@ -14,7 +14,7 @@ use super::matrices::FlushMatrix;
 use super::workpiece::Covered;
 use crate::error::Error;
 use crate::stages::bodies::Body;
-use crate::stages::{Code, Input, NotKept, Postcard, Progress, Stage, Stored, all};
+use crate::stages::{Code, Input, Postcard, Progress, Stage, Stored, Uncached, all};
 
 /// How the workpiece with its support radiates, with what is known of it in standard air.
 #[derive(Serialize)]
@@ -40,7 +40,7 @@ pub struct WorkpieceRadiator {
 
 impl Stage for WorkpieceRadiator {
     type Output = Box<dyn Radiator>;
-    type Codec = NotKept;
+    type Codec = Uncached;
     const NAME: &'static str = "radiation in the ambient air";
     const CODE: Code = CODE;
 
@@ -89,7 +89,7 @@ pub struct ToolRadiator {
 
 impl Stage for ToolRadiator {
     type Output = ModalBem;
-    type Codec = NotKept;
+    type Codec = Uncached;
     const NAME: &'static str = "radiation of the tool in the ambient air";
     const CODE: Code = CODE;
 

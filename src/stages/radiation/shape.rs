@@ -20,7 +20,7 @@ use super::tool::{CapSurface, ToolRadiation};
 use super::workpiece::WorkpieceBoundaryElements;
 use crate::error::Error;
 use crate::stages::bodies::{Body, MovingSurface};
-use crate::stages::{Code, Input, NotKept, Postcard, Progress, Stage, Stored, all};
+use crate::stages::{Code, Input, Postcard, Progress, Stage, Stored, Uncached, all};
 
 /// Largest share of a surface's energy of motion under any load that the known modes of workpiece and table may lack; beyond it
 /// others are added, or the matrix is solved for the body's own modes.
@@ -215,7 +215,7 @@ pub struct ShapeMatrix {
 
 impl Stage for ShapeMatrix {
     type Output = ModalBem;
-    type Codec = NotKept;
+    type Codec = Uncached;
     const NAME: &'static str = "radiation by shape";
     const CODE: Code = CODE;
 
@@ -234,22 +234,24 @@ impl Stage for ShapeMatrix {
         {
             let fitted = fit.get()?;
             let Some(combinations) = &fitted.fit else {
-                progress.note(&format!("radiation: {name} have another surface"));
+                progress.note(&format!("radiation: the surface differs from that of {name}"));
                 continue;
             };
             let lack = format!("{:.1e} of the energy of the surface's motion", fitted.worst());
             if !fitted.within(*limit) {
                 progress.note(&format!(
-                    "radiation: the modes of {name} lack up to {lack}, more than {limit:.0e}"
+                    "radiation: the modes of {name} miss up to {lack}, more than {limit:.0e}"
                 ));
                 continue;
             }
-            progress.note(&format!("radiation: that of {name}; their modes lack at most {lack}"));
+            progress.note(&format!(
+                "radiation: taken from {name}, whose modes miss at most {lack}"
+            ));
             return known.get()?.of_modes(combinations).ok_or(Error::OtherModes {
                 body: "standard bodies",
             });
         }
-        progress.note("radiation: solved for the modes of these bodies");
+        progress.note("radiation: boundary elements solved for the design's own modes");
         Ok(ModalBem::clone(&*self.own.get()?))
     }
 }
@@ -265,7 +267,7 @@ pub struct ShapePressures {
 
 impl Stage for ShapePressures {
     type Output = ModalPressures;
-    type Codec = NotKept;
+    type Codec = Uncached;
     const NAME: &'static str = "pressure by shape";
     const CODE: Code = CODE;
 

@@ -262,17 +262,17 @@ fn checks(record: &CycleRecord, response: &ModalResponse, work_of_wood: f64) -> 
     let applied = e.piston_work.abs() + e.valve_work.abs() + e.hand.abs() + e.gravity.abs();
     vec![
         Check::at_most(
-            "coupling: forces of cycle and wood apart, part of the largest [-]",
+            "coupling: force difference between cycle and wood, relative to the largest force [-]",
             apart / largest,
             FORCE_LIMIT,
         ),
         Check::at_most(
-            "coupling: work of cycle and wood apart, part of the work of all forces [-]",
+            "coupling: work difference between cycle and wood, relative to the work of all forces [-]",
             (record.energy.wood - work_of_wood) / applied,
             WORK_LIMIT,
         ),
         Check::at_most(
-            "coupling: work of cycle and wood apart, part of the structure's energy [-]",
+            "coupling: work difference between cycle and wood, relative to the structure's energy [-]",
             (record.energy.wood - work_of_wood) / peak,
             STRUCTURE_LIMIT,
         ),

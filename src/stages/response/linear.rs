@@ -20,7 +20,7 @@ use super::{CODE, Vibration};
 use crate::error::Error;
 use crate::result::Check;
 use crate::stages::bodies::Body;
-use crate::stages::{Code, Input, NotKept, Progress, Stage, Stored, all};
+use crate::stages::{Code, Input, Progress, Stage, Stored, Uncached, all};
 
 /// Modes whose records are in memory together.
 const BLOCK: usize = 32;
@@ -55,7 +55,7 @@ pub struct LinearResponse<R> {
 impl<R: Radiator + 'static> Stage for LinearResponse<R> {
     type Output = Vibration;
     /// An intermediate of outputs that are kept.
-    type Codec = NotKept;
+    type Codec = Uncached;
     const NAME: &'static str = "response with the complete impedance of the air";
     const CODE: Code = CODE;
 

@@ -1,9 +1,9 @@
 //! Response of workpiece and support to a shot: modal bodies on supports that can lose contact.
 //!
-//! One way, the cycle has a lumped workpiece of its own, and its forces on the wood drive the bodies: [`Response`]. Two-way,
-//! cycle and bodies are computed together: [`CoupledResponse`], of whose output [`CoupledCycle`], [`CoupledVibration`] and
-//! [`CouplingReport`] hand on what others read. Where nothing opens, [`LinearResponse`] adds what the complete radiation
-//! impedance changes.
+//! With one-way coupling, the cycle has its own lumped workpiece, and its forces on the wood drive the bodies: [`Response`].
+//! With two-way coupling, cycle and bodies are computed together: [`CoupledResponse`]. [`CoupledCycle`], [`CoupledVibration`]
+//! and [`CouplingReport`] are the parts of its output that other stages read. Where no contact can open, [`LinearResponse`]
+//! adds the effect of the complete radiation impedance.
 
 mod coupling;
 mod fluid;
@@ -28,7 +28,7 @@ pub use shot::Shot;
 pub use two_way::{CoupledCycle, CoupledResponse, CoupledVibration, CouplingReport, Reported};
 
 use super::bodies::Body;
-use super::{Code, Input, NotKept, Postcard, Progress, Stage, Stored, code};
+use super::{Code, Input, Postcard, Progress, Stage, Stored, Uncached, code};
 use crate::error::Error;
 use crate::result::Check;
 
@@ -100,7 +100,7 @@ pub struct Response {
 impl Stage for Response {
     type Output = Vibration;
     /// An intermediate of outputs that are kept.
-    type Codec = NotKept;
+    type Codec = Uncached;
     const NAME: &'static str = "response of workpiece and support";
     const CODE: Code = CODE;
 

@@ -10,7 +10,7 @@ use super::shot::Shot;
 use super::{CODE, Structure, Vibration, checks};
 use crate::error::Error;
 use crate::result::Check;
-use crate::stages::{Code, Input, NotKept, Postcard, Progress, Stage, Stored};
+use crate::stages::{Code, Input, Postcard, Progress, Stage, Stored, Uncached};
 
 /// Cycle and response of workpiece and support together, each acting on the other.
 #[derive(Serialize)]
@@ -26,7 +26,7 @@ pub struct CoupledResponse {
 impl Stage for CoupledResponse {
     type Output = Coupled;
     /// An intermediate of outputs that are kept.
-    type Codec = NotKept;
+    type Codec = Uncached;
     const NAME: &'static str = "nailing cycle with workpiece and support";
     const CODE: Code = CODE;
 
@@ -47,7 +47,7 @@ pub struct CoupledCycle(pub Stored<Coupled>);
 
 impl Stage for CoupledCycle {
     type Output = CycleRecord;
-    type Codec = NotKept;
+    type Codec = Uncached;
     const NAME: &'static str = "nailing cycle of the coupled response";
     const CODE: Code = CODE;
 
@@ -66,7 +66,7 @@ pub struct CoupledVibration(pub Stored<Coupled>);
 
 impl Stage for CoupledVibration {
     type Output = Vibration;
-    type Codec = NotKept;
+    type Codec = Uncached;
     const NAME: &'static str = "motion of the coupled response";
     const CODE: Code = CODE;
 

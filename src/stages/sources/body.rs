@@ -170,7 +170,7 @@ impl BodySound {
                 other_lw_db: sphere.level(self.range_hz, Weighting::Z),
             });
         }
-        sound.uncertainty.basis += "; what is nailed neither reflects nor shades";
+        sound.uncertainty.basis += "; the workpiece neither reflects nor shields";
         Ok(sound)
     }
 

@@ -13,7 +13,7 @@ use crate::stages::microphones::MicrophoneArray;
 use crate::stages::sound::Sound;
 use crate::stages::spectra::BodyMotion;
 use crate::stages::truncation::Part;
-use crate::stages::{Code, Input, NotKept, Postcard, Progress, Stage, Stored, all};
+use crate::stages::{Code, Input, Postcard, Progress, Stage, Stored, Uncached, all};
 
 /// Name of the source.
 const NAME: &str = "workpiece";
@@ -85,7 +85,7 @@ pub struct Radiated {
 
 impl Stage for WorkpieceRadiated {
     type Output = Radiated;
-    type Codec = NotKept;
+    type Codec = Uncached;
     const NAME: &'static str = "radiation of the workpiece";
     const CODE: Code = CODE;
 

@@ -1,7 +1,7 @@
 //! Forces and pressures on the tool's body at every sample of the cycle.
 //!
-//! Gas pressures p are taken over the ambient one. The cycle's rod, piston and head valve leave no area over at uniform
-//! pressure, A_1 = A_2 + A_r and A_h1 = A_h2 + A_h3, so that nothing is lost by it. Along the axis, down,
+//! Gas pressures p are gauge pressures. A uniform pressure has no net force on the cycle's rod, piston and head valve, because
+//! A_1 = A_2 + A_r and A_h1 = A_h2 + A_h3, so that the ambient pressure cancels. Along the axis, downwards,
 //!
 //! ```text
 //! roof within the valve   - p_1 A_i + F_st                                    A_i = pi/4 D_i^2

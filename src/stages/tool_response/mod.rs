@@ -1,11 +1,13 @@
 //! Response of the tool's elastic housing to the forces of the cycle.
 //!
-//! The cycle's tool moves along its axis alone, held by hand and guide; so does the body as a whole. What holds it against
-//! turning is taken as spread like its inertia, which bends nothing. Its elastic modes are free.
+//! In the cycle the tool moves along its axis only, held by hand and guide, and so does the rigid-body motion here. The
+//! reactions that prevent rotation are assumed to be distributed like the inertia of the body, so that they cause no bending.
+//! The elastic modes are those of the free body.
 //!
 //! Forces come from the cycle with their lumped contact stiffnesses, which stand for the compliance of cap and cylinder.
-//! The body gives way once more under these forces, but nothing of that goes back into them and no spring stands between:
-//! the compliance is counted once. The notes of a run tell the body's own stiffness beside the lumped one.
+//! The body deforms under these forces. This deformation does not change the forces, and no contact spring is added between
+//! cycle and body, so that the compliance is counted once. The notes of a run state the body's own stiffness and the lumped
+//! one.
 
 mod forces;
 
@@ -19,7 +21,7 @@ use nalgebra::{DMatrix, DVector};
 use serde::{Deserialize, Serialize};
 
 use super::response::{Vibration, in_air};
-use super::{Code, Input, NotKept, Postcard, Progress, Stage, Stored, code};
+use super::{Code, Input, Postcard, Progress, Stage, Stored, Uncached, code};
 use crate::error::Error;
 use crate::result::Check;
 use crate::stages::bodies::Body;
@@ -65,7 +67,7 @@ pub struct ToolResponse {
 impl Stage for ToolResponse {
     type Output = Vibration;
     /// An intermediate of outputs that are kept.
-    type Codec = NotKept;
+    type Codec = Uncached;
     const NAME: &'static str = "response of the tool";
     const CODE: Code = CODE;
 
@@ -281,14 +283,22 @@ impl Guided {
         let drift = tool.velocity.windows(3).enumerate().map(drift).fold(0.0, f64::max);
         let mut checks = vec![
             Check::at_most(
-                "tool: mass beside the cycle's",
+                "tool: relative difference between its mass and that in the cycle",
                 (self.mass / mass - 1.0).abs(),
                 MASS_LIMIT,
             ),
-            Check::at_most("tool: sum of forces beside the cycle's", off / force, FORCE_LIMIT),
-            Check::at_most("tool: force that closed walls leave", stray / force, STRAY_LIMIT),
             Check::at_most(
-                "tool: velocity beside the cycle's",
+                "tool: difference between its net force and that in the cycle, relative to the largest force",
+                off / force,
+                FORCE_LIMIT,
+            ),
+            Check::at_most(
+                "tool: net gas force on closed walls, relative to the largest force",
+                stray / force,
+                STRAY_LIMIT,
+            ),
+            Check::at_most(
+                "tool: difference between its velocity and that in the cycle, relative to the largest velocity",
                 drift / largest(&tool.velocity),
                 VELOCITY_LIMIT,
             ),

@@ -24,7 +24,7 @@ use std::f64::consts::PI;
 
 /// Which sides of a plate touch the fluid.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Wetted {
+pub enum WetSides {
     /// The side of the normal, in a rigid baffle.
     OneInBaffle,
     /// Both, in free fluid.
@@ -35,12 +35,12 @@ pub enum Wetted {
 #[derive(Debug)]
 pub struct Plate {
     surface: Exterior,
-    wetted: Wetted,
+    wetted: WetSides,
 }
 
 impl Plate {
     /// A plate with the midplane `midplane`, which [`Boundary::flat`] makes.
-    pub fn new(midplane: Boundary, fluid: &Air, wetted: Wetted) -> Self {
+    pub fn new(midplane: Boundary, fluid: &Air, wetted: WetSides) -> Self {
         Self {
             surface: Exterior::new(midplane, fluid),
             wetted,
@@ -66,8 +66,8 @@ impl Plate {
         let k = omega / self.surface.air().sound_speed;
         // alpha W = -j coupling W; with the length 1/k of the coupling both operators have the size of the unit matrix.
         let coupling = match self.wetted {
-            Wetted::OneInBaffle => 0.0,
-            Wetted::Both => self.boundary().half_width().min(1.0 / k),
+            WetSides::OneInBaffle => 0.0,
+            WetSides::Both => self.boundary().half_width().min(1.0 / k),
         };
         let mut factor = Complex::new(0.0, omega * self.surface.air().density);
         let mut pressure = DMatrix::zeros(self.boundary().nodes(), data.count());
@@ -76,8 +76,8 @@ impl Plate {
             .integrals(Wave { k, coupling }, std::slice::from_ref(&data), Threads::One)
         {
             match self.wetted {
-                Wetted::OneInBaffle => self.surface.add_mass(&mut sums.matrix, 0.5),
-                Wetted::Both => {
+                WetSides::OneInBaffle => self.surface.add_mass(&mut sums.matrix, 0.5),
+                WetSides::Both => {
                     // What K and S leave: rounding in the matrix, all of S v on the right.
                     sums.right.iter_mut().for_each(|right| right.fill(0.0));
                     data.moments().add_to(1.0, &mut sums.right[0]);

@@ -1,7 +1,7 @@
 //! Regression of s = sqrt(F_r/(H_M NL)) on the terms of a law.
 //!
-//! Ordinary least squares serves laws of quasi-static tests. The group `decay` = v/v0 answers to the drive itself: in
-//! harder wood the nail is slower, so that least squares mixes the specimen's deviation into the coefficient. A law
+//! Ordinary least squares serves laws of quasi-static tests. The group `decay` = v/v0 depends on the
+//! drive itself: in harder wood the nail is slower, so that the specimen's deviation biases the coefficient of least squares. A law
 //! with `decay` is therefore fitted in two steps: the terms that change while a nail is driven, within drives (every
 //! drive less its mean); then the means of the drives, equally weighted, on the terms that are constant in a drive. The
 //! covariance of the first step enters the second (Mundlak 1978, Econometrica 46; Hausman and Taylor 1981, Econometrica
