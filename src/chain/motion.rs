@@ -16,7 +16,7 @@ use crate::stages::response::{
 use crate::stages::spectra::{BodyAnalysis, BodyMotion};
 use crate::stages::tool_response::{ToolResponse, ToolShot};
 
-/// What adds the motion of the bodies to a graph.
+/// Builder of the stages that compute the motion of a design's bodies.
 pub(super) struct Motions<'a> {
     graph: &'a Graph,
     bodies: &'a Bodies,
@@ -40,7 +40,7 @@ pub(super) struct Motions<'a> {
     pub(super) two_way: bool,
 }
 
-/// What sets workpiece and support in motion, and the cycle that goes with it.
+/// Motion of workpiece and support with the cycle that drives it.
 pub(super) struct Driven {
     /// The cycle.
     pub(super) cycle: Stored<CycleRecord>,
@@ -51,7 +51,7 @@ pub(super) struct Driven {
 }
 
 impl<'a> Motions<'a> {
-    /// Of a design whose cycle with lumped masses is `lumped`, with a factor on the forces of the shot on the workpiece.
+    /// For a design with the cycle `lumped` of its lumped masses, and a factor on the forces of the shot on the workpiece.
     ///
     /// # Errors
     /// Values of the design from which no inputs can be made.
@@ -88,12 +88,12 @@ impl<'a> Motions<'a> {
         })
     }
 
-    /// Whether the contact cannot open nor act back on the cycle, and the complete impedance of the air acts.
+    /// Whether the complete impedance of the air acts: it is asked for, and the contact neither opens nor acts back on the cycle.
     pub(super) fn is_linear(&self) -> bool {
         self.radiators.acts == Loading::Full && !self.two_way && !self.shot.can_lose_contact()
     }
 
-    /// A start of the shot, with the impedance of the air frozen at each mode's resonance.
+    /// The shot from one of its starts, with the impedance of the air frozen at each mode's resonance.
     pub(super) fn driven(&self, start: u32, two_way: bool) -> Driven {
         let shot = self.shot.with_start(start);
         if !two_way {
@@ -179,7 +179,7 @@ impl<'a> Motions<'a> {
         Some((vibration, motion))
     }
 
-    /// Spectra of an elastic tool with the impedance of the air frozen, where otherwise the complete one acts.
+    /// Spectra of an elastic tool with the impedance of the air frozen, for comparison with the complete one.
     pub(super) fn tool_with_frozen_impedance(&self, cycle: &Stored<CycleRecord>) -> Option<Stored<BodyMotion>> {
         let stages = self.bodies.tool.as_ref()?;
         self.radiators.tool.as_ref()?;

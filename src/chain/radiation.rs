@@ -47,7 +47,7 @@ pub(super) struct ToolStages {
     pub(super) elements: ToolRadiation,
     /// The whole body.
     pub(super) whole: ToolMatrix,
-    /// With the cap alone in motion behind each mode of the whole, where the cap counts to another source.
+    /// A second column for each mode in which only the cap moves, where the cap belongs to another source.
     pub(super) cap: Option<ToolMatrix>,
     /// What the air adds to its modes.
     pub(super) loads: Stored<Vec<FluidLoads>>,

@@ -20,7 +20,7 @@ use crate::stages::sources::{
 };
 use crate::stages::spectra::BodyMotion;
 
-/// What adds the sources of a shot to a graph.
+/// Builder of the stages that compute the sources of a shot.
 pub(super) struct Sources<'a> {
     graph: &'a Graph,
     design: &'a Design,
@@ -35,7 +35,7 @@ pub(super) struct Sources<'a> {
 }
 
 impl<'a> Sources<'a> {
-    /// Of a design in an air, with the seed of the jets' noise at the microphones.
+    /// For a design in an ambient air, with the seed of the jets' noise at the microphones.
     ///
     /// # Errors
     /// Values of the design from which no inputs can be made.
@@ -98,7 +98,7 @@ impl<'a> Sources<'a> {
         })
     }
 
-    /// The same in a vibration that no sensor follows.
+    /// The same for a vibration without sensors.
     pub(super) fn energy_of(&self, vibration: &Stored<Vibration>) -> Stored<SourceSpectrum> {
         self.workpiece_energy(self.motions.analysed(vibration, false))
     }
