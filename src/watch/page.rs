@@ -224,6 +224,6 @@ mod tests {
         assert!(!event.contains('\n'));
         let value: serde_json::Value = serde_json::from_str(&event).expect("JSON");
         assert_eq!(value["failure"], "line 1\nline 2");
-        assert_eq!(value["status"], "what was saved last has no result; run 2 is shown");
+        assert_eq!(value["status"], "the last save has no result; run 2 is shown");
     }
 }
