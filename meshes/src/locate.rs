@@ -119,7 +119,8 @@ impl Mesh {
     /// that a symmetric mesh has symmetric weights. Nodes without weight are left out.
     ///
     /// # Errors
-    /// [`MeshError::UnknownGroup`], or [`MeshError::Outside`] when no face is within `tolerance` \[m\].
+    /// [`MeshError::UnknownGroup`], or [`MeshError::Outside`] when no face is within `tolerance` \[m\], or the elements behind
+    /// the nearest ones are singular there.
     pub fn locate_near(&self, group: &str, point: Point3<f64>, tolerance: f64) -> Result<Location, MeshError> {
         let (mut nearest, mut nearest_box) = (f64::INFINITY, f64::INFINITY);
         let mut near: Vec<(FaceRef, Vector2<f64>)> = Vec::new();
@@ -152,21 +153,22 @@ impl Mesh {
         if nearest > tolerance {
             return Err(outside(point, place(), nearest));
         }
-        let mut weights = BTreeMap::<usize, f64>::new();
-        for &(face, xi) in &near {
+        let carried = |&(face, xi): &(FaceRef, Vector2<f64>)| {
             let view = self.element(face.element);
-            let (_, shape) = invert(self, face.element, point);
-            let shape = if self.carries(view, &shape, point) {
-                shape
-            } else {
-                let tangent = self.tangent(face, xi, point);
-                tangent
+            let by_element = Some(invert(self, face.element, point).1).filter(|shape| self.carries(view, shape, point));
+            let by_tangent = || {
+                self.tangent(face, xi, point)
                     .filter(|shape| self.carries(view, shape, point))
-                    .ok_or_else(|| outside(point, place(), nearest))?
             };
-            for (&node, weight) in view.nodes.iter().zip(&shape) {
-                *weights.entry(node).or_insert(0.0) += weight / near.len() as f64;
-            }
+            Some((view.nodes, by_element.or_else(by_tangent)?))
+        };
+        let carried: Vec<(&[usize], Vec<f64>)> = near.iter().filter_map(carried).collect();
+        if carried.is_empty() {
+            return Err(outside(point, place(), nearest));
+        }
+        let mut weights = BTreeMap::<usize, f64>::new();
+        for (&node, weight) in carried.iter().flat_map(|(nodes, shape)| nodes.iter().zip(shape)) {
+            *weights.entry(node).or_insert(0.0) += weight / carried.len() as f64;
         }
         weights.retain(|_, weight| weight.abs() > 1e-13);
         Ok(Location {
@@ -186,7 +188,7 @@ impl Mesh {
     }
 
     /// Weights with which the nodes of the element behind a face carry a value to `point` by the value and gradient at natural
-    /// coordinates of the face; none where the element is folded there.
+    /// coordinates of the face; none where its map is singular there.
     fn tangent(&self, face: FaceRef, xi: Vector2<f64>, point: Point3<f64>) -> Option<Vec<f64>> {
         let view = self.element(face.element);
         let (mut on_face, mut unused) = ([0.0; 9], [[0.0; 2]; 9]);

@@ -231,7 +231,7 @@ fn radiation_note(what: &str, report: &RadiationReport) -> String {
         report.solved_hz[0],
         report.solved_hz[1],
         report.surface_difference_db.unwrap_or(0.0),
-        blend.map_or_else(|| "none stated".to_owned(), |error| format!("{error:+.1} dB")),
+        blend.map_or_else(|| "unknown".to_owned(), |error| format!("{error:+.1} dB")),
         decibels(report.erp_lwa_db),
     )
 }

@@ -90,9 +90,8 @@ fn a_contact_that_opens_keeps_the_frozen_impedance_and_states_the_change_with_a_
     assert_eq!(opening.complete_lwa_db, linear.complete_lwa_db);
     let response = "response: energy beyond the frozen impedance, balance over time";
     assert!(OPENING.result.checks.iter().all(|check| check.name != response));
-    let stated = |note: &String| {
-        note.contains("change by the complete impedance") && note.contains("with every contact bonded")
-    };
+    let stated =
+        |note: &String| note.contains("change by the complete impedance") && note.contains("with every contact bonded");
     assert!(
         OPENING.result.method_notes.iter().any(stated),
         "{:#?}",

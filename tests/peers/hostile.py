@@ -218,7 +218,7 @@ def whole_cases(bench, tally):
     coarse = over('analysis.workpiece_element = "1 m"')
     hold("elements of 1 m", ["run", coarse, "--quiet"], {3}, ["longest element side of the block"])
     margin = over("analysis.mode_margin = 1.0")
-    hold("no margin of modes", ["run", margin, "--quiet"], {3}, ["below which modes are complete"])
+    hold("no margin of modes", ["run", margin, "--quiet"], {3}, ["up to which all modes are known"])
     outside = over('piston.mass = "140 g"')
     hold("a value outside its range", ["run", outside, "--json", "--quiet"], {0, 3}, ["outside its range 0.129"])
     for mesh, words in (("tet10-41-text.msh", ["body"]), ("hex8.msh", ["body"])):

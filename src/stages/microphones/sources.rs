@@ -153,7 +153,7 @@ impl MicrophoneArray {
         }))
     }
 
-    /// Sound of the tool as an oscillating sphere, the vibration of its housing spread evenly; `end` is that of all records
+    /// Sound of the tool as an oscillating sphere, the vibration of its housing omnidirectional; `end` is that of all records
     /// \[s\].
     ///
     /// # Errors

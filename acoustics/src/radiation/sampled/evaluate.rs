@@ -95,8 +95,8 @@ impl ModalRadiation for SampledRadiation {
             let skew = self.is_skew(run);
             let mut images = self.motion(run, frequency, accelerations);
             for ((bin, matrix), mut image) in run.bins.clone().zip(matrices.col_iter()).zip(images.column_iter_mut()) {
-                let row = matrix.try_as_col_major().map_or(&[][..], |row| row.as_slice());
-                let product = packed::product(self.modes, skew, row, image.as_slice());
+                let row: Vec<f64> = matrix.iter().copied().collect();
+                let product = packed::product(self.modes, skew, &row, image.as_slice());
                 image.copy_from(&(product * Complex::from(per_omega2(frequency[bin]))));
             }
             self.extrapolate(run, frequency, &mut images);
