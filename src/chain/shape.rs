@@ -90,6 +90,9 @@ pub(super) fn standards(graph: &Graph, design: &Design, kinds: &[BodyKind]) -> R
     if let Some(second) = &standards.second
         && (gmsh::is_found() || !inputs::shape::needs_gmsh(second, kinds)?)
     {
+        if kinds == [BodyKind::Tool] && standards.have_other_walls() {
+            all.clear();
+        }
         all.push((
             SurfaceModes(vec![first, structure(second)?]),
             "two standard structures of the same shape",
@@ -382,6 +385,22 @@ mod tests {
         let (held, apart) = carried_over(&design);
         assert_eq!(held, [false, true]);
         assert!(apart < 0.02, "{apart} dB");
+    }
+
+    #[test]
+    fn two_structures_of_the_tool_are_solved_together_where_walls_can_differ() {
+        let base = Design::load(concat!(env!("CARGO_MANIFEST_DIR"), "/designs/n80cb.toml")).unwrap();
+        let have_other_walls = |design: &Design| {
+            let standards = inputs::shape::standards(design, &[BodyKind::Tool]).unwrap();
+            standards.unwrap().have_other_walls()
+        };
+        assert!(have_other_walls(&base));
+        let mut other = base.clone();
+        other.body.cap_wall *= 1.1;
+        assert!(have_other_walls(&other));
+        other.body.cap_radius *= 1.1;
+        assert!(!have_other_walls(&other));
+        assert!(!have_other_walls(&slab("walls")));
     }
 
     /// The surfaces of the tool that boundary elements cover: with and without its cap apart.

@@ -3,7 +3,8 @@
 //!
 //! The radiation of boundary elements is solved for the modes of these bodies, and kept. Assumption: on the outer surface the
 //! modes of any body of this shape combine from them. How well is stated for every design. Where it does not hold, a second
-//! structure of other materials, for the tool also of other walls, is added to them ([`varied`]). Where that does not hold
+//! structure of other materials, for the tool also of other walls, is added to them ([`varied`]); for a tool with walls of its own
+//! from the start ([`Standards::have_other_walls`]). Where that does not hold
 //! either, the radiation is solved for the design's own modes. For a design with the N80CB's own materials the standard bodies
 //! are its bodies, and nothing is assumed.
 
@@ -162,6 +163,17 @@ pub(crate) struct Standards {
     /// With other materials, and other walls of a tool that has the outer dimensions of the N80CB, for motion that the first does
     /// not hold.
     pub(crate) second: Option<Design>,
+}
+
+impl Standards {
+    /// Whether the second has a tool with walls, and so a mesh, of its own, as in the outer surface of the N80CB's. Walls are what
+    /// a designer changes there, and one structure does not hold the motion of others: both are solved together from the start.
+    pub(crate) fn have_other_walls(&self) -> bool {
+        let [first, second] = [Some(&self.first), self.second.as_ref()].map(|design| design.map(|design| &design.body));
+        first
+            .zip(second)
+            .is_some_and(|(first, second)| second.mesh.is_empty() && second.dimensions != first.dimensions)
+    }
 }
 
 /// Standard bodies of these kinds; none where a body is meshed for its material, so that another material has another
