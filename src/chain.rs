@@ -153,7 +153,7 @@ impl Chain {
             coupled,
         } = motions.driven(0, motions.two_way);
         let vibration = match motions.is_linear() {
-            true => motions.complete(&frozen, &motions.shot),
+            true => motions.with_complete_impedance(&frozen, &motions.shot),
             false => frozen.clone(),
         };
         let of_structure = motions.analysed(&vibration, true);
@@ -187,7 +187,7 @@ impl Chain {
             cycle: cycle.clone(),
             end: end.clone(),
             range_hz: motions.range_hz,
-            bodies: bodies.all().cloned().collect(),
+            bodies: bodies.modal().cloned().collect(),
             responses: std::iter::once(&vibration).chain(tool_vibration).cloned().collect(),
             sensors: (!sensors.accelerometers.is_empty()).then(|| sensors.clone()),
         });
@@ -198,7 +198,7 @@ impl Chain {
             cycle: cycle.clone(),
         });
         let response_report = graph.add(ResponseReport {
-            bodies: bodies.of_structure(),
+            bodies: bodies.structure_bodies(),
             vibration: vibration.clone(),
         });
         let tool_report = bodies.tool.as_ref().zip(tool_vibration).map(|(stages, vibration)| {
@@ -212,13 +212,15 @@ impl Chain {
             let others = (1..design.analysis.starts).map(|start| motions.driven(start, motions.two_way).vibration);
             graph.add(OtherStarts {
                 first: workpiece.clone(),
-                others: others.map(|vibration| sources.energy_of(&vibration)).collect(),
+                others: others
+                    .map(|vibration| sources.energy_without_sensors(&vibration))
+                    .collect(),
                 range_hz: motions.range_hz,
             })
         });
         let one_way = coupled.map(|both| OneWay {
             report: graph.add(CouplingReport(both)),
-            workpiece: sources.energy_of(&motions.driven(0, false).vibration),
+            workpiece: sources.energy_without_sensors(&motions.driven(0, false).vibration),
             exhaust: sources.exhaust(&lumped, &end),
             body: sources.body_energy(&lumped, motions.tool(&lumped).map(|(_, motion)| motion)),
             cycle: lumped.clone(),
@@ -233,9 +235,11 @@ impl Chain {
                     })
                 }),
                 workpiece: match &bonded {
-                    Some(both) => both.each_ref().map(|vibration| sources.energy_of(vibration)),
+                    Some(both) => both
+                        .each_ref()
+                        .map(|vibration| sources.energy_without_sensors(vibration)),
                     None => [
-                        sources.energy_of(&frozen),
+                        sources.energy_without_sensors(&frozen),
                         sources.workpiece_energy(of_structure.clone()),
                     ],
                 },
@@ -246,12 +250,12 @@ impl Chain {
             }
         });
 
-        let modal = bodies.all().map(|body| *body.key());
+        let modal = bodies.modal().map(|body| *body.key());
         let structures = modal.chain(radiators.matrix_keys()).collect();
         let of_field = bodies.tool.as_ref().zip(of_tool.clone());
         let fields = graph.add(SoundFields {
             method: radiators.workpiece.field,
-            bodies: bodies.of_structure(),
+            bodies: bodies.structure_bodies(),
             motions: of_structure.clone(),
             tool: of_field.map(|(stages, motion)| ToolField {
                 body: stages.body.clone(),

@@ -136,12 +136,12 @@ impl Bodies {
     }
 
     /// Workpiece and worktable in modal coordinates.
-    pub(super) fn of_structure(&self) -> Vec<Stored<Body>> {
+    pub(super) fn structure_bodies(&self) -> Vec<Stored<Body>> {
         self.structure.iter().map(|stages| stages.body.clone()).collect()
     }
 
     /// All in modal coordinates: the structure, then the tool.
-    pub(super) fn all(&self) -> impl Iterator<Item = &Stored<Body>> {
+    pub(super) fn modal(&self) -> impl Iterator<Item = &Stored<Body>> {
         self.structure.iter().chain(&self.tool).map(|stages| &stages.body)
     }
 }

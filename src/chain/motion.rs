@@ -76,7 +76,7 @@ impl<'a> Motions<'a> {
             shot: inputs::response::shot(design)?,
             tool_shot: inputs::response::tool(design)?,
             structure: Structure {
-                bodies: bodies.of_structure(),
+                bodies: bodies.structure_bodies(),
                 loss_factors: bodies.structure.iter().map(|stages| stages.loss_factor).collect(),
                 fluid: radiators.acts.damps().then(|| loads.clone()),
             },
@@ -125,7 +125,7 @@ impl<'a> Motions<'a> {
     }
 
     /// A response whose contact cannot open, with the complete impedance of the air.
-    pub(super) fn complete(&self, frozen: &Stored<Vibration>, shot: &Shot) -> Stored<Vibration> {
+    pub(super) fn with_complete_impedance(&self, frozen: &Stored<Vibration>, shot: &Shot) -> Stored<Vibration> {
         self.graph.add(LinearResponse {
             frozen: frozen.clone(),
             radiator: self.radiators.workpiece.radiator.clone(),
@@ -141,7 +141,7 @@ impl<'a> Motions<'a> {
     pub(super) fn bonded(&self) -> [Stored<Vibration>; 2] {
         let bonded = self.shot.bonded();
         let frozen = self.one_way(bonded.clone());
-        let complete = self.complete(&frozen, &bonded);
+        let complete = self.with_complete_impedance(&frozen, &bonded);
         [frozen, complete]
     }
 
@@ -151,7 +151,7 @@ impl<'a> Motions<'a> {
         let analysis = bodies.map(|(index, (stages, sensors))| BodyAnalysis {
             vibration: vibration.clone(),
             index,
-            range_hz: self.within(stages.top_hz),
+            range_hz: self.range_up_to(stages.top_hz),
             sensors: sensors.clone().filter(|_| with_sensors),
         });
         analysis.map(|stage| self.graph.add(stage)).collect()
@@ -201,13 +201,13 @@ impl<'a> Motions<'a> {
         self.graph.add(BodyAnalysis {
             vibration: vibration.clone(),
             index: 0,
-            range_hz: self.within(stages.top_hz),
+            range_hz: self.range_up_to(stages.top_hz),
             sensors: self.on_tool.clone(),
         })
     }
 
     /// The range of the levels up to a frequency \[Hz\].
-    fn within(&self, top_hz: f64) -> [f64; 2] {
+    fn range_up_to(&self, top_hz: f64) -> [f64; 2] {
         let [low, high] = self.range_hz;
         [low, top_hz.min(high)]
     }

@@ -75,7 +75,7 @@ impl Radiators {
         (air, shared): (Air, SharedShapes),
     ) -> Result<Self, Error> {
         let acts = inputs::radiation::loading(design);
-        let structure = bodies.of_structure();
+        let structure = bodies.structure_bodies();
         let workpiece = workpiece_radiation(graph, design, &structure, (air, shared))?;
         let loss_factors = bodies.structure.iter().map(|stages| stages.loss_factor);
         let workpiece_loads = graph.add(FluidLoadings {

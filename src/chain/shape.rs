@@ -85,20 +85,20 @@ pub(super) fn standards(graph: &Graph, design: &Design, kinds: &[BodyKind]) -> R
     };
     let structure = |design: &Design| bodies(graph, design, kinds);
     let first = structure(&standards.first)?;
-    let mut all = vec![(SurfaceModes(vec![first.clone()]), "standard bodies of the same shape")];
+    let alone = (SurfaceModes(vec![first.clone()]), "standard bodies of the same shape");
     // Without gmsh, a design whose own meshes need none does without the second structure.
-    if let Some(second) = &standards.second
-        && (gmsh::is_found() || !inputs::shape::needs_gmsh(second, kinds)?)
-    {
-        if kinds == [BodyKind::Tool] && standards.have_other_walls() {
-            all.clear();
-        }
-        all.push((
-            SurfaceModes(vec![first, structure(second)?]),
-            "two standard structures of the same shape",
-        ));
-    }
-    Ok(all)
+    let second = match &standards.second {
+        Some(second) if gmsh::is_found() || !inputs::shape::needs_gmsh(second, kinds)? => structure(second)?,
+        _ => return Ok(vec![alone]),
+    };
+    let both = (
+        SurfaceModes(vec![first, second]),
+        "two standard structures of the same shape",
+    );
+    Ok(match kinds == [BodyKind::Tool] && standards.walls_differ() {
+        true => vec![both],
+        false => vec![alone, both],
+    })
 }
 
 /// Radiation of bodies by boundary elements.
@@ -390,17 +390,17 @@ mod tests {
     #[test]
     fn two_structures_of_the_tool_are_solved_together_where_walls_can_differ() {
         let base = Design::load(concat!(env!("CARGO_MANIFEST_DIR"), "/designs/n80cb.toml")).unwrap();
-        let have_other_walls = |design: &Design| {
+        let walls_differ = |design: &Design| {
             let standards = inputs::shape::standards(design, &[BodyKind::Tool]).unwrap();
-            standards.unwrap().have_other_walls()
+            standards.unwrap().walls_differ()
         };
-        assert!(have_other_walls(&base));
+        assert!(walls_differ(&base));
         let mut other = base.clone();
         other.body.cap_wall *= 1.1;
-        assert!(have_other_walls(&other));
+        assert!(walls_differ(&other));
         other.body.cap_radius *= 1.1;
-        assert!(!have_other_walls(&other));
-        assert!(!have_other_walls(&slab("walls")));
+        assert!(!walls_differ(&other));
+        assert!(!walls_differ(&slab("walls")));
     }
 
     /// The surfaces of the tool that boundary elements cover: with and without its cap apart.

@@ -62,7 +62,7 @@ impl<'a> Sources<'a> {
     pub(super) fn workpiece_sound(&self, motions: &[Stored<BodyMotion>]) -> WorkpieceSound {
         WorkpieceSound {
             radiator: self.radiators.workpiece.radiator.clone(),
-            bodies: self.bodies.of_structure(),
+            bodies: self.bodies.structure_bodies(),
             loads: self.radiators.workpiece_loads.clone(),
             acts: self.radiators.acts,
             loss_factors: self.motions.structure.loss_factors.clone(),
@@ -81,7 +81,7 @@ impl<'a> Sources<'a> {
                 sound: sound.clone(),
                 at_microphones: self.radiators.workpiece.at_microphones.clone(),
             }),
-            bodies: self.bodies.of_structure(),
+            bodies: self.bodies.structure_bodies(),
             top_hz: self.bodies.structure.iter().map(|stages| stages.top_hz).collect(),
             cycle: cycle.clone(),
             end: end.clone(),
@@ -99,7 +99,7 @@ impl<'a> Sources<'a> {
     }
 
     /// The same for a vibration without sensors.
-    pub(super) fn energy_of(&self, vibration: &Stored<Vibration>) -> Stored<SourceSpectrum> {
+    pub(super) fn energy_without_sensors(&self, vibration: &Stored<Vibration>) -> Stored<SourceSpectrum> {
         self.workpiece_energy(self.motions.analysed(vibration, false))
     }
 

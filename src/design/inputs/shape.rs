@@ -3,10 +3,10 @@
 //!
 //! The radiation of boundary elements is solved for the modes of these bodies, and kept. Assumption: on the outer surface the
 //! modes of any body of this shape combine from them. How well is stated for every design. Where it does not hold, a second
-//! structure of other materials, for the tool also of other walls, is added to them ([`varied`]); for a tool with walls of its own
-//! from the start ([`Standards::have_other_walls`]). Where that does not hold
-//! either, the radiation is solved for the design's own modes. For a design with the N80CB's own materials the standard bodies
-//! are its bodies, and nothing is assumed.
+//! structure of other materials, for the tool also of other walls, is added to them ([`varied`]); where the
+//! walls of the two differ, from the start ([`Standards::walls_differ`]). Where both do not hold it either, the radiation is solved
+//! for the design's own modes. For a design with the N80CB's own materials the standard bodies are its bodies, and nothing is
+//! assumed.
 
 use std::sync::OnceLock;
 
@@ -168,7 +168,7 @@ pub(crate) struct Standards {
 impl Standards {
     /// Whether the second has a tool with walls, and so a mesh, of its own, as in the outer surface of the N80CB's. Walls are what
     /// a designer changes there, and one structure does not hold the motion of others: both are solved together from the start.
-    pub(crate) fn have_other_walls(&self) -> bool {
+    pub(crate) fn walls_differ(&self) -> bool {
         let [first, second] = [Some(&self.first), self.second.as_ref()].map(|design| design.map(|design| &design.body));
         first
             .zip(second)
