@@ -48,6 +48,9 @@ const PRESSURES: [f64; 2] = [50e3, 110e3];
 /// Equivalent absorption areas of rooms \[m²\].
 const ABSORPTIONS: [f64; 2] = [0.1, 1e6];
 
+/// Coordinates of the machine \[m\].
+const PLACES: [f64; 2] = [-1e3, 1e3];
+
 /// Heights of a reflecting plane, and of the sand above the floor \[m\].
 const HEIGHTS: [f64; 2] = [-10.0, 10.0];
 
@@ -208,6 +211,9 @@ impl Manifest {
         ])?;
         let setup = setup(&root)?;
         let centre = root.point("centre", root.required("centre", "[0, 0, 0.938]")?)?;
+        for coordinate in centre {
+            root.within("centre", coordinate, PLACES, "m")?;
+        }
         let plane = plane(&root, setup)?;
         root.required("temperature", "\"21 degC\"")?;
         let channels = channels(&root)?;
@@ -219,6 +225,7 @@ impl Manifest {
                 position: channel.position?,
             })
         });
+        checks::names(&channels, &root)?;
         let mut manifest = Self {
             path: path.to_owned(),
             setup,
@@ -465,8 +472,11 @@ fn trigger(table: &Table<'_, '_>, channels: &[Channel]) -> Result<Trigger, Measu
     };
     let value = own.required("threshold", "\"2.5 V\"")?;
     let threshold = own.number("threshold", value, |text| quantity.read(text))?;
-    if threshold == 0.0 {
-        return Err(own.error("threshold", "is 0", "give a value between rest and shot"));
+    let [low, high] = quantity.limits();
+    if !(low..=high).contains(&threshold.abs()) {
+        let unit = quantity.unit();
+        let problem = format!("is {threshold:e} {unit}, beyond {low:e} to {high:e} {unit} on either side of 0");
+        return Err(own.error("threshold", problem, "give a value between rest and shot"));
     }
     Ok(Trigger::Channel {
         name: name.to_owned(),

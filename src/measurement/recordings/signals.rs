@@ -115,7 +115,7 @@ fn same_start(track: &Track, origin: &mut Option<(f64, PathBuf)>, path: &Path) -
     Ok(())
 }
 
-/// The samples in SI units, none of them clipped.
+/// The samples in SI units, none of them clipped and not all of them the same.
 fn si(track: Track, source: &Source<'_>) -> Result<Vec<f64>, Fault> {
     if track.rate < LOWEST_RATE {
         return Err(Fault::LowRate { rate: track.rate });
@@ -129,6 +129,16 @@ fn si(track: Track, source: &Source<'_>) -> Result<Vec<f64>, Fault> {
             at: at as f64 / track.rate,
             value: factor * track.samples[at],
             unit: source.quantity.unit().to_owned(),
+        });
+    }
+    if source.quantity != Quantity::Voltage
+        && let [first, rest @ ..] = track.samples.as_slice()
+        && rest.iter().all(|sample| sample == first)
+    {
+        return Err(Fault::Dead {
+            samples: track.samples.len(),
+            value: factor * first,
+            unit: source.quantity.unit(),
         });
     }
     let mut samples = track.samples;
