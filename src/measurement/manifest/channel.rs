@@ -208,7 +208,7 @@ fn calibration(table: &Table<'_, '_>, quantity: Quantity) -> Result<Calibration,
             "sensitivity",
             read.abs(),
             SENSITIVITIES,
-            &format!("V/({})", quantity.unit()),
+            of_sensitivity(quantity),
         );
         magnitude.map(|_| read)
     });
@@ -264,7 +264,16 @@ fn calibration(table: &Table<'_, '_>, quantity: Quantity) -> Result<Calibration,
     })
 }
 
-/// Smallest and largest sensitivity \[V per SI unit\]: 1 nV/Pa of a blast gauge to 1 kV/(m/s²) of a seismometer.
+/// SI unit of a sensitivity.
+fn of_sensitivity(quantity: Quantity) -> &'static str {
+    match quantity {
+        Quantity::Pressure => "V/Pa",
+        Quantity::Acceleration => "V/(m/s2)",
+        Quantity::Voltage => "V/V",
+    }
+}
+
+/// Smallest and largest sensitivity \[V per SI unit\]: 1 pV/Pa is below that of blast gauges, 1 kV/(m/s²) above that of seismometers.
 const SENSITIVITIES: [f64; 2] = [1e-12, 1e3];
 
 /// Refuses a text without a unit: the number may be meant in V, in Pa or in dB.

@@ -28,6 +28,8 @@ struct Finding {
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Kind {
     Level,
+    /// All microphones.
+    Silent,
     Pressure,
     Acceleration,
 }
@@ -70,6 +72,10 @@ impl<'a> ChannelChecks<'a> {
                 add(&mut self.found, configuration, name, kind, offset);
             }
         }
+        if !shot.microphones.is_empty() && shot.microphones.iter().all(|record| peak(record) == 0.0) {
+            add(&mut self.found, configuration, "", Kind::Silent, 0.0);
+            return;
+        }
         let levels: Vec<f64> = shot.microphones.iter().map(|record| level(record)).collect();
         let mut sorted = levels.clone();
         sorted.sort_by(f64::total_cmp);
@@ -99,7 +105,14 @@ impl<'a> ChannelChecks<'a> {
                 if own.repeats == 1 { "1 repeat".to_owned() } else { format!("{} repeats", own.repeats) },
             )
         });
-        let mut notes: Vec<String> = levels.collect();
+        let silent = self.found.iter().filter(|own| own.kind == Kind::Silent);
+        let silent = silent.map(|own| {
+            format!(
+                "{}: all microphones are silent, so that nothing is subtracted",
+                name(own)
+            )
+        });
+        let mut notes: Vec<String> = levels.chain(silent).collect();
         for (kind, unit) in [(Kind::Pressure, "Pa"), (Kind::Acceleration, "m/s2")] {
             let all: Vec<&Finding> = self.found.iter().filter(|own| own.kind == kind).collect();
             for group in all.chunk_by(|a, b| a.configuration == b.configuration) {

@@ -22,7 +22,7 @@ pub(crate) use calibration::calibrator_rms;
 pub use calibration::{Calibration, Calibrator, FullScale, Quantity};
 pub use fault::Fault;
 pub use shot::{Offsets, Shot};
-pub(crate) use signals::{Source, crossing, read, read_shot, refuse, unreadable};
+pub(crate) use signals::{Signals, Source, crossing, dead, read, read_shot, refuse, unreadable};
 
 /// Lowest sampling rate \[Hz\]: the highest one-third-octave band, 10 kHz, ends at 11.2 kHz.
 pub const LOWEST_RATE: f64 = 25e3;

@@ -115,7 +115,7 @@ fn same_start(track: &Track, origin: &mut Option<(f64, PathBuf)>, path: &Path) -
     Ok(())
 }
 
-/// The samples in SI units, none of them clipped and not all of them the same.
+/// The samples in SI units, none of them clipped.
 fn si(track: Track, source: &Source<'_>) -> Result<Vec<f64>, Fault> {
     if track.rate < LOWEST_RATE {
         return Err(Fault::LowRate { rate: track.rate });
@@ -129,16 +129,6 @@ fn si(track: Track, source: &Source<'_>) -> Result<Vec<f64>, Fault> {
             at: at as f64 / track.rate,
             value: factor * track.samples[at],
             unit: source.quantity.unit().to_owned(),
-        });
-    }
-    if source.quantity != Quantity::Voltage
-        && let [first, rest @ ..] = track.samples.as_slice()
-        && rest.iter().all(|sample| sample == first)
-    {
-        return Err(Fault::Dead {
-            samples: track.samples.len(),
-            value: factor * first,
-            unit: source.quantity.unit(),
         });
     }
     let mut samples = track.samples;
@@ -195,6 +185,16 @@ impl Signals {
         self.channels.iter_mut().for_each(|channel| channel.truncate(length));
         Ok(())
     }
+}
+
+/// The fault of a signal without any change: an open cable, a channel that was not recorded.
+pub(crate) fn dead(signal: &[f64], unit: &'static str) -> Option<Fault> {
+    let (first, rest) = signal.split_first()?;
+    rest.iter().all(|sample| sample == first).then_some(Fault::Dead {
+        samples: signal.len(),
+        value: *first,
+        unit,
+    })
 }
 
 /// Time at which a signal first crosses a threshold away from zero, between its samples by linear interpolation \[s\].
