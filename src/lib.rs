@@ -30,6 +30,7 @@ pub mod stages;
 pub mod staging;
 pub mod store;
 pub mod study;
+pub(crate) mod tables;
 pub mod watch;
 mod wording;
 

@@ -1,5 +1,44 @@
 //! Text for numbers, changes of levels, uncertainty bands and the ranking, the same in tables and pages.
 
+use std::borrow::Cow;
+
+/// A text as a terminal may show it: control characters, which could move its cursor or set its title, and those that reverse
+/// the direction of writing as escapes. `colours` leaves the sequences of colours, `ESC [ ... m`, as they are.
+///
+/// Names of files and texts of files are chosen by others, and may have any characters.
+pub(crate) fn visible(text: &str, colours: bool) -> Cow<'_, str> {
+    let hidden = |letter: char| {
+        letter.is_control() && !matches!(letter, '\n' | '\t')
+            || matches!(letter, '\u{200e}' | '\u{200f}' | '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}')
+    };
+    if !text.contains(hidden) {
+        return Cow::Borrowed(text);
+    }
+    let mut shown = String::with_capacity(text.len());
+    let mut rest = text;
+    while let Some(place) = rest.find(hidden) {
+        shown.push_str(&rest[..place]);
+        rest = &rest[place..];
+        let colour = colours.then(|| colour(rest)).flatten();
+        if let Some(length) = colour {
+            shown.push_str(&rest[..length]);
+            rest = &rest[length..];
+        } else if let Some(letter) = rest.chars().next() {
+            shown.extend(letter.escape_default());
+            rest = &rest[letter.len_utf8()..];
+        }
+    }
+    shown.push_str(rest);
+    Cow::Owned(shown)
+}
+
+/// Length of a sequence of colours at the beginning of a text.
+fn colour(text: &str) -> Option<usize> {
+    let parameters = text.strip_prefix("\u{1b}[")?;
+    let end = parameters.find(|letter: char| !(letter.is_ascii_digit() || letter == ';'))?;
+    parameters[end..].starts_with('m').then_some(2 + end + 1)
+}
+
 /// Bytes in hexadecimal digits.
 pub(crate) fn hexadecimal(bytes: &[u8]) -> String {
     bytes.iter().map(|byte| format!("{byte:02x}")).collect()
@@ -116,6 +155,17 @@ pub(crate) fn order(ranking: &[Placed<'_>]) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn control_characters_are_shown_and_colours_stay_colours() {
+        let file = "a\u{1b}]0;title\u{7}\u{1b}[2J\r\u{9b}31mb\u{202e}.wav\tc\n";
+        let expected = "a\\u{1b}]0;title\\u{7}\\u{1b}[2J\\r\\u{9b}31mb\\u{202e}.wav\tc\n";
+        assert_eq!(visible(file, false), expected);
+        assert_eq!(visible(file, true), expected);
+        let coloured = "\u{1b}[31;1merror\u{1b}[0m m/s\u{b2}";
+        assert_eq!(visible(coloured, true), coloured);
+        assert_eq!(visible(coloured, false), "\\u{1b}[31;1merror\\u{1b}[0m m/s\u{b2}");
+    }
 
     #[test]
     fn a_change_that_rounds_to_zero_has_no_sign() {

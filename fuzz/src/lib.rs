@@ -10,7 +10,6 @@ use nailnoise::measurement::recordings::{Selector, decode};
 use nailnoise::stages::bodies::{Body, BodySensors, WholeModes};
 use nailnoise::stages::response::ResponseChecks;
 use nailnoise::stages::{Codec, Postcard, WithMatrix};
-use nailnoise_dynamics::prf::ForceTable;
 use nailnoise_meshes::{Surface, msh, uff};
 
 /// A target by its name.
@@ -64,8 +63,7 @@ pub fn universal_file(bytes: &[u8]) {
 
 /// A penetration law by points.
 pub fn penetration_table(bytes: &[u8]) {
-    let Ok(text) = std::str::from_utf8(bytes) else { return };
-    let _ = ForceTable::from_csv(text);
+    let _ = nailnoise::penetration::force_table(bytes, Path::new("fuzzed.csv"));
 }
 
 /// The manifest of a test, without its recordings.

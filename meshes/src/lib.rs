@@ -31,6 +31,7 @@ mod smooth;
 mod straighten;
 mod surface;
 pub mod temporary;
+pub mod text;
 mod tool;
 mod tubes;
 pub mod uff;

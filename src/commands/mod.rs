@@ -56,6 +56,7 @@ use crate::error::Error;
 use crate::result::Check;
 use crate::staging::is_file_name;
 use crate::store::Store;
+use crate::wording::visible;
 use progress::progress;
 
 /// What `--version` says.
@@ -305,9 +306,14 @@ fn execute(cli: &Cli) -> Result<ExitCode, Error> {
     }
 }
 
+/// Whether messages have colours.
+fn coloured() -> bool {
+    std::io::stderr().is_terminal() && std::env::var_os("NO_COLOR").is_none_or(|value| value.is_empty())
+}
+
 /// Prints errors with a caret under the position in the design; without colour if the output is not a terminal.
 fn install_error_style() {
-    let colour = std::io::stderr().is_terminal() && std::env::var_os("NO_COLOR").is_none_or(|value| value.is_empty());
+    let colour = coloured();
     // The hook can only be set once a process; a second command in the same process keeps the first style.
     let _ = miette::set_hook(Box::new(move |_| {
         Box::new(
@@ -340,7 +346,7 @@ fn status_of(checks: &[Check]) -> ExitCode {
 
 /// Writes a line to standard error. If nobody can read it, the work goes on.
 fn message(text: &str) {
-    let _ = writeln!(std::io::stderr(), "{text}");
+    let _ = writeln!(std::io::stderr(), "{}", visible(text, coloured()));
 }
 
 /// Shows an error or a warning with its place and remedy on standard error.
@@ -350,7 +356,7 @@ fn report(diagnostic: impl miette::Diagnostic + Send + Sync + 'static) {
 
 /// Writes text to standard output.
 fn print(text: &str) -> Result<(), Error> {
-    printed(std::io::stdout().lock().write_all(text.as_bytes()))
+    printed(std::io::stdout().lock().write_all(visible(text, false).as_bytes()))
 }
 
 /// What has come of writing to standard output. A reader that has seen enough (`| head`) is not an error.

@@ -17,6 +17,8 @@ pub struct Arrangement {
     pub centre: Point3<f64>,
     /// Positions of the microphones \[m\].
     pub microphones: Vec<Point3<f64>>,
+    /// Names of the microphones.
+    pub microphone_names: Vec<String>,
     /// Height of the reflecting plane \[m\].
     pub plane: f64,
     /// The air.
@@ -69,6 +71,7 @@ impl Arrangement {
             setup: manifest.setup,
             centre: manifest.centre.into(),
             microphones: manifest.microphones.iter().map(|own| own.position.into()).collect(),
+            microphone_names: manifest.microphones.iter().map(|own| own.name.clone()).collect(),
             plane: manifest.plane,
             air: Air::at(manifest.temperature, manifest.static_pressure)?,
             absorption: manifest.absorption,
@@ -135,6 +138,7 @@ mod tests {
             setup: Setup::Worktable,
             centre,
             microphones: surface.positions_around(Point3::origin()),
+            microphone_names: (1..=9).map(|number| format!("mic{number}")).collect(),
             plane: 0.0,
             air: Air::default(),
             absorption: None,

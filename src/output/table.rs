@@ -12,7 +12,8 @@ const BLOCK: usize = 128;
 /// Most bytes of a number with nine digits, its sign and its comma.
 const WIDTH: usize = 18;
 
-/// A table of text; fields with commas are quoted.
+/// A table of text; fields with commas are quoted, and a text that a spreadsheet would take for a formula begins with an
+/// apostrophe, by which spreadsheets mark text.
 ///
 /// # Errors
 /// [`Error::Table`] where a row is longer or shorter than the header.
@@ -25,9 +26,32 @@ where
     R: IntoIterator<Item: AsRef<[u8]>>,
 {
     let mut writer = Writer::from_writer(Vec::new());
-    writer.write_record(header)?;
-    rows.into_iter().try_for_each(|row| writer.write_record(row))?;
+    let mut record = ByteRecord::new();
+    let mut write = |fields: &mut dyn Iterator<Item = Vec<u8>>| {
+        record.clear();
+        fields.for_each(|field| record.push_field(&field));
+        writer.write_byte_record(&record)
+    };
+    write(&mut header.into_iter().map(|field| plain(field.as_ref())))?;
+    for row in rows {
+        write(&mut row.into_iter().map(|field| plain(field.as_ref())))?;
+    }
     finished(writer)
+}
+
+/// A field that no spreadsheet computes: one that begins like a formula and is no number gets an apostrophe.
+fn plain(field: &[u8]) -> Vec<u8> {
+    let number = || std::str::from_utf8(field).is_ok_and(|text| text.trim().parse::<f64>().is_ok());
+    let formula = match field {
+        [b'=' | b'@' | b'\t' | b'\r', ..] => true,
+        [b'+' | b'-', _, ..] => !number(),
+        _ => false,
+    };
+    if formula {
+        [b"'", field].concat()
+    } else {
+        field.to_vec()
+    }
 }
 
 /// Shortest interval between the rows of a table of histories that is not asked for whole \[s\].
@@ -93,6 +117,25 @@ mod tests {
     fn a_field_with_a_comma_is_quoted() {
         let table = table(["a", "b"], [["1,5", "2"]]).unwrap_or_default();
         assert_eq!(String::from_utf8_lossy(&table), "a,b\n\"1,5\",2\n");
+    }
+
+    #[test]
+    fn a_text_that_begins_like_a_formula_is_marked_as_text() {
+        let fields = [
+            "=1+1",
+            "@x",
+            "+cmd|' /C calc'!A0",
+            "-2+3",
+            "-1.5e-3",
+            "+3",
+            "-",
+            "-inf",
+            "N",
+            "a=b",
+        ];
+        let table = table(fields, [fields]).unwrap_or_default();
+        let expected = "'=1+1,'@x,'+cmd|' /C calc'!A0,'-2+3,-1.5e-3,+3,-,-inf,N,a=b\n";
+        assert_eq!(String::from_utf8_lossy(&table), expected.repeat(2));
     }
 
     #[test]

@@ -7,7 +7,8 @@ use nailnoise_dynamics::prf::Specimen;
 use nailnoise_dynamics::prf::fit::{Conditions, Driving, Masses};
 use sha2::{Digest as _, Sha256};
 
-use super::{PenetrationError, nail, read_text, unreadable, wood};
+use super::{PenetrationError, nail, read_bytes, unreadable, wood};
+use crate::tables::{Table, TableFault, number};
 use crate::wording::hexadecimal;
 
 /// Columns of `drives.csv`.
@@ -67,30 +68,20 @@ pub struct Row {
 /// # Errors
 /// [`PenetrationError::Data`] with file, line and column.
 pub fn rows(path: &Path) -> Result<(Vec<Row>, String), PenetrationError> {
-    let text = read_text(path).map_err(|cause| unreadable(path, &cause, "name a CSV file with a row a drive"))?;
-    let digest = digest(text.as_bytes());
-    let text = text.strip_prefix('\u{feff}').unwrap_or(&text);
+    let bytes = read_bytes(path).map_err(|cause| unreadable(path, &cause, "name a CSV file with a row a drive"))?;
+    let digest = digest(&bytes);
     let data = |line: usize, problem: String, help: String| PenetrationError::Data {
         path: path.to_owned(),
         line,
         problem,
         help,
     };
-    let mut reader = csv::ReaderBuilder::new()
-        .trim(csv::Trim::All)
-        .flexible(true)
-        .from_reader(text.as_bytes());
     let known = || COLUMNS.join(", ");
-    let headings: Vec<String> = match reader.headers() {
-        Ok(headings) => headings.iter().map(str::to_owned).collect(),
-        Err(cause) => {
-            return Err(data(
-                1,
-                cause.to_string(),
-                format!("the first line names the columns: {}", known()),
-            ));
-        }
-    };
+    let table = Table::of_text(&bytes).map_err(|fault| {
+        let help = format!("the first line names the columns: {}", known());
+        PenetrationError::of_table(path, fault, 1, &help)
+    })?;
+    let headings: Vec<String> = table.headings.iter().map(|heading| heading.text.clone()).collect();
     for (place, heading) in headings.iter().enumerate() {
         if !COLUMNS.contains(&heading.as_str()) {
             let near = COLUMNS
@@ -100,14 +91,14 @@ pub fn rows(path: &Path) -> Result<(Vec<Row>, String), PenetrationError> {
             let hint = near.map_or_else(String::new, |near| format!("is it \"{near}\"? "));
             let shown: String = heading.chars().take(40).collect();
             return Err(data(
-                1,
+                table.line,
                 format!("there is no column \"{shown}\""),
                 format!("{hint}the columns are: {}", known()),
             ));
         }
         if headings[..place].contains(heading) {
             return Err(data(
-                1,
+                table.line,
                 format!("the column \"{heading}\" stands in it twice"),
                 "keep one of them".to_owned(),
             ));
@@ -116,7 +107,7 @@ pub fn rows(path: &Path) -> Result<(Vec<Row>, String), PenetrationError> {
     for needed in ["id", "file"] {
         if !headings.iter().any(|heading| heading == needed) {
             return Err(data(
-                1,
+                table.line,
                 format!("the column \"{needed}\" is missing"),
                 format!(
                     "the first line names the columns; the file has: {}",
@@ -126,44 +117,32 @@ pub fn rows(path: &Path) -> Result<(Vec<Row>, String), PenetrationError> {
         }
     }
     let mut found = Vec::new();
-    let mut record = csv::StringRecord::new();
-    loop {
-        let start = usize::try_from(reader.position().byte()).unwrap_or(usize::MAX);
-        // The reader passes over empty lines.
-        let skipped = text.as_bytes()[start.min(text.len())..]
-            .iter()
-            .take_while(|b| b.is_ascii_whitespace())
-            .count();
-        let line = 1 + text.as_bytes()[..(start + skipped).min(text.len())]
-            .iter()
-            .filter(|b| **b == b'\n')
-            .count();
-        match reader.read_record(&mut record) {
-            Ok(false) => break,
-            Ok(true) => {}
-            Err(cause) => return Err(data(line, cause.to_string(), "write plain CSV in UTF-8".to_owned())),
-        }
-        if record.len() != headings.len() {
-            return Err(data(
-                line,
-                format!(
-                    "it has {} fields, and the first line names {}",
-                    record.len(),
-                    headings.len()
-                ),
-                "give every row a field for every column; it may be empty".to_owned(),
-            ));
-        }
+    let mut refused = None;
+    let read = table.rows(|line, record| {
         if found.len() == MOST_DRIVES {
-            return Err(data(
+            let problem = format!("there are more than {MOST_DRIVES} drives; split the file");
+            return Err(TableFault::Line {
                 line,
-                format!("there are more than {MOST_DRIVES} drives"),
-                "split the file".to_owned(),
-            ));
+                column: None,
+                problem,
+            });
         }
         let fields: BTreeMap<&str, &str> = headings.iter().map(String::as_str).zip(record.iter()).collect();
-        found.push(Fields { path, line, fields }.row()?);
+        if refused.is_none() {
+            match (Fields { path, line, fields }).row() {
+                Ok(row) => found.push(row),
+                Err(error) => refused = Some(error),
+            }
+        }
+        Ok(())
+    });
+    if let Some(error) = refused {
+        return Err(error);
     }
+    read.map_err(|fault| {
+        let help = "give every row a field for every column; it may be empty";
+        PenetrationError::of_table(path, fault, 1, help)
+    })?;
     if found.is_empty() {
         return Err(data(1, "it has no drive".to_owned(), "add a row a drive".to_owned()));
     }
@@ -237,9 +216,9 @@ impl Fields<'_> {
         if text.is_empty() {
             return Ok(None);
         }
-        match text.parse::<f64>() {
-            Ok(number) if number.is_finite() => Ok(Some(number)),
-            _ => {
+        match number(text) {
+            Some(number) => Ok(Some(number)),
+            None => {
                 let shown: String = text.chars().take(40).collect();
                 Err(self.error(
                     format!("{column} is \"{shown}\", no number"),

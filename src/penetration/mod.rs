@@ -13,7 +13,10 @@ use nailnoise_dynamics::machine::{MachineError, PlanError};
 use nailnoise_dynamics::prf::fit::{FitError, FittedLaw, FormError};
 use nailnoise_dynamics::prf::{CurveError, ForceTable, NAILS, NailSize, PenetrationLaw, TableError, WOODS, WoodKind};
 use nailnoise_meshes::read_regular;
+use nailnoise_quantities::dimension;
 use thiserror::Error;
+
+use crate::tables::{ColumnOf, Table, TableFault};
 
 /// Why laws cannot be compared.
 #[derive(Debug, Clone, PartialEq, Error, Diagnostic)]
@@ -59,7 +62,7 @@ pub enum PenetrationError {
     /// A recording in a universal file that cannot be read.
     #[error("{cause}")]
     #[diagnostic(help(
-        "write displacement and force as datasets 58 in text, or give a CSV file: time_s,depth_m,force_n"
+        "write displacement and force as datasets 58 of real values, or give a CSV file: time_s,depth_m,force_n"
     ))]
     Universal {
         /// Why, with file and line.
@@ -108,7 +111,7 @@ pub enum PenetrationError {
     },
     /// A file that holds no law.
     #[error("{} holds no penetration law", path.display())]
-    #[diagnostic(help("a line holds a depth in m and a force in N with a comma between; depths increase from 0"))]
+    #[diagnostic(help("a line has a depth in m and a force in N; depths increase from 0"))]
     Table {
         /// The file.
         path: PathBuf,
@@ -129,6 +132,20 @@ pub enum PenetrationError {
     Curve(#[from] CurveError),
 }
 
+/// Columns of recordings of drives and of laws.
+const TIME: ColumnOf = ColumnOf {
+    name: "time",
+    dimension: dimension::TIME,
+};
+const DEPTH: ColumnOf = ColumnOf {
+    name: "depth",
+    dimension: dimension::LENGTH,
+};
+const FORCE: ColumnOf = ColumnOf {
+    name: "force",
+    dimension: dimension::FORCE,
+};
+
 /// The largest table that is read \[byte\].
 const LARGEST_TABLE: u64 = 16 << 20;
 
@@ -143,6 +160,27 @@ fn unreadable(path: &Path, cause: &io::Error, help: &str) -> PenetrationError {
         cause: cause.to_string(),
         help: help.to_owned(),
     }
+}
+
+impl PenetrationError {
+    /// The error of a table that cannot be read. `help` is for lines, `otherwise` the line of other faults.
+    pub(crate) fn of_table(path: &Path, fault: TableFault, otherwise: usize, help: &str) -> Self {
+        let (line, problem, help) = match fault {
+            TableFault::Line { line, problem, .. } => (line, problem, help.to_owned()),
+            TableFault::Foreign(foreign) => (otherwise, format!("it is {}", foreign.name), foreign.remedy.to_owned()),
+            fault => (otherwise, fault.to_string(), help.to_owned()),
+        };
+        Self::Data {
+            path: path.to_owned(),
+            line,
+            problem,
+            help,
+        }
+    }
+}
+
+pub(crate) fn read_bytes(path: &Path) -> io::Result<Vec<u8>> {
+    read_regular(path, LARGEST_TABLE)
 }
 
 /// Reads a fitted law, as `nailnoise prf fit` writes it.
@@ -182,9 +220,42 @@ pub fn file_of(law: &FittedLaw) -> Result<String, PenetrationError> {
 /// # Errors
 /// [`PenetrationError::Unreadable`] or [`PenetrationError::Table`] with the file.
 pub fn table(path: &Path) -> Result<ForceTable, PenetrationError> {
-    let text =
-        read_text(path).map_err(|cause| unreadable(path, &cause, "name a CSV file of depths in m and forces in N"))?;
-    ForceTable::from_csv(&text).map_err(|source| PenetrationError::Table {
+    let help = "name a table of depths and forces";
+    let bytes = read_bytes(path).map_err(|cause| unreadable(path, &cause, help))?;
+    force_table(&bytes, path)
+}
+
+/// Reads a law from the bytes of a table; `path` is for messages. Columns are in m and N unless their headings have other units,
+/// as `depth [mm]`; without headings the first two columns are depth and force.
+///
+/// # Errors
+/// [`PenetrationError::Data`] with the line, or [`PenetrationError::Table`].
+pub fn force_table(bytes: &[u8], path: &Path) -> Result<ForceTable, PenetrationError> {
+    let help = "give two numbers a line, depth in m and force in N";
+    let wrong = |fault: TableFault| PenetrationError::of_table(path, fault, 1, help);
+    let table = Table::without_headings(bytes).map_err(wrong)?;
+    let named = |of| table.headings.iter().position(|heading| heading.is_of(of));
+    let places = match (named(DEPTH), named(FORCE)) {
+        (Some(depth), Some(force)) => [depth, force],
+        // Names of a user's own, without units, or none.
+        _ => [0, 1],
+    };
+    let mut columns = table.columns(&places).map_err(wrong)?.values.into_iter();
+    let mut column = |place: usize, of: ColumnOf| -> Result<Vec<f64>, PenetrationError> {
+        let heading = &table.headings[places[place]];
+        let factor = heading.factor(of).map_err(|problem| {
+            let problem = format!("the unit of \"{}\": {problem}", heading.text);
+            wrong(TableFault::Line {
+                line: table.line,
+                column: None,
+                problem,
+            })
+        })?;
+        let values = columns.next().unwrap_or_default().into_iter();
+        Ok(values.map(|value| factor * value).collect())
+    };
+    let (depths, forces) = (column(0, DEPTH)?, column(1, FORCE)?);
+    ForceTable::new(depths, forces).map_err(|source| PenetrationError::Table {
         path: path.to_owned(),
         source,
     })

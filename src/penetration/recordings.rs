@@ -4,14 +4,19 @@ use std::path::Path;
 
 use nailnoise_dynamics::prf::fit::{Cleaned, Cleaning, Drive, Trace};
 use nailnoise_meshes::uff;
-use nailnoise_quantities::dimension::{FORCE, LENGTH};
-use nailnoise_quantities::{Dimension, measure};
+use nailnoise_quantities::Dimension;
 
 use super::drives::{Row, digest};
-use super::{PenetrationError, read_text, unreadable};
+use super::{DEPTH, FORCE, PenetrationError, TIME, read_bytes, unreadable};
+use crate::tables::{Heading, Table, si_of};
 
-/// Specific data type of time in a universal file.
-const TIME: i64 = 17;
+/// Specific data types of a universal file: time and frequency.
+const TIME_TYPE: i64 = 17;
+const FREQUENCY_TYPE: i64 = 18;
+
+/// What a table of a recording looks like.
+const NAMES: &str = "a line names the columns: time_s,depth_m,force_n, or with other units as \"depth [mm]\" (time optional at \
+                     constant speed)";
 
 /// The recording of a row, cleaned, and the digest of its file.
 ///
@@ -19,12 +24,12 @@ const TIME: i64 = 17;
 /// [`PenetrationError::Data`] with the recording's file and line.
 pub fn clean(row: &Row, how: &Cleaning) -> Result<(Drive, Cleaned, String), PenetrationError> {
     let help = format!("line {} of {} names it", row.place.1, row.place.0.display());
-    let text = read_text(&row.file).map_err(|cause| unreadable(&row.file, &cause, &help))?;
-    let digest = digest(text.as_bytes());
-    let universal = text.lines().find(|line| !line.trim().is_empty());
-    let (trace, lines) = match universal {
-        Some(line) if line.trim() == "-1" => histories(&row.file, &text)?,
-        _ => columns(&row.file, &text)?,
+    let bytes = read_bytes(&row.file).map_err(|cause| unreadable(&row.file, &cause, &help))?;
+    let digest = digest(&bytes);
+    let (trace, lines) = if uff::is_universal(&bytes) {
+        histories(&row.file, &bytes)?
+    } else {
+        columns(&row.file, &bytes)?
     };
     let cleaned = trace
         .clean(&row.conditions, &row.masses, how)
@@ -52,16 +57,29 @@ pub fn clean(row: &Row, how: &Cleaning) -> Result<(Drive, Cleaned, String), Pene
 type Samples = (Trace, Vec<usize>);
 
 /// Depth and force from datasets 58 of a universal file.
-fn histories(path: &Path, text: &str) -> Result<Samples, PenetrationError> {
+fn histories(path: &Path, bytes: &[u8]) -> Result<Samples, PenetrationError> {
     let data = |line: usize, problem: String, help: &str| PenetrationError::Data {
         path: path.to_owned(),
         line,
         problem,
         help: help.to_owned(),
     };
-    let all = uff::functions(text.as_bytes(), path).map_err(|cause| PenetrationError::Universal {
-        cause: cause.to_string(),
-    })?;
+    let (mut all, mut faults) = (Vec::new(), Vec::new());
+    for function in uff::functions(bytes, path) {
+        match function {
+            // A spectrum of the force is no history of it.
+            Ok(function) if function.kinds[0] == FREQUENCY_TYPE => {}
+            Ok(function) => all.push(function),
+            Err(fault) => faults.push(fault),
+        }
+    }
+    // A dataset that cannot be read may be the one that is missing.
+    let has = |kinds: &[i64]| all.iter().any(|function| kinds.contains(&function.kinds[1]));
+    if let Some(fault) = faults.first().filter(|_| !(has(&[8]) && has(&[9, 13]))) {
+        return Err(PenetrationError::Universal {
+            cause: fault.to_string(),
+        });
+    }
     let one = |what: &str, kinds: &[i64]| {
         let mut found = all.iter().filter(|function| kinds.contains(&function.kinds[1]));
         match (found.next(), found.next()) {
@@ -92,7 +110,7 @@ fn histories(path: &Path, text: &str) -> Result<Samples, PenetrationError> {
         let unit = &function.units[1];
         let factor = match unit.as_str() {
             "" => Ok(1.0),
-            unit => measure(&format!("1 {unit}"), dimension),
+            unit => si_of(unit, dimension),
         };
         let factor = factor.map_err(|problem| {
             data(
@@ -103,74 +121,88 @@ fn histories(path: &Path, text: &str) -> Result<Samples, PenetrationError> {
         })?;
         Ok(function.ordinate.iter().map(|value| factor * value).collect())
     };
+    let seconds = match depth.units[0].as_str() {
+        "" => Ok(1.0),
+        unit => si_of(unit, TIME.dimension),
+    };
+    let time = match seconds {
+        _ if depth.kinds[0] != TIME_TYPE => Vec::new(),
+        Ok(seconds) => depth.abscissa.iter().map(|time| seconds * time).collect(),
+        Err(problem) => {
+            let problem = format!("the unit \"{}\" of the times: {problem}", depth.units[0]);
+            return Err(data(
+                depth.line,
+                problem,
+                "label the times in s or ms; an empty label is s",
+            ));
+        }
+    };
     let trace = Trace {
-        time: if depth.kinds[0] == TIME {
-            depth.abscissa.clone()
-        } else {
-            Vec::new()
-        },
-        depth: scaled(depth, LENGTH)?,
-        force: scaled(force, FORCE)?,
+        time,
+        depth: scaled(depth, DEPTH.dimension)?,
+        force: scaled(force, FORCE.dimension)?,
     };
     Ok((trace, force.lines.clone()))
 }
 
-/// Samples from a CSV file.
-fn columns(path: &Path, text: &str) -> Result<Samples, PenetrationError> {
-    let data = |line: usize, problem: String, help: &str| PenetrationError::Data {
+/// Samples from a table.
+fn columns(path: &Path, bytes: &[u8]) -> Result<Samples, PenetrationError> {
+    let names = |headings: &[Heading], of| headings.iter().any(|heading| heading.is_of(of));
+    let table = Table::read(bytes, |headings| names(headings, DEPTH) && names(headings, FORCE));
+    let table = table.map_err(|fault| PenetrationError::of_table(path, fault, 1, NAMES))?;
+    let data = |problem: String, help: &str| PenetrationError::Data {
         path: path.to_owned(),
-        line,
+        line: table.line,
         problem,
         help: help.to_owned(),
     };
-    const NAMES: &str = "the first line names the columns: time_s,depth_m,force_n (time_s optional at constant speed)";
-    let text = text.strip_prefix('\u{feff}').unwrap_or(text);
-    let mut lines = text
-        .lines()
-        .enumerate()
-        .map(|(i, line)| (i + 1, line.trim()))
-        .filter(|(_, line)| !line.is_empty() && !line.starts_with('#'));
-    let Some((first, headings)) = lines.next() else {
-        return Err(data(1, "it is empty".to_owned(), NAMES));
-    };
-    let headings: Vec<&str> = headings.split(',').map(str::trim).collect();
-    let place = |name: &str| headings.iter().position(|heading| *heading == name);
-    let (time, Some(depth), Some(force)) = (place("time_s"), place("depth_m"), place("force_n")) else {
-        let shown: String = headings.join(",").chars().take(60).collect();
-        return Err(data(first, format!("its columns are \"{shown}\""), NAMES));
-    };
-    let mut trace = Trace::default();
-    let mut places = Vec::new();
-    for (number, line) in lines {
-        let mut values = [0.0; 3];
-        let mut count = 0;
-        for (column, field) in line.split(',').enumerate() {
-            count += 1;
-            let target = match Some(column) {
-                c if c == time => 0,
-                c if c == Some(depth) => 1,
-                c if c == Some(force) => 2,
-                _ => continue,
-            };
-            match field.trim().parse::<f64>() {
-                Ok(value) if value.is_finite() => values[target] = value,
-                _ => {
-                    let shown: String = field.trim().chars().take(40).collect();
-                    let problem = format!("{} is \"{shown}\", no number", headings.get(column).unwrap_or(&""));
-                    return Err(data(number, problem, "give numbers with a point before the decimals"));
-                }
+    let (mut places, mut factors) = (Vec::new(), Vec::new());
+    for of in [TIME, DEPTH, FORCE] {
+        let mut found = table
+            .headings
+            .iter()
+            .enumerate()
+            .filter(|(_, heading)| heading.is_of(of));
+        let Some((place, heading)) = found.next() else {
+            if of.dimension == TIME.dimension {
+                continue;
             }
+            return Err(data(format!("its columns are \"{}\"", table.known()), NAMES));
+        };
+        if found.next().is_some() {
+            return Err(data(format!("two columns are the {}", of.name), "name one column so"));
         }
-        if count != headings.len() {
-            let problem = format!("it has {count} fields, and the first line names {}", headings.len());
-            return Err(data(number, problem, "give every line a field for every column"));
-        }
-        if time.is_some() {
-            trace.time.push(values[0]);
-        }
-        trace.depth.push(values[1]);
-        trace.force.push(values[2]);
-        places.push(number);
+        let factor = heading.factor(of).map_err(|problem| {
+            let problem = format!("the unit of \"{}\": {problem}", heading.text);
+            data(problem, "give a unit as in time [ms], depth [mm], force [kN]")
+        });
+        places.push(place);
+        factors.push(factor?);
     }
-    Ok((trace, places))
+    let help = "give every line a number for every column, with one decimal mark";
+    let read = table.columns(&places);
+    let read = read.map_err(|fault| PenetrationError::of_table(path, fault, table.line, help))?;
+    let shortest = read.values.iter().map(Vec::len).min().unwrap_or(0);
+    if read.values.iter().any(|values| values.len() > shortest) {
+        let line = read.lines.get(shortest).copied().unwrap_or(table.line);
+        let problem = "a column ends before the others".to_owned();
+        return Err(PenetrationError::Data {
+            path: path.to_owned(),
+            line,
+            problem,
+            help: help.to_owned(),
+        });
+    }
+    let mut scaled = read
+        .values
+        .into_iter()
+        .zip(factors)
+        .map(|(values, factor)| values.into_iter().map(|value| factor * value).collect::<Vec<f64>>());
+    let time = if places.len() == 3 {
+        scaled.next().unwrap_or_default()
+    } else {
+        Vec::new()
+    };
+    let [depth, force] = [scaled.next().unwrap_or_default(), scaled.next().unwrap_or_default()];
+    Ok((Trace { time, depth, force }, read.lines))
 }

@@ -14,6 +14,7 @@ mod measure;
 mod mesh;
 mod prf;
 mod prf_fit;
+mod prf_tables;
 mod report;
 mod run;
 mod study;

@@ -2,6 +2,8 @@
 //! channel, its value and a remedy.
 #![allow(clippy::unwrap_used)] // a test may panic, in its helpers too
 
+mod channels;
+mod containers;
 mod damaged;
 mod manifest;
 mod recordings;

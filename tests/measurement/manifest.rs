@@ -160,7 +160,7 @@ fn a_value_outside_its_limits_is_refused_with_its_unit() {
         "\"200 Pa\"",
         "\"-200 Pa\"",
         6,
-        &["`channels.mic5.full_scale` is -200", "above 0"],
+        &["`channels.mic5.full_scale` is -2e2 Pa", "outside 1e-6 to 1e10 Pa"],
     );
     refused("\"200 Pa\"", "\"200 parsec\"", 6, &["200 parsec", "Pa, kPa"]);
     refused("\"12.5 ms\"", "-0.1", 8, &["`configurations.W-1.trigger` is -0.1 s"]);

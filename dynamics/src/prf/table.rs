@@ -44,14 +44,6 @@ impl From<ForceTable> for Points {
 #[derive(Debug, Clone, PartialEq, Error)]
 #[non_exhaustive]
 pub enum TableError {
-    /// A line that does not hold two numbers.
-    #[error("line {line} is \"{text}\"; give two numbers, depth in m and force in N, with a comma between")]
-    Line {
-        /// Line, from 1.
-        line: usize,
-        /// The line.
-        text: String,
-    },
     /// Lists of different lengths.
     #[error("there are {depths} depths and {forces} forces; give one force a depth")]
     Lengths {
@@ -124,41 +116,6 @@ impl ForceTable {
         }
         let slopes = slopes(&depths, &forces);
         Ok(Self { depths, forces, slopes })
-    }
-
-    /// Reads a table from CSV: depth \[m\] and force \[N\] a line, a comma between. Empty lines and lines that begin
-    /// with `#` are skipped, and so is a first line of names.
-    ///
-    /// # Errors
-    /// A [`TableError`] for the first line or point that is wrong.
-    pub fn from_csv(text: &str) -> Result<Self, TableError> {
-        // By hand, because errors name the line: the reader of the crate csv gives the line before skipped ones instead.
-        let (mut depths, mut forces) = (Vec::new(), Vec::new());
-        let text = text.strip_prefix('\u{feff}').unwrap_or(text);
-        let mut names_allowed = true;
-        for (i, line) in text.lines().enumerate() {
-            let line = line.trim();
-            if line.is_empty() || line.starts_with('#') {
-                continue;
-            }
-            let fields: Vec<&str> = line.split(',').map(str::trim).collect();
-            let numbers: Vec<f64> = fields.iter().filter_map(|field| field.parse().ok()).collect();
-            match (fields.len(), numbers.as_slice()) {
-                (2, &[depth, force]) => {
-                    depths.push(depth);
-                    forces.push(force);
-                }
-                (2, []) if names_allowed => {}
-                _ => {
-                    return Err(TableError::Line {
-                        line: i + 1,
-                        text: line.to_owned(),
-                    });
-                }
-            }
-            names_allowed = false;
-        }
-        Self::new(depths, forces)
     }
 
     /// Depth of the last point \[m\].

@@ -81,13 +81,6 @@ fn the_interpolation_converges_with_the_fineness_of_the_table() {
 }
 
 #[test]
-fn a_table_is_read_from_csv() {
-    let text = "\u{feff}# drive test 7\ndepth_m, force_N\n0, 0\n0.04, 1000\n\n0.09, 1.8e3\n";
-    let table = ForceTable::from_csv(text).unwrap();
-    assert_eq!(table.force(0.04), 1000.0);
-}
-
-#[test]
 fn parameters_with_a_table_are_read_back_from_json() {
     let mut p = n80cb();
     p.penetration_table = Some(sampled(4));
@@ -96,28 +89,22 @@ fn parameters_with_a_table_are_read_back_from_json() {
 }
 
 #[test]
-fn a_wrong_point_or_line_is_an_error_with_its_number() {
+fn a_wrong_point_is_an_error_with_its_number() {
     use TableError as E;
-    let csv = |text: &str| ForceTable::from_csv(text).unwrap_err();
-    assert_eq!(
-        csv("0,0\n0.01;5\n"),
-        E::Line {
-            line: 2,
-            text: "0.01;5".to_owned()
-        }
-    );
-    assert!(matches!(csv("0,0\ndepth,force\n0.1,5\n"), E::Line { line: 2, .. }));
-    assert!(matches!(csv("0,0,0\n"), E::Line { line: 1, .. }));
-    assert_eq!(csv("0,0\n"), E::TooFew { count: 1 });
-    assert_eq!(csv("0.01,0\n0.02,5\n"), E::Start { depth: 0.01 });
+    let refused = |depths: &[f64], forces: &[f64]| ForceTable::new(depths.to_vec(), forces.to_vec()).unwrap_err();
+    assert_eq!(refused(&[0.0], &[0.0]), E::TooFew { count: 1 });
+    assert_eq!(refused(&[0.01, 0.02], &[0.0, 5.0]), E::Start { depth: 0.01 });
     let order = E::Order {
         point: 3,
         depth: 0.05,
         before: 0.05,
     };
-    assert_eq!(csv("0,0\n0.05,5\n0.05,6\n"), order);
-    assert!(matches!(csv("0,0\n0.05,-5\n"), E::Value { point: 2, .. }));
-    assert!(matches!(csv("0,0\n0.05,inf\n"), E::Value { point: 2, .. }));
+    assert_eq!(refused(&[0.0, 0.05, 0.05], &[0.0, 5.0, 6.0]), order);
+    assert!(matches!(refused(&[0.0, 0.05], &[0.0, -5.0]), E::Value { point: 2, .. }));
+    assert!(matches!(
+        refused(&[0.0, 0.05], &[0.0, f64::INFINITY]),
+        E::Value { point: 2, .. }
+    ));
     assert_eq!(
         ForceTable::new(vec![0.0], vec![]).unwrap_err(),
         E::Lengths { depths: 1, forces: 0 }
@@ -132,7 +119,7 @@ fn a_wrong_table_in_json_is_refused() {
 #[test]
 fn a_table_shorter_than_the_nail_is_refused() {
     let mut p = n80cb();
-    p.penetration_table = Some(ForceTable::from_csv("0,0\n0.05,1000\n").unwrap());
+    p.penetration_table = Some(ForceTable::new(vec![0.0, 0.05], vec![0.0, 1000.0]).unwrap());
     let error = simulate(&p, &Settings::default()).unwrap_err();
     assert!(matches!(error, CycleError::TableTooShort { .. }), "{error}");
 }

@@ -91,6 +91,17 @@ pub(super) struct Dataset<'a> {
     text: &'a [u8],
     /// What follows the lines of a binary dataset.
     pub(super) binary: Option<Binary<'a>>,
+    /// Why it cannot be read; another dataset of the file may be.
+    damage: Option<Damage>,
+}
+
+/// What keeps a dataset from being read.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(super) enum Damage {
+    /// It has no end.
+    CutOff,
+    /// A binary dataset whose header does not state its length.
+    Length,
 }
 
 /// Bytes of a binary dataset.
@@ -104,13 +115,38 @@ pub(super) struct Binary<'a> {
 }
 
 impl Dataset<'_> {
-    /// Calls `read` with the lines.
+    /// Whether the file ends within it, so that datasets may be missing behind it.
+    pub(super) fn is_cut_off(&self) -> bool {
+        self.damage == Some(Damage::CutOff)
+    }
+
+    /// Calls `read` with the lines, in UTF-8 or Windows-1252.
     pub(super) fn read<T>(
         &self,
         path: &Path,
         read: impl FnOnce(&Block<'_>) -> Result<T, UffError>,
     ) -> Result<T, UffError> {
-        let text = String::from_utf8_lossy(self.text);
+        let (path_of, line) = (|| path.to_owned(), self.first - 2);
+        match self.damage {
+            Some(Damage::CutOff) => {
+                return Err(UffError::Truncated {
+                    path: path_of(),
+                    line,
+                    dataset: self.number,
+                });
+            }
+            Some(Damage::Length) => {
+                return Err(UffError::Form {
+                    path: path_of(),
+                    line,
+                    dataset: self.number,
+                    found: "binary, and its header does not say how many lines and bytes it has",
+                    expected: "58b with byte order, format, lines and bytes, or as text",
+                });
+            }
+            None => {}
+        }
+        let text = crate::text::characters(self.text);
         let lines: Vec<&str> = text.lines().collect();
         read(&Block {
             path,
@@ -158,75 +194,71 @@ fn is_end(line: &[u8]) -> bool {
     line.trim_ascii() == b"-1"
 }
 
-/// The datasets of a file, in their order.
-pub(super) fn datasets<'a>(bytes: &'a [u8], path: &Path) -> Result<Vec<Dataset<'a>>, UffError> {
+/// The datasets of a file, in their order. One that cannot be read is an error where it is read, not here.
+pub(super) fn datasets(bytes: &[u8]) -> Vec<Dataset<'_>> {
     let mut walk = Walk { bytes, at: 0, line: 1 };
     let mut datasets = Vec::new();
+    // Some programs write a byte order mark.
+    walk.at = if bytes.starts_with(b"\xef\xbb\xbf") { 3 } else { 0 };
     while let Some(line) = walk.next() {
         if !is_end(line) {
             continue;
         }
-        let begin = walk.line - 1;
         let Some(header) = walk.next() else { break };
         let header = String::from_utf8_lossy(header);
         let mut words = header.split_whitespace();
         let word = words.next().unwrap_or("");
         let number = word.trim_end_matches('b').parse().unwrap_or(0);
-        let truncated = || UffError::Truncated {
-            path: path.to_owned(),
-            line: begin,
-            dataset: number,
-        };
         let (first, start) = (walk.line, walk.at);
         let mut fields: Vec<Option<u64>> = words.map(|word| word.parse().ok()).collect();
-        if word.ends_with('b') || fields.len() > 1 {
-            fields.resize(4, None);
-            let [Some(order), Some(format), Some(lines), Some(length)] = fields[..4] else {
-                return Err(UffError::Form {
-                    path: path.to_owned(),
-                    line: begin,
-                    dataset: number,
-                    found: "binary, and its header does not say how many lines and bytes it has",
-                    expected: "58b with byte order, format, lines and bytes, or as text",
-                });
-            };
-            for _ in 0..lines {
-                walk.next().ok_or_else(truncated)?;
-            }
-            let text = &bytes[start..walk.at];
-            let content = usize::try_from(length).ok().and_then(|length| walk.take(length));
-            let content = content.ok_or_else(truncated)?;
-            // Some programs end the line behind the bytes, some do not.
-            let end = std::iter::from_fn(|| walk.next()).find(|line| !line.trim_ascii().is_empty());
-            if !end.is_some_and(is_end) {
-                return Err(truncated());
-            }
-            datasets.push(Dataset {
-                number,
-                first,
-                text,
-                binary: Some(Binary {
-                    order,
-                    format,
-                    bytes: content,
-                }),
-            });
-            continue;
-        }
-        let end = loop {
-            let at = walk.at;
-            if is_end(walk.next().ok_or_else(truncated)?) {
-                break at;
-            }
-        };
-        datasets.push(Dataset {
+        let is_binary = word.ends_with('b') || (number == 58 && fields.len() > 1);
+        fields.resize(4, None);
+        let dataset = |text, binary, damage| Dataset {
             number,
             first,
-            text: &bytes[start..end],
-            binary: None,
-        });
+            text,
+            binary,
+            damage,
+        };
+        if let ([Some(order), Some(format), Some(lines), Some(length)], true) = (&fields[..4], is_binary) {
+            let whole = (0..*lines).all(|_| walk.next().is_some());
+            let text = &bytes[start..walk.at];
+            let content = usize::try_from(*length).ok().filter(|_| whole);
+            let content = content.and_then(|length| walk.take(length));
+            // Some programs end the line behind the bytes, some do not.
+            let end = std::iter::from_fn(|| walk.next()).find(|line| !line.trim_ascii().is_empty());
+            match content.filter(|_| end.is_some_and(is_end)) {
+                Some(content) => {
+                    let binary = Binary {
+                        order: *order,
+                        format: *format,
+                        bytes: content,
+                    };
+                    datasets.push(dataset(text, Some(binary), None));
+                }
+                None => {
+                    datasets.push(dataset(text, None, Some(Damage::CutOff)));
+                    break;
+                }
+            }
+            continue;
+        }
+        let (mut at, mut ended) = (walk.at, false);
+        while let Some(line) = walk.next() {
+            ended = is_end(line);
+            if ended {
+                break;
+            }
+            at = walk.at;
+        }
+        let damage = match (ended, is_binary) {
+            (false, _) => Some(Damage::CutOff),
+            (true, true) => Some(Damage::Length),
+            (true, false) => None,
+        };
+        datasets.push(dataset(&bytes[start..at], None, damage));
     }
-    Ok(datasets)
+    datasets
 }
 
 impl Block<'_> {

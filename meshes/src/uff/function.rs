@@ -3,12 +3,15 @@
 use std::path::Path;
 
 use super::dataset::{Binary, Block, UffError, datasets};
+use crate::text::utf8;
 
 /// Samples of a quantity over time or another abscissa.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Function {
     /// Its first line of description.
     pub name: String,
+    /// Function type: 1 time response, 2 auto spectrum, 4 frequency response, 9 power spectral density, 0 unknown.
+    pub kind: i64,
     /// Specific data types of abscissa and ordinate: 17 time, 8 displacement, 9 reaction force, 12 acceleration, 13 excitation
     /// force, 0 unknown.
     pub kinds: [i64; 2],
@@ -28,17 +31,29 @@ const HEADER: &str = "data type, number of values, spacing, first abscissa, incr
 
 /// Reads the functions of a universal file, in their order; other datasets are left out. `path` is for messages.
 ///
-/// A function is text (58) or binary (58b: IEEE 754, either byte order, single or double precision).
+/// A function is text (58) or binary (58b: IEEE 754, either byte order, single or double precision). Each has its own result,
+/// because one that cannot be read leaves the others as they are: test systems write time histories, spectra and frequency
+/// responses of a run into one file. Where the file ends within a dataset of another kind, the last result states that.
 ///
 /// # Errors
 /// [`UffError::Truncated`]; [`UffError::Line`] with the line that cannot be read; [`UffError::NotFinite`]; [`UffError::Form`]
 /// for complex data and for binary data of machines without IEEE 754.
-pub fn functions(bytes: &[u8], path: &Path) -> Result<Vec<Function>, UffError> {
-    datasets(bytes, path)?
+pub fn functions(bytes: &[u8], path: &Path) -> Vec<Result<Function, UffError>> {
+    datasets(&utf8(bytes))
         .iter()
-        .filter(|dataset| dataset.number == 58)
+        .filter(|dataset| dataset.number == 58 || dataset.is_cut_off())
         .map(|dataset| dataset.read(path, |block| block.function(dataset.binary)))
         .collect()
+}
+
+/// Whether a file is a universal one: its first line that is not empty is -1.
+pub fn is_universal(bytes: &[u8]) -> bool {
+    // The first lines suffice, so that long recordings are not copied.
+    let text = utf8(&bytes[..bytes.len().min(4096)]);
+    let mut lines = text.split(|byte| *byte == b'\n');
+    lines
+        .find(|line| !line.trim_ascii().is_empty())
+        .is_some_and(|line| line.trim_ascii() == b"-1")
 }
 
 /// Data type, spacing and axis of the samples, record 7 of the dataset.
@@ -61,6 +76,14 @@ impl Block<'_> {
         }
     }
 
+    /// The function type, the first number of record 6.
+    fn kind(&self) -> i64 {
+        let line = self.lines.get(5).unwrap_or(&"");
+        // The field has five columns and may run into the next one.
+        let word = line.get(..5).unwrap_or(line).trim();
+        word.parse().unwrap_or(0)
+    }
+
     fn function(&self, binary: Option<Binary<'_>>) -> Result<Function, UffError> {
         let header = self.numbers(6, HEADER)?;
         let &[data, count, spacing, first, increment, ..] = header.as_slice() else {
@@ -73,8 +96,17 @@ impl Block<'_> {
             first,
             increment,
         };
+        let kind = self.kind();
         if data != 2.0 && !layout.double {
-            return Err(self.form("complex", "real values"));
+            return Err(self.form(
+                match kind {
+                    1 => "a complex time response",
+                    2 | 3 | 9 | 10 | 12 => "a complex spectrum",
+                    4 => "a frequency response, which is complex",
+                    _ => "complex",
+                },
+                "real values, or read another dataset",
+            ));
         }
         let axis = |line: usize| -> Result<(i64, String), UffError> {
             let expected = "the kind, label and unit of an axis";
@@ -87,6 +119,7 @@ impl Block<'_> {
         };
         let [x, y] = [axis(7)?, axis(8)?];
         let mut function = Function {
+            kind,
             name: self.lines.first().map_or("", |line| line.trim()).to_owned(),
             kinds: [x.0, y.0],
             units: [x.1, y.1],

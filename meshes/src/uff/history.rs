@@ -124,7 +124,7 @@ impl History<'_> {
 mod tests {
     use std::path::Path;
 
-    use super::super::functions;
+    use super::super::{Function, functions};
     use super::*;
 
     #[test]
@@ -142,7 +142,7 @@ mod tests {
         };
         history.write_binary(&mut bytes);
         history.write(&mut bytes);
-        let read = functions(&bytes, Path::new("test.uff")).unwrap_or_default();
+        let read: Vec<Function> = functions(&bytes, Path::new("test.uff")).into_iter().flatten().collect();
         assert_eq!(read.len(), 2);
         assert_eq!((read[0].units[1].as_str(), read[0].abscissa[1]), ("m/s2", 6.25e-6));
         for (read, value) in read[0].ordinate.iter().zip(values) {

@@ -12,7 +12,7 @@ mod read;
 mod write;
 
 pub use dataset::UffError;
-pub use function::{Function, functions};
+pub use function::{Function, functions, is_universal};
 pub use history::{History, Ordinate};
 pub use read::{MeasuredMode, Measurement, parse, read};
 pub use write::{Mode, text};

@@ -46,7 +46,7 @@ pub fn read(path: &Path) -> Result<Measurement, UffError> {
 /// As [`read`].
 pub fn parse(bytes: &[u8], path: &Path) -> Result<Measurement, UffError> {
     let mut measurement = Measurement::default();
-    for dataset in datasets(bytes, path)? {
+    for dataset in datasets(bytes) {
         match dataset.number {
             15 => dataset.read(path, |block| block.nodes(1, &mut measurement))?,
             2411 => dataset.read(path, |block| block.nodes(2, &mut measurement))?,

@@ -199,6 +199,19 @@ fn history(header: &str, axes: [&str; 2], values: &str) -> String {
 }
 
 const TIME: &str = "        17    0    0    0 time                 s                   ";
+/// The functions of a file, which can all be read.
+#[track_caller]
+fn read(bytes: &[u8]) -> Vec<uff::Function> {
+    let all = uff::functions(bytes, "a.uff".as_ref()).into_iter();
+    all.map(|function| function.unwrap()).collect()
+}
+
+/// Why the first function of a file cannot be read.
+#[track_caller]
+fn refused(bytes: &[u8]) -> UffError {
+    uff::functions(bytes, "a.uff".as_ref()).swap_remove(0).unwrap_err()
+}
+
 const FORCE: &str = "        13    0    0    0 force                kN                  ";
 
 #[test]
@@ -225,7 +238,7 @@ fn a_time_history_is_read_in_each_of_its_forms() {
         " 1.00000e+000 1.00000000000000e+00 1.50000e+000 2.00000000000000e+00\n 2.00000e+000-3.0000000000000e+00",
     );
     for text in [even, single, uneven, close] {
-        let found = uff::functions(text.as_bytes(), "a.uff".as_ref()).unwrap();
+        let found = read(text.as_bytes());
         assert_eq!(found.len(), 1);
         assert_eq!(found[0].abscissa, [1.0, 1.5, 2.0], "{text}");
         assert_eq!(found[0].ordinate, [1.0, 2.0, -3.0], "{text}");
@@ -250,10 +263,53 @@ fn damaged_time_histories_name_their_line() {
         (complex, "line 1"),
         (binary, "line 1"),
     ] {
-        let error = uff::functions(text.as_bytes(), "a.uff".as_ref())
-            .unwrap_err()
-            .to_string();
+        let error = refused(text.as_bytes()).to_string();
         assert!(error.contains(line), "{error}");
+    }
+}
+
+#[test]
+fn a_function_is_read_whatever_the_others_of_its_file_are() {
+    let even = |data: u32| format!("{data:10}         3         1  1.00000e+00  5.00000e-01  0.00000e+00");
+    let good = history(&even(2), [TIME, FORCE], "  1.00000e+00  2.00000e+00 -3.00000e+00");
+    let complex = history(&even(5), [TIME, FORCE], "  1.0  2.0  3.0  4.0  5.0  6.0");
+    let unknown = "    -1\n  1858\nanything\n    -1\n    -1\n   999b  7\nanything\n    -1\n";
+    let cut = "    -1\n   151\nmodel\n";
+    for (before, channels) in [
+        (&complex, 2),
+        (&history(&even(7), [TIME, FORCE], "1.0"), 2),
+        (&unknown.to_owned(), 1),
+    ] {
+        let file = [before, good.as_str(), cut].concat();
+        let all = uff::functions(file.as_bytes(), "a.uff".as_ref());
+        assert_eq!(
+            all[channels - 1].as_ref().unwrap().ordinate,
+            [1.0, 2.0, -3.0],
+            "{before}"
+        );
+        // The file is cut off behind it, which is an error of a dataset that may have been there.
+        assert!(matches!(all[channels], Err(UffError::Truncated { dataset: 151, .. })));
+    }
+}
+
+#[test]
+fn letters_beyond_ascii_are_read_in_each_encoding() {
+    let header = "         2         3         1  1.00000e+00  5.00000e-01  0.00000e+00";
+    let text = history(
+        header,
+        [TIME, &FORCE.replacen("kN", "m/s² ", 1)],
+        "  1.00000e+00  2.00000e+00 -3.00000e+00",
+    );
+    let latin: Vec<u8> = text.chars().map(|letter| letter as u8).collect();
+    let utf16: Vec<u8> = text.encode_utf16().flat_map(u16::to_le_bytes).collect();
+    for bytes in [
+        text.clone().into_bytes(),
+        latin,
+        [&b"\xef\xbb\xbf"[..], text.as_bytes()].concat(),
+        [&b"\xff\xfe"[..], &utf16].concat(),
+    ] {
+        assert!(uff::is_universal(&bytes));
+        assert_eq!(read(&bytes)[0].units[1], "m/s²");
     }
 }
 
@@ -301,7 +357,7 @@ fn a_binary_time_history_is_read_in_each_of_its_forms() {
             [TIME, FORCE],
             "  1.00000e+00  2.00000e+00 -3.00000e+00",
         );
-        let found = uff::functions(&[file, second.as_bytes()].concat(), "a.uff".as_ref()).unwrap();
+        let found = read(&[file, second.as_bytes()].concat());
         assert_eq!(found.len(), 2, "{index}");
         for function in &found {
             assert_eq!(function.abscissa, [1.0, 1.5, 2.0], "{index}");
@@ -314,7 +370,7 @@ fn a_binary_time_history_is_read_in_each_of_its_forms() {
 #[test]
 fn the_mark_of_an_end_among_the_bytes_ends_no_dataset() {
     let bytes: Vec<u8> = b"\n    -1\n    -1\n    -1\n  ".iter().copied().take(24).collect();
-    let found = uff::functions(&binary(4, 1, 1, 2, &bytes), "a.uff".as_ref()).unwrap();
+    let found = read(&binary(4, 1, 1, 2, &bytes));
     let expected: Vec<f64> = bytes
         .chunks_exact(8)
         .map(|word| f64::from_le_bytes(word.try_into().unwrap()))
@@ -325,7 +381,6 @@ fn the_mark_of_an_end_among_the_bytes_ends_no_dataset() {
 #[test]
 fn damaged_binary_time_histories_are_refused() {
     let good = bytes(false, |x| x.to_le_bytes().to_vec(), |x| x.to_le_bytes().to_vec());
-    let refused = |file: &[u8]| uff::functions(file, "a.uff".as_ref()).unwrap_err();
     let vax = refused(&binary(4, 1, 1, 1, &good)).to_string();
     assert!(vax.contains("line 1") && vax.contains("IEEE 754"), "{vax}");
     let few = refused(&binary(4, 1, 1, 2, &good[..16])).to_string();
@@ -353,7 +408,7 @@ fn damaged_binary_time_histories_are_refused() {
 #[test]
 fn a_file_of_another_program_is_read() {
     let bytes = include_bytes!("../data/pyuff-58b.uff");
-    let found = uff::functions(bytes, "pyuff-58b.uff".as_ref()).unwrap();
+    let found = read(bytes);
     assert_eq!(found.len(), 3);
     for (k, function) in (1..).zip(&found) {
         assert_eq!(function.kinds, [17, 12]);

@@ -17,8 +17,9 @@ use crate::output;
 use crate::penetration::PenetrationError;
 use crate::penetration::drives::COLUMNS;
 use crate::penetration::machine::machine as read_machine;
-use crate::penetration::read_text;
+use crate::penetration::read_bytes;
 use crate::staging::Staging;
+use crate::tables::{Table, TableFault, number};
 
 /// Largest residual of the energy, as a part of the projectile's.
 const BALANCE: f64 = 1e-8;
@@ -142,28 +143,31 @@ fn conditions(path: &Path) -> Result<Vec<(f64, f64)>, PenetrationError> {
         problem,
         help: "give a file that `nailnoise prf plan` writes".to_owned(),
     };
-    let text = read_text(path).map_err(|cause| data(1, cause.to_string()))?;
-    let mut lines = text.lines();
-    let headings: Vec<&str> = lines.next().unwrap_or_default().split(',').collect();
-    let place = |name: &str| headings.iter().position(|heading| *heading == name);
+    let bytes = read_bytes(path).map_err(|cause| data(1, cause.to_string()))?;
+    let wrong = |fault| PenetrationError::of_table(path, fault, 1, "give a file that `nailnoise prf plan` writes");
+    let table = Table::of_text(&bytes).map_err(wrong)?;
+    let place = |name: &str| table.headings.iter().position(|heading| heading.text == name);
     let (Some(mass), Some(speed)) = (place("mass_kg"), place("impact_speed_m_s")) else {
-        return Err(data(1, "it has no columns mass_kg and impact_speed_m_s".to_owned()));
+        let problem = "it has no columns mass_kg and impact_speed_m_s".to_owned();
+        return Err(data(table.line, problem));
     };
     let mut found = Vec::new();
-    for (index, line) in lines.enumerate().filter(|(_, line)| !line.trim().is_empty()) {
-        let fields: Vec<&str> = line.split(',').collect();
-        if fields.get(speed).is_some_and(|field| field.is_empty()) {
-            continue;
+    let read = table.rows(|line, record| {
+        if record[speed].is_empty() {
+            return Ok(());
         }
-        let number = |place: usize| {
-            let number = fields.get(place).and_then(|field| field.parse::<f64>().ok());
-            number.filter(|number| *number > 0.0 && number.is_finite())
+        let positive = |place: usize| number(&record[place]).filter(|number| *number > 0.0);
+        let (Some(mass), Some(speed)) = (positive(mass), positive(speed)) else {
+            return Err(TableFault::Line {
+                line,
+                column: None,
+                problem: "mass and speed are no numbers above 0".to_owned(),
+            });
         };
-        match (number(mass), number(speed)) {
-            (Some(mass), Some(speed)) => found.push((mass, speed)),
-            _ => return Err(data(index + 2, "mass and speed are no numbers above 0".to_owned())),
-        }
-    }
+        found.push((mass, speed));
+        Ok(())
+    });
+    read.map_err(wrong)?;
     if found.is_empty() {
         return Err(data(1, "it has no row with a speed of impact".to_owned()));
     }

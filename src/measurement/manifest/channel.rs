@@ -202,15 +202,27 @@ fn calibration(table: &Table<'_, '_>, quantity: Quantity) -> Result<Calibration,
         let read = quantity
             .sensitivity(text)
             .map_err(|problem| refused("sensitivity", text, problem))?;
-        positive(table, "sensitivity", read.abs()).map(|_| read)
+        stated(table, "sensitivity", text)?;
+        let magnitude = within(
+            table,
+            "sensitivity",
+            read.abs(),
+            SENSITIVITIES,
+            of_sensitivity(quantity),
+        );
+        magnitude.map(|_| read)
     });
     let sensitivity = sensitivity.transpose()?;
     let full_scale = table.text("full_scale", "\"10 V\"")?.map(|text| {
         let own = quantity.read(text).map(FullScale::Quantity);
         let read = own.or_else(|problem| Quantity::Voltage.read(text).map(FullScale::Volts).map_err(|_| problem));
         let read = read.map_err(|problem| refused("full_scale", text, problem))?;
-        let (FullScale::Quantity(value) | FullScale::Volts(value)) = read;
-        positive(table, "full_scale", value)?;
+        stated(table, "full_scale", text)?;
+        let (value, of) = match read {
+            FullScale::Quantity(value) => (value, quantity),
+            FullScale::Volts(value) => (value, Quantity::Voltage),
+        };
+        within(table, "full_scale", value, of.limits(), of.unit())?;
         Ok(read)
     });
     let full_scale = full_scale.transpose()?;
@@ -252,11 +264,40 @@ fn calibration(table: &Table<'_, '_>, quantity: Quantity) -> Result<Calibration,
     })
 }
 
-fn positive(table: &Table<'_, '_>, key: &str, value: f64) -> Result<f64, MeasurementError> {
-    if value > 0.0 && value.is_finite() {
+/// SI unit of a sensitivity.
+fn of_sensitivity(quantity: Quantity) -> &'static str {
+    match quantity {
+        Quantity::Pressure => "V/Pa",
+        Quantity::Acceleration => "V/(m/s2)",
+        Quantity::Voltage => "V/V",
+    }
+}
+
+/// Smallest and largest sensitivity \[V per SI unit\]: 1 pV/Pa is below that of blast gauges, 1 kV/(m/s²) above that of seismometers.
+const SENSITIVITIES: [f64; 2] = [1e-12, 1e3];
+
+/// Refuses a text without a unit: the number may be meant in V, in Pa or in dB.
+fn stated(table: &Table<'_, '_>, key: &str, text: &str) -> Result<(), MeasurementError> {
+    if text.trim().parse::<f64>().is_ok() {
+        let help = "give the unit, as \"200 Pa\", \"500 g\", \"10 V\"; a sensitivity as \"50 mV/Pa\"";
+        return Err(table.error(key, format!("is \"{text}\", which has no unit"), help));
+    }
+    Ok(())
+}
+
+/// A value within limits, in SI units.
+fn within(
+    table: &Table<'_, '_>,
+    key: &str,
+    value: f64,
+    [low, high]: [f64; 2],
+    unit: &str,
+) -> Result<f64, MeasurementError> {
+    if (low..=high).contains(&value) {
         return Ok(value);
     }
-    Err(table.error(key, format!("is {value}"), "give a value above 0"))
+    let problem = format!("is {value:e} {unit}, outside {low:e} to {high:e} {unit}");
+    Err(table.error(key, problem, "correct the value, or its unit"))
 }
 
 fn calibrator(table: &Table<'_, '_>, quantity: Quantity) -> Result<Option<Calibrator>, MeasurementError> {
@@ -276,9 +317,10 @@ fn calibrator(table: &Table<'_, '_>, quantity: Quantity) -> Result<Option<Calibr
         let help = "give a level, as \"94 dB\", or an RMS, as \"10 m/s2\"";
         table.error("level", format!("is \"{level}\": {problem}"), help)
     })?;
+    stated(&table, "level", level)?;
     let frequency = table.quantity("frequency", FREQUENCY, [20.0, 10e3])?;
     Ok(Some(Calibrator {
-        rms: positive(&table, "level", rms)?,
+        rms: within(&table, "level", rms, quantity.limits(), quantity.unit())?,
         selector: selector(&table)?,
         // IEC 60942: 1 kHz is the usual frequency of a sound calibrator.
         frequency: frequency.unwrap_or(1e3),

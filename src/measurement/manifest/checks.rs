@@ -4,15 +4,18 @@ use std::path::Path;
 
 use nailnoise_acoustics::sound::Iso3744Box;
 
-use super::Manifest;
-use super::channel::Kind;
+use super::channel::{Channel, Kind};
 use super::reader::Table;
+use super::{Manifest, Microphone};
 use crate::measurement::error::MeasurementError;
-use crate::measurement::recordings::unreadable;
+use crate::measurement::recordings::{Selector, unreadable};
 
 /// Largest distance of a microphone from the measurement surface \[m\]: at 1 m from a source, 5 cm change the level by
 /// 0.42 dB.
 const OFF_SURFACE: f64 = 0.05;
+
+/// Least distance between microphones \[m\]: twice the tolerance of a position. Those of EN 12549 are 0.7 m apart and more.
+const APART: f64 = 2.0 * OFF_SURFACE;
 
 /// Microphones of EN 12549.
 const MICROPHONES: usize = 9;
@@ -58,7 +61,32 @@ pub(super) fn microphones(root: &Table<'_, '_>, manifest: &Manifest) -> Result<(
         ));
     }
     let surface = Iso3744Box::around(height);
-    for microphone in &manifest.microphones {
+    for (index, microphone) in manifest.microphones.iter().enumerate() {
+        let distance_to = |other: &Microphone| {
+            let squares = other
+                .position
+                .iter()
+                .zip(microphone.position)
+                .map(|(a, b)| (a - b).powi(2));
+            squares.sum::<f64>().sqrt()
+        };
+        let near = manifest.microphones[..index]
+            .iter()
+            .find(|other| distance_to(other) < APART);
+        if let Some(other) = near {
+            let own = root.table("channels", "[channels]")?;
+            let own = own
+                .map(|all| all.table(&microphone.name, "{ ... }"))
+                .transpose()?
+                .flatten();
+            let problem = format!(
+                "is {:.3} m from {}, less than {APART} m",
+                distance_to(other),
+                other.name
+            );
+            let help = "each microphone counts for its own part of the surface; correct the position of one of them";
+            return Err(own.as_ref().unwrap_or(root).error("position", problem, help));
+        }
         let [u, v, w] = microphone.position;
         let off = distance(&surface, [u - x, v - y, w - manifest.plane]);
         if off > OFF_SURFACE {
@@ -79,6 +107,49 @@ pub(super) fn microphones(root: &Table<'_, '_>, manifest: &Manifest) -> Result<(
         }
     }
     Ok(())
+}
+
+/// Names of channels are written into tables and onto pages and terminals: each is of plain characters.
+pub(super) fn names(channels: &[Channel], root: &Table<'_, '_>) -> Result<(), MeasurementError> {
+    let plain = |letter: char| {
+        letter.is_alphanumeric() || matches!(letter, ' ' | '_' | '-' | '.' | '/' | '(' | ')' | '+' | '#')
+    };
+    for channel in channels {
+        let begins = channel
+            .name
+            .starts_with(|letter: char| letter.is_alphanumeric() || letter == '_');
+        if !begins || !channel.name.chars().all(plain) {
+            let all = root.table("channels", "[channels]")?;
+            let help = "begin it with a letter or a digit, and use letters, digits, spaces and _ - . / ( ) + #";
+            let problem = "is no name of a channel: a spreadsheet or a terminal may obey it".to_owned();
+            return Err(all.as_ref().unwrap_or(root).error(&channel.name, problem, help));
+        }
+    }
+    Ok(())
+}
+
+/// Channels that read the same channel of the same file.
+fn shared(manifest: &Manifest) -> Vec<String> {
+    let mut found: Vec<(&Channel, Vec<&str>)> = Vec::new();
+    for own in &manifest.channels {
+        match found
+            .iter_mut()
+            .find(|(first, _)| first.file == own.file && first.selector == own.selector)
+        {
+            Some((_, names)) => names.push(&own.name),
+            None => found.push((own, vec![&own.name])),
+        }
+    }
+    let several = found.into_iter().filter(|(_, names)| names.len() > 1);
+    several
+        .map(|(own, names)| {
+            let place = match &own.selector {
+                Selector::Channel(number) => format!("channel {number}"),
+                Selector::Column(column) => format!("column \"{column}\""),
+            };
+            format!("{} read the same record: {place} of {}", names.join(", "), own.file)
+        })
+        .collect()
 }
 
 /// The residual is there where it is to be subtracted.
@@ -157,6 +228,7 @@ pub(super) fn warnings(manifest: &Manifest) -> Vec<String> {
             manifest.microphones.len()
         ));
     }
+    warnings.extend(shared(manifest));
     // A switch may run at full scale.
     let unlimited = manifest
         .channels

@@ -30,7 +30,7 @@ use serde::{Deserialize, Serialize};
 use self::channel::{Channel, Kind};
 use self::reader::Table;
 use super::error::MeasurementError;
-use super::recordings::{Calibrator, Fault, Quantity, Shot, Source, crossing, read, read_shot, refuse};
+use super::recordings::{Calibrator, Fault, Quantity, Shot, Signals, Source, crossing, dead, read, read_shot, refuse};
 use crate::design::File;
 
 /// The largest manifest that is read \[byte\].
@@ -48,11 +48,17 @@ const PRESSURES: [f64; 2] = [50e3, 110e3];
 /// Equivalent absorption areas of rooms \[m²\].
 const ABSORPTIONS: [f64; 2] = [0.1, 1e6];
 
+/// Coordinates of the machine \[m\].
+const PLACES: [f64; 2] = [-1e3, 1e3];
+
 /// Heights of a reflecting plane, and of the sand above the floor \[m\].
 const HEIGHTS: [f64; 2] = [-10.0, 10.0];
 
 /// Repeats of a configuration at most.
 const MOST_REPEATS: usize = 1000;
+
+/// Number of the configuration with everything wrapped.
+const RESIDUAL: usize = 2;
 
 /// Longest time before a trigger \[s\].
 const LATEST: f64 = 1e3;
@@ -208,6 +214,9 @@ impl Manifest {
         ])?;
         let setup = setup(&root)?;
         let centre = root.point("centre", root.required("centre", "[0, 0, 0.938]")?)?;
+        for coordinate in centre {
+            root.within("centre", coordinate, PLACES, "m")?;
+        }
         let plane = plane(&root, setup)?;
         root.required("temperature", "\"21 degC\"")?;
         let channels = channels(&root)?;
@@ -219,6 +228,7 @@ impl Manifest {
                 position: channel.position?,
             })
         });
+        checks::names(&channels, &root)?;
         let mut manifest = Self {
             path: path.to_owned(),
             setup,
@@ -277,6 +287,7 @@ impl Manifest {
         let expected = self.rate.as_ref().map(|(rate, path)| (*rate, path.as_path()));
         let mut signals = read_shot(&sources, expected)?;
         let place = |name: &str| channels.iter().position(|(_, channel)| channel.name == name);
+        alive(&channels, &signals, own.number)?;
         let trigger = match &own.trigger {
             Trigger::At(time) => *time,
             Trigger::Channel { name, threshold } => {
@@ -346,6 +357,24 @@ impl Manifest {
         }
         Ok(())
     }
+}
+
+/// Every microphone, accelerometer and pressure transducer has a signal. With everything wrapped, in configuration 2, all
+/// microphones together may have none, as in a virtual test of perfect wraps without background noise.
+fn alive(channels: &[(PathBuf, Channel)], signals: &Signals, configuration: usize) -> Result<(), MeasurementError> {
+    let fault = |index: usize| dead(&signals.channels[index], channels[index].1.kind.quantity().unit());
+    let is_microphone = |index: &usize| channels[*index].1.kind == Kind::Microphone;
+    let mut microphones = (0..channels.len()).filter(is_microphone);
+    let silent = configuration == RESIDUAL && microphones.all(|index| fault(index).is_some());
+    for (index, (_, channel)) in channels.iter().enumerate() {
+        if channel.kind == Kind::Trigger || (silent && is_microphone(&index)) {
+            continue;
+        }
+        if let Some(fault) = fault(index) {
+            return Err(signals.refuse(index, &channel.name, fault));
+        }
+    }
+    Ok(())
 }
 
 impl Channel {
@@ -465,8 +494,11 @@ fn trigger(table: &Table<'_, '_>, channels: &[Channel]) -> Result<Trigger, Measu
     };
     let value = own.required("threshold", "\"2.5 V\"")?;
     let threshold = own.number("threshold", value, |text| quantity.read(text))?;
-    if threshold == 0.0 {
-        return Err(own.error("threshold", "is 0", "give a value between rest and shot"));
+    let [low, high] = quantity.limits();
+    if !(low..=high).contains(&threshold.abs()) {
+        let unit = quantity.unit();
+        let problem = format!("is {threshold:e} {unit}, beyond {low:e} to {high:e} {unit} on either side of 0");
+        return Err(own.error("threshold", problem, "give a value between rest and shot"));
     }
     Ok(Trigger::Channel {
         name: name.to_owned(),

@@ -1,5 +1,6 @@
 //! From recordings to levels: alignment, subtraction of the residual, levels by band and interval, uncertainty.
 
+mod channels;
 mod shots;
 mod summary;
 
@@ -13,6 +14,7 @@ use super::recordings::Shot;
 use super::result::{MeasurementResult, Processing};
 use super::wrapping::Configuration;
 use crate::error::Error;
+use channels::ChannelChecks;
 pub use shots::ShotSignals;
 use shots::{Context, ProcessedShot, Residual};
 use summary::Summary;
@@ -96,13 +98,15 @@ pub fn process(
     let mut signals = Vec::new();
     let mut reference: Option<Vec<f64>> = None;
     let mut all: Vec<(Recorded, Vec<ProcessedShot>, Vec<Option<f64>>)> = Vec::new();
+    let mut checks = ChannelChecks::new(arrangement);
     // The residual first: the others need it. The delays refer to the first shot that is read.
     let mut order: Vec<Recorded> = recorded.to_vec();
     order.sort_by_key(|one| (one.configuration != Configuration::Residual, one.configuration));
     for one in order {
         let (mut shots, mut delays) = (Vec::new(), Vec::new());
         for repeat in 0..one.repeats {
-            let recording = shot(one.configuration, repeat)?;
+            let mut recording = shot(one.configuration, repeat)?;
+            checks.see(one.configuration, &mut recording);
             let context = context.get_or_insert_with(|| Context::new(arrangement, processing, recording.rate));
             let lines = context.lines(&recording);
             if one.configuration == Configuration::Residual {
@@ -157,6 +161,7 @@ pub fn process(
         hz: context
             .as_ref()
             .map_or_else(Vec::new, |context| context.bands.nominal_hz()),
+        channels: checks.notes(),
         residual_shots: residual.as_ref().map_or(1, |residual| residual.shots),
         all,
     };

@@ -38,6 +38,8 @@ pub(super) struct Summary<'a> {
     /// Nominal mid-band frequencies \[Hz\].
     pub(super) hz: Vec<f64>,
     pub(super) residual_shots: u32,
+    /// What is odd about single channels.
+    pub(super) channels: Vec<String>,
     pub(super) all: Vec<(Recorded, Vec<ProcessedShot>, Vec<Option<f64>>)>,
 }
 
@@ -255,7 +257,7 @@ impl Summary<'_> {
 
     fn notes(&self, sources: &[MeasuredSource]) -> Vec<String> {
         let name = |one: &Recorded| self.arrangement.setup.configuration(one.configuration.number());
-        let mut notes = Vec::new();
+        let mut notes = self.channels.clone();
         for (one, ..) in self.all.iter().filter(|(one, ..)| one.repeats < LEAST_REPEATS) {
             notes.push(format!(
                 "{}: {} repeats; EN 12549 asks for {LEAST_REPEATS}",

@@ -8,6 +8,7 @@ use nailnoise_quantities::{Dimension, measure};
 
 use super::fault::Fault;
 use super::{Numbers, Selector, Track};
+use crate::tables::{dimension_of, si_of, spelled};
 
 /// Standard acceleration of free fall \[m/s²\] (ISO 80000-3).
 const STANDARD_GRAVITY: f64 = 9.806_65;
@@ -67,15 +68,45 @@ impl Quantity {
         }
     }
 
-    /// Its value of one unit.
+    /// Smallest and largest value of a full scale, a threshold or a calibrator, in SI units.
+    pub(crate) fn limits(self) -> [f64; 2] {
+        match self {
+            // From the threshold of hearing, 20 uPa, to beyond the pressures of explosives.
+            Self::Pressure => [1e-6, 1e10],
+            // From a seismometer to beyond the largest shock accelerometers, 1e6 g.
+            Self::Acceleration => [1e-7, 1e8],
+            Self::Voltage => [1e-9, 1e4],
+        }
+    }
+
+    /// With its article, for messages.
+    fn noun(self) -> &'static str {
+        match self {
+            Self::Pressure => "a pressure",
+            Self::Acceleration => "an acceleration",
+            Self::Voltage => "a voltage",
+        }
+    }
+
+    /// Its value of one unit, by a label of an instrument.
     fn of_unit(self, unit: &str) -> Result<f64, String> {
-        // Labels of modal-test software: "(m/s^2)", "m/s**2".
-        let unit = unit
-            .trim()
-            .trim_start_matches(['(', '['])
-            .trim_end_matches([')', ']'])
-            .replace("**", "^");
-        self.read(&format!("1 {unit}"))
+        let falls = self == Self::Acceleration && spelled(unit) == "g";
+        if falls {
+            return Ok(STANDARD_GRAVITY);
+        }
+        si_of(unit, self.dimension())
+    }
+
+    /// What a label says of another quantity than this one or the voltage before it; none for what is no unit.
+    fn contradicted_by(self, label: &str) -> Option<String> {
+        if spelled(label).to_lowercase().starts_with("db") {
+            return Some(format!("levels, in \"{label}\""));
+        }
+        let other = dimension_of(label).filter(|_| Unit::read(label, self).is_err())?;
+        Some(match spelled(label).as_str() {
+            "g" => format!("an acceleration or a mass, in \"{label}\""),
+            _ => format!("{other}, in \"{label}\""),
+        })
     }
 
     /// A sensitivity, as "50 mV/Pa" or "10 mV/g", in V per SI unit.
@@ -177,6 +208,7 @@ impl Calibration {
     /// The scale of a track.
     pub(super) fn scale(&self, track: &Track, quantity: Quantity) -> Result<Scale, Fault> {
         let none = |why| Err(Fault::NoCalibration { why });
+        contradiction(track, quantity)?;
         let in_unit = track.numbers == Numbers::InUnit;
         if let Some(calibrator) = &self.calibrator {
             let Some(factor) = calibrator.factor else {
@@ -244,6 +276,25 @@ impl Calibration {
             }),
             _ => Ok(Some(given_unit)),
         }
+    }
+}
+
+/// Refuses a track that the file states to be of another quantity, whatever the manifest says of its numbers.
+fn contradiction(track: &Track, quantity: Quantity) -> Result<(), Fault> {
+    let refuse = |found: String| {
+        Err(Fault::OtherQuantity {
+            expected: quantity.noun(),
+            found,
+        })
+    };
+    if let Some(found) = quantity.contradicted_by(&track.unit) {
+        return refuse(found);
+    }
+    // A label that is read counts more than the data type, which many programs leave at a default.
+    let labelled = Unit::read(&track.unit, quantity).is_ok();
+    match track.measures.filter(|own| !labelled && *own != quantity.dimension()) {
+        Some(other) => refuse(format!("{other} by its specific data type")),
+        None => Ok(()),
     }
 }
 

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use super::{LOWEST_RATE, RUN, SHOT};
+use super::{Foreign, LOWEST_RATE, RUN, SHOT};
 
 /// What is wrong with the recording of a channel.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -14,11 +14,25 @@ pub enum Fault {
         /// What is wrong.
         problem: String,
     },
+    /// A file of another format.
+    #[error("the file is {}", .0.name)]
+    Foreign(Foreign),
+    /// A WAV file whose samples lose information or are compressed.
+    #[error("the samples are {coding}; integers and floats (PCM) are read")]
+    Coding {
+        /// How they are coded.
+        coding: String,
+    },
     /// A WAV file of samples of another width.
-    #[error("the samples have {bits} bits of the kind {kind}; 16, 24 or 32 bit integers and 32 bit floats are read")]
+    #[error(
+        "the samples have {bits} bits in {bytes} bytes, of the kind {kind}; integers of 2 to 64 bits and floats of 32 and 64 \
+         bits are read"
+    )]
     Width {
         /// Bits of a sample.
         bits: u16,
+        /// Bytes of a sample.
+        bytes: usize,
         /// `integer` or `float`.
         kind: &'static str,
     },
@@ -84,13 +98,33 @@ pub enum Fault {
         /// The time of an even axis \[s\].
         expected: f64,
     },
-    /// An abscissa that is no time.
-    #[error("the abscissa is no time: its kind is {kind} and its unit \"{unit}\"")]
-    NotTime {
-        /// Specific data type.
-        kind: i64,
-        /// Label of the unit.
+    /// Times that do not increase.
+    #[error("the time axis does not increase: sample {sample} is at {time} s, the one before it at {before} s")]
+    NotIncreasing {
+        /// The sample, from 1.
+        sample: usize,
+        /// Its time \[s\].
+        time: f64,
+        /// The time before it \[s\].
+        before: f64,
+    },
+    /// A unit of the time axis that cannot be read.
+    #[error("the unit \"{unit}\" of the times cannot be used: {problem}")]
+    TimeUnit {
+        /// The label in the file.
         unit: String,
+        /// What is wrong with it.
+        problem: String,
+    },
+    /// An abscissa that is no time.
+    #[error("dataset 58 number {channel} is no time history: its abscissa is {abscissa}{histories}")]
+    NotTime {
+        /// The channel, from 1.
+        channel: usize,
+        /// What the abscissa is.
+        abscissa: String,
+        /// Which datasets are time histories.
+        histories: String,
     },
     /// A universal file that cannot be read.
     #[error("{problem}")]
@@ -167,6 +201,24 @@ pub enum Fault {
         /// What is wrong with it.
         problem: String,
     },
+    /// A file in units of another quantity.
+    #[error("the channel is {expected}, and the file holds {found}")]
+    OtherQuantity {
+        /// What the manifest makes of the channel.
+        expected: &'static str,
+        /// What the file states, with its label.
+        found: String,
+    },
+    /// A channel without a signal.
+    #[error("the channel is dead: all {samples} samples are {value} {unit}")]
+    Dead {
+        /// Samples of the record.
+        samples: usize,
+        /// Their value.
+        value: f64,
+        /// Unit of the value.
+        unit: &'static str,
+    },
     /// Manifest and file state different units.
     #[error("the manifest states the unit \"{manifest}\", the file \"{file}\"")]
     UnitsDiffer {
@@ -223,20 +275,23 @@ impl Fault {
             Self::Format { .. } => {
                 "export the recording as WAV, as universal file with datasets 58, or as CSV with a time column"
             }
-            Self::Width { .. } => "export it with 16, 24 or 32 bit integers, or as 32 bit float",
+            Self::Foreign(foreign) => foreign.remedy,
+            Self::Width { .. } | Self::Coding { .. } => "export it with integers of 24 bits, or as floats of 32 bits",
             Self::CutOff { .. } => "export the recording again; a copy may have been interrupted",
             Self::NoChannel { .. } => "correct `channel`, which counts from 1, or `file`",
-            Self::NoColumn { .. } | Self::TwoColumns { .. } => {
-                "correct `column`, the heading in the first line, or the file"
-            }
+            Self::NoColumn { .. } | Self::TwoColumns { .. } => "correct `column`, a heading of the table, or the file",
             Self::NoTime { .. } => "give the file a column \"time [s]\"; its heading begins with time or is t",
             Self::Selector { .. } => "use that key for this channel, or name another file",
-            Self::Line { .. } => "give each line a finite number for each column, with a point before the decimals",
+            Self::Line { .. } => "give each line a finite number for each column, with one decimal mark",
             Self::Uneven { .. } => {
                 "export it at a constant sampling rate, with times of more digits; a sample may be missing or doubled"
             }
-            Self::NotTime { .. } => "export time histories: specific data type 17, in s",
-            Self::Universal { .. } => "export it again as datasets 58 or 58b of real values",
+            Self::NotIncreasing { .. } => "export it with times of more digits, and each sample once",
+            Self::TimeUnit { .. } => "label the times in s, ms or us; without a label they are in s",
+            Self::NotTime { .. } => "name the time history of this channel by `channel`, which counts the datasets 58",
+            Self::Universal { .. } => {
+                "name another dataset 58 by `channel`, or export it again: 58 or 58b, real values over time"
+            }
             Self::Empty { .. } => "record this shot again, or correct `file`",
             Self::NotFinite { .. } => "export the recording again, and check the converter that wrote the file",
             Self::LowRate { .. } => {
@@ -250,6 +305,12 @@ impl Fault {
                  Pa\"), or `calibrator`, or `unit` where the file holds numbers in a unit"
             }
             Self::Unit { .. } => "give `unit` in the manifest: Pa, kPa, m/s2 or g; V with a `sensitivity`",
+            Self::OtherQuantity { .. } => {
+                "correct `channel`, `column` or `kind` in the manifest, or the label in the file"
+            }
+            Self::Dead { .. } => {
+                "record again with this sensor connected, or remove the channel: the mean is then over the other microphones"
+            }
             Self::UnitsDiffer { .. } => "remove `unit` if the file is right, else export the file with the right unit",
             Self::Short { .. } => "record longer, or correct `trigger`; the machine sounds for about 0.1 s",
             Self::NoTrigger { .. } => "correct `threshold` or the trigger's channel, or give `trigger` as a time",

@@ -1,8 +1,11 @@
-//! Recordings of a shot: WAV, universal files and CSV, read as signals in SI units on one time axis.
+//! Recordings of a shot: WAV, universal files and tables, read as signals in SI units on one time axis.
 
+mod axis;
 mod calibration;
 mod csv;
 mod fault;
+mod format;
+mod riff;
 mod shot;
 mod signals;
 mod universal;
@@ -10,11 +13,16 @@ pub mod wav;
 
 use std::path::Path;
 
+use nailnoise_meshes::uff::is_universal;
+use nailnoise_quantities::Dimension;
+
+pub use crate::tables::Foreign;
+use axis::even_axis;
 pub(crate) use calibration::calibrator_rms;
 pub use calibration::{Calibration, Calibrator, FullScale, Quantity};
 pub use fault::Fault;
-pub use shot::Shot;
-pub(crate) use signals::{Source, crossing, read, read_shot, refuse, unreadable};
+pub use shot::{Offsets, Shot};
+pub(crate) use signals::{Signals, Source, crossing, dead, read, read_shot, refuse, unreadable};
 
 /// Lowest sampling rate \[Hz\]: the highest one-third-octave band, 10 kHz, ends at 11.2 kHz.
 pub const LOWEST_RATE: f64 = 25e3;
@@ -69,6 +77,8 @@ pub struct Track {
     pub numbers: Numbers,
     /// Label of their unit in the file; empty where there is none.
     pub unit: String,
+    /// What the file states that they measure, without a unit.
+    pub measures: Option<Dimension>,
 }
 
 /// Why a file cannot be read, and for which of the channels asked for.
@@ -79,12 +89,9 @@ pub type Refusal = (usize, Fault);
 /// # Errors
 /// The fault, with the index of the channel in `channels`; a fault of the whole file has index 0.
 pub fn decode(bytes: &[u8], path: &Path, channels: &[&Selector]) -> Result<Vec<Track>, Refusal> {
-    let first_line = bytes
-        .split(|byte| *byte == b'\n')
-        .find(|line| !line.trim_ascii().is_empty());
-    let tracks = if bytes.starts_with(b"RIFF") {
+    let tracks = if riff::is_riff(bytes) {
         wav::decode(bytes, channels)
-    } else if first_line.is_some_and(|line| line.trim_ascii() == b"-1") {
+    } else if is_universal(bytes) {
         universal::decode(bytes, path, channels)
     } else {
         csv::decode(bytes, channels)
@@ -112,47 +119,4 @@ fn numbers(channels: &[&Selector], format: &'static str) -> Result<Vec<usize>, R
         )),
     };
     channels.iter().enumerate().map(number).collect()
-}
-
-/// Rate and first time of an even time axis \[s\].
-///
-/// A rate within the six digits of a universal file of a whole number is that number.
-fn even_axis(times: &[f64]) -> Result<(f64, f64), Fault> {
-    let [start, .., end] = times else {
-        return Err(Fault::Empty { samples: times.len() });
-    };
-    let step = (end - start) / (times.len() - 1) as f64;
-    let uneven = |index: usize| Fault::Uneven {
-        sample: index + 1,
-        time: times[index],
-        expected: start + step * index as f64,
-    };
-    if !(step > 0.0 && step.is_finite()) {
-        return Err(uneven(1));
-    }
-    let off = |index: &usize| (times[*index] - (start + step * *index as f64)).abs() > EVENNESS * step;
-    match (0..times.len()).find(off) {
-        Some(_) => Err(uneven(first_jump(times))),
-        None => Ok((nominal(1.0 / step), *start)),
-    }
-}
-
-/// The sample behind the interval that differs most from the median one.
-fn first_jump(times: &[f64]) -> usize {
-    let steps: Vec<f64> = times.windows(2).map(|pair| pair[1] - pair[0]).collect();
-    let mut sorted = steps.clone();
-    sorted.sort_by(f64::total_cmp);
-    let median = sorted[sorted.len() / 2];
-    let off = |step: &f64| (step - median).abs();
-    let largest = steps.iter().enumerate().max_by(|a, b| off(a.1).total_cmp(&off(b.1)));
-    largest.map_or(1, |(index, _)| index + 1)
-}
-
-fn nominal(rate: f64) -> f64 {
-    let whole = rate.round();
-    if (rate - whole).abs() <= 0.5 * SAME_RATE * rate {
-        whole
-    } else {
-        rate
-    }
 }

@@ -14,3 +14,34 @@ pub struct Shot {
     /// Gas pressures in the order of the manifest's pressures \[Pa\].
     pub pressures: Vec<Vec<f64>>,
 }
+
+/// Constant parts of the signals of a shot.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Offsets {
+    /// Of each microphone \[Pa\].
+    pub microphones: Vec<f64>,
+    /// Of each accelerometer \[m/s²\].
+    pub accelerations: Vec<f64>,
+}
+
+impl Shot {
+    /// Removes the constant part of microphones and accelerometers, an offset of their amplifiers: neither sound nor the
+    /// vibration of a tool at rest before and after the shot has one. The ends of a record would make a step of it, which
+    /// raises the lowest bands. Gas pressures keep theirs, the static pressure.
+    pub fn remove_offsets(&mut self) -> Offsets {
+        Offsets {
+            microphones: self.microphones.iter_mut().map(|record| remove_mean(record)).collect(),
+            accelerations: self
+                .accelerations
+                .iter_mut()
+                .map(|record| remove_mean(record))
+                .collect(),
+        }
+    }
+}
+
+fn remove_mean(record: &mut [f64]) -> f64 {
+    let mean = record.iter().sum::<f64>() / record.len().max(1) as f64;
+    record.iter_mut().for_each(|sample| *sample -= mean);
+    mean
+}

@@ -187,6 +187,16 @@ impl Signals {
     }
 }
 
+/// The fault of a signal without any change: an open cable, a channel that was not recorded.
+pub(crate) fn dead(signal: &[f64], unit: &'static str) -> Option<Fault> {
+    let (first, rest) = signal.split_first()?;
+    rest.iter().all(|sample| sample == first).then_some(Fault::Dead {
+        samples: signal.len(),
+        value: *first,
+        unit,
+    })
+}
+
 /// Time at which a signal first crosses a threshold away from zero, between its samples by linear interpolation \[s\].
 pub(crate) fn crossing(signal: &[f64], rate: f64, threshold: f64) -> Option<f64> {
     let beyond = |value: f64| {

@@ -1,10 +1,12 @@
-//! WAV files: integers of 16, 24 and 32 bits and floats of 32 bits, any number of channels.
+//! WAV files: integers of 8 to 64 bits and floats of 32 and 64 bits, any number of channels.
 
 use std::io::{self, Cursor};
 
-use hound::{SampleFormat, WavReader, WavSpec, WavWriter};
+use hound::{SampleFormat, WavSpec, WavWriter};
 
 use super::fault::Fault;
+use super::format::{Coded, Format};
+use super::riff::{chunks, form};
 use super::{Numbers, Refusal, Selector, Track, numbers};
 
 /// How samples are written.
@@ -97,69 +99,68 @@ fn largest(bits: u16) -> f64 {
 /// Reads channels of a WAV file.
 pub(super) fn decode(bytes: &[u8], channels: &[&Selector]) -> Result<Vec<Track>, Refusal> {
     let wanted = numbers(channels, "a WAV file")?;
-    let format = |error: hound::Error| {
-        let problem = error.to_string();
-        (0, Fault::Format { problem })
+    let malformed = |problem: String| (0, Fault::Format { problem });
+    if let Some(form) = form(bytes).filter(|form| form != b"WAVE") {
+        let form = String::from_utf8_lossy(&form);
+        let problem = format!("it is a RIFF file of the form {:?}, not WAVE", form.trim());
+        return Err(malformed(problem));
+    }
+    let found = chunks(bytes);
+    let named = |name: [u8; 4]| found.iter().filter(move |chunk| chunk.name == name);
+    if named(*b"wavl").next().is_some() || named(*b"LIST").any(|chunk| chunk.content.starts_with(b"wavl")) {
+        return Err(malformed(
+            "its samples are in a list with pauses (wavl), which is not read".to_owned(),
+        ));
+    }
+    let format = named(*b"fmt ").next();
+    let format = format.ok_or_else(|| malformed("it is a WAV file without its chunk \"fmt \"".to_owned()))?;
+    let format = Format::read(format.content).map_err(|fault| (0, fault))?;
+    let mut data = named(*b"data");
+    let Some(samples) = data.next() else {
+        // The file may end before the chunk begins.
+        return Err(malformed(
+            "it is a WAV file without its chunk \"data\"; it may be cut off".to_owned(),
+        ));
     };
-    let mut reader = WavReader::new(bytes).map_err(format)?;
-    let spec = reader.spec();
-    let count = usize::from(spec.channels);
+    if data.next().is_some() {
+        return Err(malformed("it is a WAV file with two chunks \"data\"".to_owned()));
+    }
+    let count = format.channels;
     for (index, channel) in wanted.iter().copied().enumerate() {
         if !(1..=count).contains(&channel) {
             let channels = count;
             return Err((index, Fault::NoChannel { channel, channels }));
         }
     }
-    let expected = reader.len() as usize / count;
-    let (numbers, all) = match (spec.sample_format, spec.bits_per_sample) {
-        (SampleFormat::Int, bits @ (16 | 24 | 32)) => {
-            let full = largest(bits);
-            let scaled = |sample: i32| f64::from(sample) / full;
-            (
-                Numbers::Integers,
-                select(reader.samples().map_while(Result::ok).map(scaled), count, &wanted),
-            )
-        }
-        (SampleFormat::Float, 32) => {
-            let samples = reader.samples::<f32>().map_while(Result::ok).map(f64::from);
-            (Numbers::Fractions, select(samples, count, &wanted))
-        }
-        (kind, bits) => {
-            let kind = if kind == SampleFormat::Int { "integer" } else { "float" };
-            return Err((0, Fault::Width { bits, kind }));
-        }
+    // Bytes of an unfinished last sample are ignored, as every reader does.
+    let block = count * format.container;
+    let found = samples.content.len() / block;
+    let stated = samples.length.map_or(found as u64, |length| length / block as u64);
+    if (found as u64) < stated {
+        let expected = usize::try_from(stated).unwrap_or(usize::MAX);
+        return Err((0, Fault::CutOff { expected, found }));
+    }
+    if found == 0 {
+        return Err((0, Fault::Empty { samples: 0 }));
+    }
+    format.check(samples.content).map_err(|fault| (0, fault))?;
+    let numbers = match format.coded {
+        Coded::Integer { .. } => Numbers::Integers,
+        Coded::Float => Numbers::Fractions,
     };
-    let tracks = all.into_iter().map(|samples| Track {
-        rate: f64::from(spec.sample_rate),
-        start: None,
-        samples,
-        numbers,
-        unit: String::new(),
-    });
-    let tracks: Vec<Track> = tracks.collect();
-    match tracks.iter().map(|track| track.samples.len()).min().unwrap_or(0) {
-        found if found < expected => Err((0, Fault::CutOff { expected, found })),
-        0 => Err((0, Fault::Empty { samples: 0 })),
-        _ => Ok(tracks),
-    }
-}
-
-/// The wanted channels, from 1, of interleaved samples of `count` channels.
-fn select(samples: impl Iterator<Item = f64>, count: usize, wanted: &[usize]) -> Vec<Vec<f64>> {
-    let mut all = vec![Vec::new(); wanted.len()];
-    // Where each channel of the file goes; one may be asked for twice.
-    let mut targets = vec![Vec::new(); count];
-    for (index, channel) in wanted.iter().enumerate() {
-        targets[channel - 1].push(index);
-    }
-    let mut at = 0;
-    for sample in samples {
-        for &index in &targets[at] {
-            all[index].push(sample);
+    let tracks = wanted.iter().map(|channel| {
+        let place = (channel - 1) * format.container;
+        let sample = |frame: &[u8]| format.sample(&frame[place..place + format.container]);
+        Track {
+            rate: f64::from(format.rate),
+            start: None,
+            samples: samples.content.chunks_exact(block).map(sample).collect(),
+            numbers,
+            unit: String::new(),
+            measures: None,
         }
-        at = if at + 1 == count { 0 } else { at + 1 };
-    }
-    all
+    });
+    Ok(tracks.collect())
 }
 
 #[cfg(test)]

@@ -80,6 +80,9 @@ pub fn arrangement(design: &Design) -> Result<Arrangement, Error> {
     Ok(Arrangement {
         setup,
         centre: [x, y, plane + array.centre_height].into(),
+        microphone_names: (1..=array.positions().len())
+            .map(|number| format!("mic{number}"))
+            .collect(),
         microphones: array.positions(),
         plane,
         air: array.air,

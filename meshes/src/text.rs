@@ -1,0 +1,134 @@
+//! Text of instruments and spreadsheets, in whatever encoding: UTF-8, UTF-16 ("Unicode text" of Excel), Windows-1252.
+//!
+//! The standard library decodes UTF-16, and Windows-1252 differs from Unicode in 27 characters only, so that no crate is
+//! needed. A file of another code page (DOS, Mac OS Roman) reads as Windows-1252: its numbers and English labels are the same.
+
+use std::borrow::Cow;
+
+/// Characters of Windows-1252 at 0x80 to 0x9f; unused ones are the control characters of Latin-1.
+const WINDOWS_1252: [char; 32] = [
+    '€', '\u{81}', '‚', 'ƒ', '„', '…', '†', '‡', 'ˆ', '‰', 'Š', '‹', 'Œ', '\u{8d}', 'Ž', '\u{8f}', '\u{90}', '‘', '’',
+    '“', '”', '•', '–', '—', '˜', '™', 'š', '›', 'œ', '\u{9d}', 'ž', 'Ÿ',
+];
+
+/// Bytes at the start of a file that decide whether it is UTF-16 without a byte order mark.
+const PROBE: usize = 256;
+
+/// Byte orders of UTF-16.
+#[derive(Clone, Copy)]
+enum Order {
+    Little,
+    Big,
+}
+
+/// A text without its byte order mark, in UTF-8 where it was UTF-16; every other file as it is.
+///
+/// Binary parts of a file keep their bytes.
+pub fn utf8(bytes: &[u8]) -> Cow<'_, [u8]> {
+    if let Some(rest) = bytes.strip_prefix(b"\xef\xbb\xbf") {
+        return Cow::Borrowed(rest);
+    }
+    let (order, rest) = if let Some(rest) = bytes.strip_prefix(b"\xff\xfe") {
+        (Order::Little, rest)
+    } else if let Some(rest) = bytes.strip_prefix(b"\xfe\xff") {
+        (Order::Big, rest)
+    } else if let Some(order) = unmarked(bytes) {
+        (order, bytes)
+    } else {
+        return Cow::Borrowed(bytes);
+    };
+    let units = rest.chunks_exact(2).map(|pair| match order {
+        Order::Little => u16::from_le_bytes([pair[0], pair[1]]),
+        Order::Big => u16::from_be_bytes([pair[0], pair[1]]),
+    });
+    let text: String = char::decode_utf16(units)
+        .map(|letter| letter.unwrap_or(char::REPLACEMENT_CHARACTER))
+        .collect();
+    Cow::Owned(text.into_bytes())
+}
+
+/// The byte order of UTF-16 without a mark: every other byte of ASCII is zero.
+fn unmarked(bytes: &[u8]) -> Option<Order> {
+    let pairs = || bytes[..bytes.len().min(PROBE)].chunks_exact(2);
+    if pairs().len() < 2 {
+        return None;
+    }
+    let plain = |byte: u8| matches!(byte, b'\t' | b'\r' | b'\n' | b' '..=b'~');
+    if pairs().all(|pair| plain(pair[0]) && pair[1] == 0) {
+        Some(Order::Little)
+    } else if pairs().all(|pair| pair[0] == 0 && plain(pair[1])) {
+        Some(Order::Big)
+    } else {
+        None
+    }
+}
+
+/// Bytes of one text as characters: UTF-8 where they are, else Windows-1252.
+pub fn characters(bytes: &[u8]) -> Cow<'_, str> {
+    let letter = |byte: &u8| match byte {
+        0x80..=0x9f => WINDOWS_1252[usize::from(byte - 0x80)],
+        byte => char::from(*byte),
+    };
+    match std::str::from_utf8(bytes) {
+        Ok(text) => Cow::Borrowed(text),
+        Err(_) => Cow::Owned(bytes.iter().map(letter).collect()),
+    }
+}
+
+/// A text file as characters, in UTF-8, UTF-16 or Windows-1252, without a byte order mark. None for binary files, which have
+/// bytes that no text has.
+pub fn decode(bytes: &[u8]) -> Option<Cow<'_, str>> {
+    let text = match utf8(bytes) {
+        Cow::Borrowed(bytes) => characters(bytes),
+        Cow::Owned(bytes) => Cow::Owned(characters(&bytes).into_owned()),
+    };
+    // Ctrl-Z (0x1a) ends a text of DOS.
+    let foreign = |byte: u8| byte < b' ' && !matches!(byte, b'\t' | b'\n' | b'\r' | 0x0b | 0x0c | 0x1a | 0x1b);
+    (!text.bytes().any(foreign)).then_some(text)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const TEXT: &str = "Zeit;Größe [m/s²]\r\n0,5;–1 €\r\n";
+
+    #[test]
+    fn one_text_is_the_same_in_all_encodings() {
+        let utf16 = |order: fn(u16) -> [u8; 2]| TEXT.encode_utf16().flat_map(order).collect::<Vec<u8>>();
+        let one_byte = |letter: char| match WINDOWS_1252.iter().position(|own| *own == letter) {
+            Some(place) => 0x80 + place as u8,
+            None => letter as u8,
+        };
+        for bytes in [
+            TEXT.as_bytes().to_vec(),
+            [&b"\xef\xbb\xbf"[..], TEXT.as_bytes()].concat(),
+            [&b"\xff\xfe"[..], &utf16(u16::to_le_bytes)].concat(),
+            [&b"\xfe\xff"[..], &utf16(u16::to_be_bytes)].concat(),
+            TEXT.chars().map(one_byte).collect(),
+        ] {
+            assert_eq!(decode(&bytes).as_deref(), Some(TEXT), "{bytes:x?}");
+        }
+    }
+
+    #[test]
+    fn utf_16_without_a_mark_is_recognised() {
+        let text = "t;N [g]\n0;1\n";
+        for order in [u16::to_le_bytes, u16::to_be_bytes] {
+            let bytes: Vec<u8> = text.encode_utf16().flat_map(order).collect();
+            assert_eq!(decode(&bytes).as_deref(), Some(text));
+        }
+    }
+
+    #[test]
+    fn binary_files_are_no_text() {
+        for bytes in [
+            &b"caff\x00\x01\x00\x00desc"[..],
+            b"\x00\x00\x00\x00",
+            b"abc\x07",
+            b"\x89PNG\r\n\x1a\n\x00",
+        ] {
+            assert_eq!(decode(bytes), None);
+        }
+    }
+}
