@@ -30,6 +30,7 @@ pub mod stages;
 pub mod staging;
 pub mod store;
 pub mod study;
+mod threads;
 pub mod watch;
 mod wording;
 
