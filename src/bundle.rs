@@ -1,6 +1,5 @@
 //! Everything a run leaves behind as one value, kept from run to run: an unchanged design is not computed again.
 
-use std::panic::resume_unwind;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::{fs, io, thread};
@@ -21,6 +20,7 @@ use crate::run::Run;
 use crate::stages::{Digest, Postcard, Progress, Stage, Stored};
 use crate::staging::{self, Staging};
 use crate::store::{Checksum, Key, Store, checksum};
+use crate::threads::beside;
 use crate::{figures, output};
 
 /// The file that is written last, so that a folder that holds it holds all the rest.
@@ -257,20 +257,18 @@ fn made(
         cycle: chain.cycle.clone(),
         films: exports.films,
     });
+    // The cycle's tables are the longest of all.
+    let of_cycle = || {
+        let record = chain.cycle.get()?;
+        output::of_cycle(&record, exports.histories)
+    };
+    let files = || field_files(&fields, folder, staging, store);
     thread::scope(|scope| {
-        // The cycle's tables are the longest of all.
-        let of_cycle = scope.spawn(|| {
-            chain
-                .cycle
-                .get()
-                .and_then(|record| output::of_cycle(&record, exports.histories))
-        });
-        let files = scope.spawn(|| field_files(&fields, folder, staging, store));
+        let (of_cycle, files) = (beside(scope, &of_cycle), beside(scope, &files));
         let mut outputs = chain.outputs();
         outputs.push(&pictures);
         let prepared = graph.prepare(&outputs);
-        let of_cycle = of_cycle.join().unwrap_or_else(|panic| resume_unwind(panic));
-        let files = files.join().unwrap_or_else(|panic| resume_unwind(panic));
+        let (of_cycle, files) = (of_cycle.join(), files.join());
         match (prepared, of_cycle, files) {
             (Ok(()), Ok(of_cycle), Ok(fields)) => Ok(Made {
                 run: chain.run(design)?,

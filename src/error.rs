@@ -98,6 +98,15 @@ pub enum Error {
         /// What it said.
         reason: String,
     },
+    /// Python was ended from outside.
+    #[error("the Python process was ended by signal {signal}")]
+    #[diagnostic(help(
+        "signal 9 is often a lack of memory; what was computed is cached, and the same command goes on from there"
+    ))]
+    PythonEnded {
+        /// Number of the signal; 0 where it is not known.
+        signal: u8,
+    },
     /// A study that is to come with the program is of a design that does not.
     #[error("`--provide` writes studies of shipped designs, and `{design}` is none")]
     #[diagnostic(help(
@@ -163,6 +172,17 @@ pub enum Error {
         /// Points of a grid at most.
         most: usize,
     },
+    /// A key that a sweep is to vary twice.
+    #[error("the sweep varies `{key}` twice")]
+    #[diagnostic(help("give all its values at once, as in {key}=3,5,12"))]
+    VariedTwice {
+        /// The key.
+        key: String,
+    },
+    /// A sweep over nothing.
+    #[error("the sweep has no key to vary")]
+    #[diagnostic(help("give a key of the design and its values, as in supply.pressure=80psig..110psig:7"))]
+    NothingToVary,
     /// Values of a draw do not go together.
     #[error("the values drawn are no design: {reason}")]
     NoDesign {
@@ -495,13 +515,29 @@ pub enum Error {
     /// A file could not be written.
     #[error("cannot write {}: {source}", path.display())]
     #[diagnostic(help(
-        "choose another folder with --out DIR, or free space or permit writing there; no file was replaced in part"
+        "choose another folder with --out DIR, or free space or permit writing there; no file was replaced"
     ))]
     Write {
         /// The file or folder.
         path: PathBuf,
         /// What the system said.
         source: std::io::Error,
+    },
+    /// A file could not be written, and not all files that had been moved for it could be put back.
+    #[error(
+        "cannot write {}: {source}; {} of the older files could not be put back: they are in {}", path.display(),
+        files.len(), folder.display()
+    )]
+    #[diagnostic(help("move them back by hand: {}", files.join(", ")))]
+    NotRestored {
+        /// The file or folder.
+        path: PathBuf,
+        /// What the system said.
+        source: std::io::Error,
+        /// Folder with the older files.
+        folder: PathBuf,
+        /// Their paths in it.
+        files: Vec<String>,
     },
     /// A file to be written is there already.
     #[error("{} is there already, and nothing has been written", path.display())]
@@ -603,8 +639,18 @@ pub enum Error {
     },
     /// The thread pool could not be started.
     #[error("the thread pool cannot be started")]
-    #[diagnostic(help("choose a smaller --threads N"))]
+    #[diagnostic(help(
+        "the system permits no more threads or no more address space: choose a smaller --threads N, or raise the limit \
+         (ulimit -u, ulimit -v)"
+    ))]
     Threads(#[source] rayon::ThreadPoolBuildError),
+    /// More threads than the command can start.
+    #[error("RAYON_NUM_THREADS is \"{found}\"; expected a number from 1 to 1024")]
+    #[diagnostic(help("choose another number, or give --threads N"))]
+    NumberOfThreads {
+        /// Content of the variable.
+        found: String,
+    },
     /// A result could not be written as JSON.
     #[error("the result cannot be written as JSON")]
     Json(#[source] serde_json::Error),
@@ -687,6 +733,7 @@ impl Error {
             Self::Acoustics(cause) if cause.is_of_the_design() => 2,
             Self::Unusable { problems, .. } => problems.iter().map(Self::exit_status).min().unwrap_or(2),
             Self::Fem(_) | Self::Transient(_) | Self::Acoustics(_) | Self::Json(_) | Self::NoLevels { .. } => 3,
+            Self::PythonEnded { .. } => 3,
             Self::Cycle(CycleError::Integration { .. } | CycleError::Collapse { .. } | CycleError::Chatter { .. }) => 3,
             _ => 2,
         }

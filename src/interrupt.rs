@@ -1,7 +1,9 @@
 //! Signals that ask the process to end (Ctrl-C, `kill`, a closed terminal): what is half-written is removed, and the command
-//! ends with status 130.
+//! ends with status 130. Signals of limits (`ulimit -t`, `ulimit -f`, no memory) end it with words and a status of its own.
 
 use std::io::Write as _;
+#[cfg(unix)]
+use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
@@ -9,6 +11,17 @@ use nailnoise_meshes::temporary;
 
 /// Exit status of an interrupted command.
 const INTERRUPTED: i32 = 130;
+
+/// Last words of an interrupted command.
+const ON_REQUEST: &str = "interrupted: nothing is left half-written, what was computed for later runs is kept";
+
+/// Exit status of a command that a limit of the system ended.
+#[cfg(unix)]
+const LIMITED: i32 = 2;
+
+/// Exit status of a command that could not obtain memory.
+#[cfg(unix)]
+const FAILED: i32 = 3;
 
 /// Whether the process has been interrupted.
 static UNDER_WAY: AtomicBool = AtomicBool::new(false);
@@ -20,28 +33,41 @@ static PLACING: Mutex<()> = Mutex::new(());
 /// stays ignored: `nohup` does so with SIGHUP, and a shell with SIGINT for a command in the background.
 #[cfg(unix)]
 pub(crate) fn install() {
-    use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
+    use signal_hook::consts::{SIGABRT, SIGHUP, SIGINT, SIGTERM, SIGXCPU, SIGXFSZ};
     use signal_hook::iterator::Signals;
 
     let ignored = ignored();
-    let wanted = [SIGINT, SIGTERM, SIGHUP]
+    let wanted = [SIGINT, SIGTERM, SIGHUP, SIGXCPU]
         .into_iter()
         .filter(|signal| ignored & (1 << (signal - 1)) == 0);
-    // Without a handler the signals end the process at once; the next run removes what this one leaves.
+    // Without a handler, or without a thread for it, the signals end the process at once; the next run removes what this one
+    // leaves.
     if let Ok(mut signals) = Signals::new(wanted) {
-        std::thread::spawn(move || {
-            if signals.forever().next().is_some() {
-                end();
-            }
-        });
+        let handle = signals.handle();
+        let serve = move || match signals.forever().next() {
+            Some(SIGXCPU) => end(
+                "error: the limit of processor time is reached (ulimit -t): nothing is left half-written, what was computed for \
+                 later runs is kept",
+                LIMITED,
+            ),
+            Some(_) => end(ON_REQUEST, INTERRUPTED),
+            None => {}
+        };
+        if std::thread::Builder::new().spawn(serve).is_err() {
+            handle.close();
+        }
     }
+    // With a handler, a file that would exceed `ulimit -f` is an error of the write, which names the file.
+    let _ = signal_hook::flag::register(SIGXFSZ, Arc::new(AtomicBool::new(false)));
+    // Without memory the standard library says so and aborts.
+    let _ = signal_hook::flag::register_conditional_shutdown(SIGABRT, FAILED, Arc::new(AtomicBool::new(true)));
 }
 
 /// Ends this process cleanly when it is interrupted.
 #[cfg(not(unix))]
 pub(crate) fn install() {
     // A second command in the same process finds the first one's handler in place.
-    let _ = ctrlc::set_handler(end);
+    let _ = ctrlc::set_handler(|| end(ON_REQUEST, INTERRUPTED));
 }
 
 /// The signals that this process ignores, one bit each, the lowest for signal 1. Only Linux lets safe code ask for them.
@@ -53,15 +79,14 @@ fn ignored() -> u64 {
         .unwrap_or(0)
 }
 
-fn end() {
+fn end(text: &str, status: i32) {
     // Files that are taking their places come first; none begins to afterwards.
     let _placing = undisturbed();
     UNDER_WAY.store(true, Ordering::SeqCst);
     // A terminal that was closed takes no message.
-    let text = "interrupted: nothing is left half-written, what was computed for later runs is kept";
     let _ = writeln!(std::io::stderr(), "{text}");
     let _own = temporary::remove_all();
-    std::process::exit(INTERRUPTED);
+    std::process::exit(status);
 }
 
 /// As long as the guard lives no interruption ends this process: for what must be done whole or not at all, and is short.

@@ -31,6 +31,7 @@ pub mod staging;
 pub mod store;
 pub mod study;
 pub(crate) mod tables;
+mod threads;
 pub mod watch;
 mod wording;
 

@@ -1,7 +1,8 @@
 //! Files that take their places together: all of them, or none.
 //!
 //! All files are first written beside their places, in a hidden folder of the same file system. Only renames follow. If one
-//! of them fails, those before it are undone, so that the folder is as it was. A full disk is met before the first rename.
+//! of them fails, those before it are undone, by copies where the system refuses renames, so that the folder is as it was. What
+//! cannot be put back either way is left in the hidden folder, which the error names. A full disk is met before the first rename.
 
 use std::fs::{self, File};
 use std::io::{self, BufWriter, ErrorKind, Write as _};
@@ -15,6 +16,12 @@ use crate::interrupt;
 
 /// Beginning of the name of the folder in which files are written before they take their places.
 const UNFINISHED: &str = ".unfinished-";
+
+/// Name of the folder of the files that go.
+const OLD: &str = "old";
+
+/// Moves a file or folder to another path of its file system.
+type Rename<'a> = &'a dyn Fn(&Path, &Path) -> io::Result<()>;
 
 /// Files that are being written for a folder; dropped without [`place`](Self::place) they are gone.
 #[derive(Debug)]
@@ -50,7 +57,7 @@ impl Staging {
     }
 
     fn outgoing(&self) -> PathBuf {
-        self.temporary.path().join("old")
+        self.temporary.path().join(OLD)
     }
 
     /// Writes a file beside its place `path`, relative to the folder, and waits until it is on the disk.
@@ -105,22 +112,37 @@ impl Staging {
     /// removed first and put back last, so that a process that is killed meanwhile leaves a folder without it.
     ///
     /// # Errors
-    /// [`Error::Write`]; the folder is then as it was before.
+    /// [`Error::Write`]; the folder is then as it was before. [`Error::NotRestored`] with the place of the older files where
+    /// they could not be put back.
     pub fn place(self, outdated: &[PathBuf], last: &Path) -> Result<(), Error> {
+        self.place_by(&|from, to| fs::rename(from, to), outdated, last)
+    }
+
+    /// Like [`place`](Self::place), by these renames.
+    fn place_by(self, rename: Rename<'_>, outdated: &[PathBuf], last: &Path) -> Result<(), Error> {
         let mut paths = std::mem::take(&mut *self.written.lock().unwrap_or_else(PoisonError::into_inner));
         paths.sort_by_key(|path| path == last);
         let mut swap = Swap {
             folder: &self.folder,
             new: self.incoming(),
             old: self.outgoing(),
+            rename,
             done: Vec::new(),
         };
         let _whole = interrupt::undisturbed();
-        let swapped = swap.all(&paths, outdated, last);
-        if swapped.is_err() {
-            swap.undo();
+        let Err(error) = swap.all(&paths, outdated, last) else {
+            return Ok(());
+        };
+        let lost = swap.undo();
+        match error {
+            Error::Write { path, source } if !lost.is_empty() => Err(Error::NotRestored {
+                path,
+                source,
+                folder: self.temporary.leave().join(OLD),
+                files: lost.iter().map(|path| path.display().to_string()).collect(),
+            }),
+            error => Err(error),
         }
-        swapped
     }
 }
 
@@ -198,6 +220,7 @@ struct Swap<'a> {
     new: PathBuf,
     /// Folder of the files that go.
     old: PathBuf,
+    rename: Rename<'a>,
     done: Vec<Step>,
 }
 
@@ -231,7 +254,7 @@ impl Swap<'_> {
             found => found.and_then(|_| {
                 let to = self.old.join(path);
                 to.parent().map_or(Ok(()), fs::create_dir_all)?;
-                fs::rename(&from, to)
+                (self.rename)(&from, &to)
             }),
         };
         moved.map_err(|source| failed(&from, source))?;
@@ -254,26 +277,59 @@ impl Swap<'_> {
             }
         }
         // Nothing is there any more: some file systems (ext4) write a file to the disk before it replaces another.
-        fs::rename(self.new.join(path), &to).map_err(|source| failed(&to, source))?;
+        (self.rename)(&self.new.join(path), &to).map_err(|source| failed(&to, source))?;
         self.done.push(Step::Placed(path.to_owned()));
         Ok(())
     }
 
-    /// Restores the folder. A step that cannot be undone ends the restoration before the file that stands for all others is
-    /// back: that one was set aside first.
-    fn undo(&mut self) {
+    /// Restores the folder; what could not be put back. The file that stands for all others was set aside first, so that it comes
+    /// back last, and only if all others have.
+    fn undo(&mut self) -> Vec<PathBuf> {
+        let mut lost = Vec::new();
         while let Some(step) = self.done.pop() {
-            let undone = match &step {
-                Step::SetAside(path) => fs::rename(self.old.join(path), self.folder.join(path)),
-                Step::Placed(path) => fs::rename(self.folder.join(path), self.new.join(path)),
+            match step {
+                Step::SetAside(path) => {
+                    let stands_for_all = self.done.is_empty();
+                    let (from, to) = (self.old.join(&path), self.folder.join(&path));
+                    if stands_for_all && !lost.is_empty() || self.put_back(&from, &to).is_err() {
+                        lost.push(path);
+                    }
+                }
+                // Where the new file stays, the old one replaces it, or it is a file more.
+                Step::Placed(path) => drop(fs::remove_file(self.folder.join(path))),
                 // Another process may use it by now.
-                Step::Created(folder) => fs::remove_dir(folder).or(Ok(())),
-            };
-            if undone.is_err() {
-                return;
+                Step::Created(folder) => drop(fs::remove_dir(folder)),
             }
         }
+        lost
     }
+
+    /// Moves a file or folder back; copies it where the system refuses to move it. A copy in part is removed.
+    fn put_back(&self, from: &Path, to: &Path) -> io::Result<()> {
+        if (self.rename)(from, to).is_ok() {
+            return Ok(());
+        }
+        let is_free = fs::symlink_metadata(to).is_err();
+        let copied = copy(from, to);
+        if copied.is_err() && is_free {
+            let _ = fs::remove_file(to).or_else(|_| fs::remove_dir_all(to));
+        }
+        copied
+    }
+}
+
+/// Copies a file or a folder with all that is in it.
+fn copy(from: &Path, to: &Path) -> io::Result<()> {
+    if !fs::symlink_metadata(from)?.is_dir() {
+        fs::copy(from, to)?;
+        return File::open(to)?.sync_all();
+    }
+    fs::create_dir(to)?;
+    for entry in fs::read_dir(from)? {
+        let entry = entry?;
+        copy(&entry.path(), &to.join(entry.file_name()))?;
+    }
+    Ok(())
 }
 
 #[cfg(test)]
@@ -354,6 +410,73 @@ mod tests {
         let staging = staged(&folder, &["a", "new/c", "whole", "taken"])?;
         assert!(staging.place(&[PathBuf::from("part")], Path::new("whole")).is_err());
         assert_eq!(content(&folder), before);
+        let _ = fs::remove_dir_all(folder);
+        Ok(())
+    }
+
+    /// Renames that fail from the given one on.
+    fn failing_from(number: usize) -> impl Fn(&Path, &Path) -> io::Result<()> {
+        let count = std::cell::Cell::new(0);
+        move |from, to| {
+            count.set(count.get() + 1);
+            if count.get() > number {
+                return Err(io::Error::other("no rename"));
+            }
+            fs::rename(from, to)
+        }
+    }
+
+    /// Wherever the renames begin to fail, and although none succeeds afterwards.
+    #[test]
+    fn a_folder_is_as_it_was_when_renames_fail_for_good() -> Result<(), Error> {
+        let folder = folder("no-renames");
+        fs::create_dir(folder.join("film")).expect("a folder");
+        fs::write(folder.join("film/frame"), "old").expect("a file");
+        let before = content(&folder);
+        let outdated = ["film", "part"].map(PathBuf::from);
+        // One for the file of all, one for each outdated folder, two for each of the others.
+        for number in 0..8 {
+            let staging = staged(&folder, &["a", "new/c", "other", "whole"])?;
+            let placed = staging.place_by(&failing_from(number), &outdated, Path::new("whole"));
+            let Err(Error::Write { .. }) = placed else {
+                panic!("{number}: {placed:?}");
+            };
+            assert_eq!(content(&folder), before, "{number}");
+        }
+        staged(&folder, &["a", "whole"])?.place_by(&failing_from(99), &outdated, Path::new("whole"))?;
+        let _ = fs::remove_dir_all(folder);
+        Ok(())
+    }
+
+    /// The place of an old file is taken by a folder when the file is to come back.
+    #[test]
+    fn what_cannot_be_put_back_is_left_where_the_error_says() -> Result<(), Error> {
+        let folder = folder("lost");
+        let (failing, taken) = (failing_from(3), folder.join("a"));
+        let rename = |from: &Path, to: &Path| {
+            let moved = failing(from, to);
+            if moved.is_err() {
+                let _ = fs::remove_file(&taken);
+                let _ = fs::create_dir_all(taken.join("taken"));
+            }
+            moved
+        };
+        let placed = staged(&folder, &["a", "c", "whole"])?.place_by(&rename, &[], Path::new("whole"));
+        let Err(Error::NotRestored { folder: old, files, .. }) = placed else {
+            panic!("{placed:?}");
+        };
+        assert_eq!(
+            files,
+            ["a", "whole"],
+            "the file that stands for all is not there without the others"
+        );
+        for file in &files {
+            assert_eq!(fs::read_to_string(old.join(file)).expect("the old file"), "old");
+        }
+        assert!(!folder.join("whole").exists() && !folder.join("c").exists());
+        // Later work in the folder leaves them.
+        drop(staged(&folder, &["b"])?);
+        assert!(old.join("a").exists());
         let _ = fs::remove_dir_all(folder);
         Ok(())
     }

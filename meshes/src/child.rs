@@ -4,13 +4,16 @@
 //! starts the program and watches a pipe whose other end this process holds: the system closes that end when the process
 //! ends, and the shell then kills the program. Where there is no POSIX shell (Windows) the program works on to its end.
 
+use std::ffi::OsStr;
 use std::io;
-use std::process::{Command, Output, Stdio};
+use std::process::{Command, ExitStatus, Output, Stdio};
 
 /// Starts its arguments as a command and kills it when standard input ends. The watcher holds none of the program's pipes,
-/// and it ends before the number of the process can belong to another.
+/// and it ends before the number of the process can belong to another. Ctrl-C, which a terminal sends to all of them, is left to
+/// this process: the program ends with it, and has nothing to say.
 #[cfg(unix)]
 const WATCHED: &str = r#"
+trap '' INT HUP
 exec 3<&0
 ( [ -z "$PROCESSOR_SECONDS" ] || ulimit -t "$PROCESSOR_SECONDS"; exec "$@" ) </dev/null 3<&- & child=$!
 { read -r _ <&3; kill -KILL "$child"; } >/dev/null 2>&1 & watcher=$!
@@ -28,11 +31,11 @@ const SECONDS: &str = "PROCESSOR_SECONDS";
 const NOT_STARTED: [i32; 2] = [126, 127];
 
 /// A program to which arguments can be added.
-pub(crate) fn command(program: &str) -> Command {
+pub fn command(program: impl AsRef<OsStr>) -> Command {
     #[cfg(unix)]
     {
         let mut command = Command::new("/bin/sh");
-        command.args(["-c", WATCHED, "sh", program]);
+        command.args(["-c", WATCHED, "sh"]).arg(program);
         command
     }
     #[cfg(not(unix))]
@@ -54,7 +57,7 @@ pub(crate) fn ran_out(output: &Output) -> bool {
 ///
 /// # Errors
 /// When it cannot be started, with the reason.
-pub(crate) fn output(command: &mut Command) -> io::Result<Output> {
+pub fn output(command: &mut Command) -> io::Result<Output> {
     let streams = command
         .stdin(Stdio::piped())
         .stdout(Stdio::piped())
@@ -74,9 +77,34 @@ pub(crate) fn output(command: &mut Command) -> io::Result<Output> {
     Ok(output)
 }
 
+/// Runs a [`command()`] to its end with the outputs of this process; its status, to which the shell adds 128 for a signal.
+///
+/// # Errors
+/// When it cannot be started or waited for.
+pub fn status(command: &mut Command) -> io::Result<ExitStatus> {
+    let mut child = command.stdin(Stdio::piped()).spawn()?;
+    // Not closed by the wait: its end is what the shell waits for.
+    let open = child.stdin.take();
+    let status = child.wait();
+    drop(open);
+    status
+}
+
 #[cfg(all(test, unix))]
 mod tests {
     use super::*;
+
+    #[test]
+    fn the_status_is_that_of_the_program_or_of_the_signal_that_ended_it() -> io::Result<()> {
+        for (script, expected) in [("exit 7", 7), ("exit 0", 0), ("kill -KILL $$", 137)] {
+            assert_eq!(
+                status(command("sh").args(["-c", script]))?.code(),
+                Some(expected),
+                "{script}"
+            );
+        }
+        Ok(())
+    }
 
     #[test]
     fn output_and_status_are_those_of_the_program() -> io::Result<()> {

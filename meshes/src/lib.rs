@@ -11,7 +11,7 @@
 struct Readme;
 
 mod block;
-mod child;
+pub mod child;
 pub mod digits;
 mod element;
 mod error;

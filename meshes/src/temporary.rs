@@ -67,12 +67,25 @@ impl TemporaryFolder {
     pub fn path(&self) -> &Path {
         &self.path
     }
+
+    /// Leaves the folder and what is in it for the user; where it is. Without its lock no process takes it for abandoned.
+    pub fn leave(mut self) -> PathBuf {
+        self.lock = None;
+        let path = std::mem::take(&mut self.path);
+        let _ = fs::remove_file(path.join(LOCK));
+        let mut own = OWN.lock().unwrap_or_else(PoisonError::into_inner);
+        own.retain(|folder| *folder != path);
+        path
+    }
 }
 
 impl Drop for TemporaryFolder {
     fn drop(&mut self) {
         // Some systems remove no open file. What is left of the folder does no harm; it is removed by a later process.
         self.lock = None;
+        if self.path.as_os_str().is_empty() {
+            return; // it was left
+        }
         let _ = fs::remove_dir_all(&self.path);
         let mut own = OWN.lock().unwrap_or_else(PoisonError::into_inner);
         own.retain(|folder| *folder != self.path);
@@ -185,6 +198,17 @@ mod tests {
         sweep(&parent, "work-");
         assert!(owned.path().is_dir());
         assert_eq!(count(&parent), 1);
+        fs::remove_dir_all(parent)
+    }
+
+    #[test]
+    fn a_folder_that_is_left_to_the_user_is_not_swept() -> io::Result<()> {
+        let parent = parent("left");
+        let folder = TemporaryFolder::new(&parent, "work-")?;
+        fs::write(folder.path().join("old"), "old")?;
+        let place = folder.leave();
+        sweep(&parent, "work-");
+        assert_eq!(fs::read_to_string(place.join("old"))?, "old");
         fs::remove_dir_all(parent)
     }
 

@@ -7,6 +7,7 @@ import contextlib
 import json
 import os
 import sys
+import traceback
 from pathlib import Path
 
 from . import Design, NailnoiseError, load, optimise
@@ -17,6 +18,21 @@ def _pair(text: str) -> tuple[str, str]:
     if not found or not key.strip() or not value.strip():
         raise argparse.ArgumentTypeError(f"`{text}` is no KEY=VALUES")
     return key.strip(), value.strip()
+
+
+def _threads(text: str) -> int:
+    if not (text.isdecimal() and 1 <= int(text) <= 1024):
+        raise argparse.ArgumentTypeError(f"`{text}` is no number of threads from 1 to 1024")
+    return int(text)
+
+
+def _varied(pairs: list[tuple[str, str]]) -> dict[str, str]:
+    """Ranges by key. The last of two for one key would replace the first without a word."""
+    ranges = dict(pairs)
+    if len(ranges) < len(pairs):
+        twice = next(key for place, (key, _) in enumerate(pairs) if any(key == before for before, _ in pairs[:place]))
+        raise ValueError(f"--vary gives `{twice}` twice; give all its values at once: {twice}=LOW..HIGH or {twice}=A,B,C")
+    return ranges
 
 
 def _arguments() -> argparse.Namespace:
@@ -40,7 +56,9 @@ def _arguments() -> argparse.Namespace:
     parser.add_argument("--scheduler", metavar="ADDRESS", help="compute the designs on a cluster of Dask")
     parser.add_argument("--batch", metavar="N", type=int, help="designs at a time on the cluster [default: its threads]")
     parser.add_argument("--store", metavar="DIR", help="a folder that the workers of the cluster share")
-    parser.add_argument("--json", action="store_true")
+    parser.add_argument("--json", action="store_true", help="print exactly one JSON value instead of a table")
+    parser.add_argument("--threads", metavar="N", type=_threads, help="number of threads; results do not depend on it")
+    parser.add_argument("--quiet", action="store_true", help="print no progress")
     return parser.parse_args(sys.argv[2:])
 
 
@@ -90,7 +108,24 @@ def _on_cluster(command: str) -> int:
 
 
 def main() -> int:
-    """The exit status: 0, 1 where no design meets the constraints, 2 for wrong input."""
+    """The exit status: 0, 1 where no design meets the constraints, 2 for wrong input, 101 for a fault, 130 after an interruption."""
+    try:
+        return _main()
+    except KeyboardInterrupt:
+        print("interrupted: what was computed for later runs is kept", file=sys.stderr)
+        return 130
+    except BrokenPipeError:
+        # A reader that has seen enough; Python would complain about it once more when it ends.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return 0
+    except Exception:
+        # 1, the status of Python, would say that no design meets the constraints.
+        traceback.print_exc()
+        print("error: this is a fault of nailnoise\n  help: report the command and the design", file=sys.stderr)
+        return 101
+
+
+def _main() -> int:
     command = sys.argv[1] if len(sys.argv) > 1 else ""
     if command in ("study-on", "sweep-on"):
         return _on_cluster(command)
@@ -104,6 +139,10 @@ def _optimise(given: argparse.Namespace) -> int:
     try:
         if given.trials < 1:
             raise ValueError("an optimisation needs at least one trial")
+        vary = _varied(given.vary)
+        if given.threads:
+            # The pool of threads reads it when it is first used.
+            os.environ["RAYON_NUM_THREADS"] = str(given.threads)
         with contextlib.ExitStack() as stack:
             client = None
             if given.scheduler:
@@ -112,7 +151,7 @@ def _optimise(given: argparse.Namespace) -> int:
                 client = stack.enter_context(Client(given.scheduler, timeout=30))  # type: ignore[no-untyped-call]
             found = optimise(
                 load(given.design, dict(given.set)),
-                dict(given.vary),
+                vary,
                 minimise=given.minimise,
                 subject_to=given.subject_to or ("outcome == drives",),
                 pareto=given.pareto,
@@ -122,11 +161,14 @@ def _optimise(given: argparse.Namespace) -> int:
                 client=client,
                 store=given.store,
                 batch=given.batch,
-                progress=_progress,
+                progress=None if given.quiet else _progress,
             )
     except (NailnoiseError, ValueError, OSError, ModuleNotFoundError) as error:
         return _refused(error)
-    files = found.write(given.out or Path("out") / found.design.name / "optimised")
+    try:
+        files = found.write(given.out or Path("out") / found.design.name / "optimised")
+    except OSError as error:
+        return _refused(error)
     if given.json:
         rows = [{"values": own.values, "figures": own.figures, "feasible": own.feasible, "refused": own.refused} for own in found.trials]
         designs = [{"file": str(file), "values": own.values, "figures": own.figures} for file, own in zip(files, found.front)]

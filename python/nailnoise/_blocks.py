@@ -21,13 +21,28 @@ def _points(points: ArrayLike) -> list[tuple[float, float, float]]:
     return [(float(x), float(y), float(z)) for x, y, z in array]
 
 
+def _row(name: str, values: ArrayLike, length: int | None = None) -> list[float]:
+    """The numbers of an array of one dimension. One of several would be read row by row, which mixes its columns."""
+    array = np.asarray(values, dtype=float)
+    if array.ndim != 1:
+        raise ValueError(f"{name} is an array of one dimension, found one of shape {array.shape}; give one column at a time")
+    if length is not None and len(array) != length:
+        raise ValueError(f"{name} has {len(array)} values, expected {length}")
+    numbers: list[float] = array.tolist()
+    return numbers
+
+
 def radiated_power(points: ArrayLike, triangles: ArrayLike, velocity: ArrayLike, hz: float) -> float:
     """Power [W] that a closed surface of triangles radiates into free air at 20 degC and 101 325 Pa, by boundary elements.
 
     The corners of a triangle run counter-clockwise as seen from outside; ``velocity`` is the normal one at each point [m/s, rms].
     """
-    corners = [(int(a), int(b), int(c)) for a, b, c in np.asarray(triangles)]
-    return _native.radiated_power(_points(points), corners, np.asarray(velocity, dtype=float).ravel().tolist(), float(hz))
+    rows = np.asarray(triangles)
+    if rows.ndim != 2 or rows.shape[1] != 3:
+        raise ValueError(f"triangles are rows of three numbers of points, found an array of shape {rows.shape}")
+    corners = [(int(a), int(b), int(c)) for a, b, c in rows]
+    places = _points(points)
+    return _native.radiated_power(places, corners, _row("velocity", velocity, len(places)), float(hz))
 
 
 @dataclass(frozen=True)
@@ -70,6 +85,9 @@ def mesh_modes(
     ``elements`` is one array of node numbers, or several for several kinds; nodes of ``held`` do not move.
     """
     blocks = [np.atleast_2d(np.asarray(block, dtype=int)) for block in elements] if not isinstance(elements, np.ndarray) else [elements]
+    for block in blocks:
+        if block.ndim != 2:
+            raise ValueError(f"elements are rows of node numbers, found an array of shape {block.shape}")
     rows = [[int(node) for node in row] for block in blocks for row in block]
     points = _points(nodes)
     made = _native.mesh_modes(points, rows, material.constants, material.density, float(top_hz), [int(node) for node in held])
@@ -110,7 +128,8 @@ def exhaust_levels(
 ) -> ExhaustLevels:
     """Levels of the air that leaves through round holes, from its flow: mass flow [kg/s], absolute stagnation pressure [Pa] and
     temperature [K] before the holes at equal intervals [s]. ``air`` is temperature [K] and pressure [Pa] outside."""
-    flow, before, warmth = (np.asarray(own, dtype=float).ravel().tolist() for own in (mass_flow, pressure, temperature))
+    flow = _row("mass_flow", mass_flow)
+    before, warmth = _row("pressure", pressure, len(flow)), _row("temperature", temperature, len(flow))
     opening = (holes, diameter, discharge_coefficient, pitch)
     made = _native.exhaust_levels(float(sample_interval), flow, before, warmth, opening, air, range_hz)
     return ExhaustLevels(
@@ -132,10 +151,10 @@ class SignalLevels:
 
 
 def signal_levels(pressure: ArrayLike, sample_rate: float) -> SignalLevels:
-    """Levels of a single event (IEC 61672-1) from its record of sound pressure [Pa]."""
+    """Levels of a single event (IEC 61672-1) from the record of one channel of sound pressure [Pa]."""
     if not sample_rate > 0.0:
         raise ValueError(f"a record has a positive number of samples a second, found {sample_rate}")
-    made = _native.signal_levels(np.asarray(pressure, dtype=float).ravel().tolist(), float(sample_rate))
+    made = _native.signal_levels(_row("pressure", pressure), float(sample_rate))
     return SignalLevels(dict(made["exposure"]), dict(made["peak"]), _bands(made["bands"]))
 
 

@@ -22,6 +22,8 @@ class NailnoiseError(Exception):
     key: str | None
     status: int
 
+class NoCacheError(NailnoiseError): ...
+
 class Design:
     @staticmethod
     def load(path: str | PathLike[str], assignments: list[str]) -> Design: ...

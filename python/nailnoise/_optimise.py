@@ -227,7 +227,13 @@ class Optimisation(_Shown):
         files = []
         for number, proposal in enumerate(self.front, 1):
             file = place / f"{self.design.name}-{number}.toml"
-            file.write_text(proposal.toml(base, self.design._values))
+            # Whole or not at all: a full disk leaves the older file.
+            part = file.with_name(f".{file.name}.{os.getpid()}.tmp")
+            try:
+                part.write_text(proposal.toml(base, self.design._values))
+                part.replace(file)
+            finally:
+                part.unlink(missing_ok=True)
             files.append(file)
         return files
 

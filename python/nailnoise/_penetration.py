@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from . import _native
+from ._blocks import _row
 from ._results import Floats, _floats, _Shown
 from ._tables import table
 from ._work import Progress, _reporter
@@ -62,7 +63,7 @@ def penetration(
     """
     given = os.fspath(law)
     of_file = Path(given).suffix.lower() == ".csv"
-    points = None if depths is None else np.asarray(depths, dtype=float).ravel().tolist()
+    points = None if depths is None else _row("depths", depths)
     made = _native.penetration_curve(None if of_file else given, given if of_file else None, wood, nail, speed, points)
     return Penetration(made)
 

@@ -6,6 +6,7 @@ import contextlib
 import logging
 import os
 import tempfile
+import warnings
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
@@ -63,6 +64,12 @@ def _reporter(progress: Progress | bool | None) -> Callable[[str, str, int, int]
 def _cache(cache: Cache) -> tuple[str | None, bool]:
     """A folder and whether anything is kept: None is the user's cache, False is none, a path is that folder."""
     if cache is None or cache is True:
+        try:
+            _native.cache_folder()
+        except _native.NoCacheError as error:
+            # Once for each place that asks, by the usual filter of warnings.
+            warnings.warn(f"results are not cached: {error}", stacklevel=3)
+            return None, False
         return None, True
     if cache is False:
         return None, False
@@ -185,6 +192,8 @@ def sweep(
     With a ``client`` of dask.distributed each point is a task, and points that share structures wait for the first of them;
     ``store`` is that of :func:`study`. Draws over the grid (``draws``) are computed by this process.
     """
+    if not vary:
+        raise ValueError("a sweep needs a key to vary, as {'exhaust.holes': [3, 5, 12]}")
     progress = _shown(progress)
     axes = [f"{key}={_listed(given)}" for key, given in vary.items()]
     folder = None if store is None else os.path.abspath(store)

@@ -1,6 +1,6 @@
 //! Designs, and where results of their stages are kept.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use nailnoise::Error;
@@ -8,7 +8,7 @@ use nailnoise::design::{Assignment, Design, dependencies};
 use nailnoise::store::{LIMIT, Store};
 use pyo3::prelude::*;
 
-use crate::error::{json_of, raised, value_error};
+use crate::error::{NoCacheError, json_of, raised, value_error};
 
 /// A design file with the values set over it.
 #[pyclass(frozen, name = "Design", module = "nailnoise._native")]
@@ -77,20 +77,23 @@ impl NativeDesign {
 pub(crate) fn store(cache: Option<PathBuf>, keep: bool) -> Result<Store, Error> {
     Ok(match cache {
         _ if !keep => Store::none(),
-        Some(folder) => Store::at(folder, LIMIT),
+        Some(folder) => Store::in_folder(&folder, LIMIT)?,
         None => Store::of_user()?,
     })
 }
 
 /// A folder that tasks fill and nobody bounds.
-pub(crate) fn unbounded(folder: PathBuf) -> Store {
-    Store::at(folder, u64::MAX)
+pub(crate) fn unbounded(folder: &Path) -> Result<Store, Error> {
+    Ok(Store::shared(folder)?)
 }
 
 /// The folder of the user's cache.
 #[pyfunction]
 pub(crate) fn cache_folder() -> PyResult<PathBuf> {
-    let store = Store::of_user().map_err(|error| raised(error.into()))?;
+    let store = Store::of_user().map_err(|error| match error.is_dispensable() {
+        true => NoCacheError::new_err(error.to_string()),
+        false => raised(error.into()),
+    })?;
     let folder = store.folder().map(ToOwned::to_owned);
     folder.ok_or_else(|| value_error("there is no folder for the cache"))
 }

@@ -16,6 +16,13 @@ create_exception!(
     "A design, a file or a computation that failed; `help`, `file`, `line`, `key`, `code` and `status` say more."
 );
 
+create_exception!(
+    nailnoise._native,
+    NoCacheError,
+    NailnoiseError,
+    "The user's cache cannot be used, and work can go on without it."
+);
+
 /// Why work on a thread of its own came to nothing.
 pub(crate) enum Refused {
     /// An error of the library.

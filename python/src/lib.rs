@@ -21,6 +21,7 @@ fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add("__version__", env!("CARGO_PKG_VERSION"))?;
     module.add("CANDIDATES", nailnoise::study::tasks::CANDIDATES)?;
     module.add("NailnoiseError", module.py().get_type::<error::NailnoiseError>())?;
+    module.add("NoCacheError", module.py().get_type::<error::NoCacheError>())?;
     module.add_class::<design::NativeDesign>()?;
     module.add_class::<tasks::NativeCandidates>()?;
     module.add_function(wrap_pyfunction!(design::cache_folder, module)?)?;

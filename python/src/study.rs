@@ -49,7 +49,7 @@ pub(crate) fn study_of(
     let (result, table, charts) = work::off_the_lock(py, report, move |observer| {
         cost::refuse(&design, &cost::of_run(&design)?, MemoryLimit::default())?;
         let cache = store(cache, keep)?;
-        let shared = folder.map(unbounded);
+        let shared = folder.as_deref().map(unbounded).transpose()?;
         let progress = Progress::to(Arc::clone(&observer));
         let graph = Graph::quiet(shared.as_ref().unwrap_or(&cache), observer);
         let made = study::draws(&graph, &design, &request, &progress)?;
@@ -113,9 +113,10 @@ pub(crate) fn sweep(
 }
 
 fn axes(vary: &[String]) -> PyResult<Vec<Axis>> {
-    vary.iter()
-        .map(|text| text.parse::<Axis>().map_err(value_error))
-        .collect()
+    let axes = vary.iter().map(|text| text.parse::<Axis>().map_err(value_error));
+    let axes = axes.collect::<PyResult<Vec<_>>>()?;
+    study::distinct(&axes).map_err(value_error)?;
+    Ok(axes)
 }
 
 /// The values of each key of a sweep, as they would stand in a design.

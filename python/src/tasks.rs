@@ -45,7 +45,7 @@ impl NativeCandidates {
     fn outcomes(&self, py: Python<'_>, block: u64, folder: PathBuf) -> PyResult<(usize, Vec<String>)> {
         let candidates = Arc::clone(&self.candidates);
         work::off_the_lock(py, None, move |observer| {
-            let store = unbounded(folder);
+            let store = unbounded(&folder)?;
             let accepted = candidates.outcomes(&Graph::quiet(&store, observer), block)?;
             Ok((accepted, store.take_used()))
         })
@@ -82,7 +82,7 @@ pub(crate) fn study_task(
     work::off_the_lock(py, report, move |observer| {
         cost::refuse(&design, &cost::of_run(&design)?, MemoryLimit::default())?;
         let progress = Progress::to(Arc::clone(&observer));
-        let store = unbounded(folder);
+        let store = unbounded(&folder)?;
         let made = study::draws(&Graph::quiet(&store, observer), &design, &request, &progress)?;
         Ok((made.draws.len(), store.take_used()))
     })
@@ -94,7 +94,7 @@ pub(crate) fn levels_task(py: Python<'_>, design: &NativeDesign, folder: PathBuf
     let design = Arc::clone(&design.design);
     work::off_the_lock(py, None, move |observer| {
         cost::refuse(&design, &cost::of_run(&design)?, MemoryLimit::default())?;
-        let store = unbounded(folder);
+        let store = unbounded(&folder)?;
         tasks::levels(&Graph::quiet(&store, observer), &design)?;
         Ok(store.take_used())
     })

@@ -32,6 +32,29 @@ def test_a_tone_of_a_second_has_its_level_in_its_band() -> None:
         nn.signal_levels(tone, 0.0)
 
 
+def test_an_array_of_another_shape_is_refused_and_not_read_row_by_row() -> None:
+    """Two channels in one row after the other are another signal: 3 dB more, and an octave lower."""
+    noise = np.random.default_rng(1).standard_normal((4800, 2))
+    one = nn.signal_levels(noise[:, 0], 48_000)
+    assert one.exposure == nn.signal_levels(list(noise[:, 0]), 48_000).exposure
+    flow = [np.full(100, value) for value in (0.01, 2e5, 290.0)]
+    shapes = ([(0.0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)], [(0, 2, 1), (0, 1, 3), (0, 3, 2), (1, 2, 3)])
+    for refused in (
+        lambda: nn.signal_levels(noise, 48_000),
+        lambda: nn.signal_levels(noise[:, :1], 48_000),
+        lambda: nn.signal_levels(np.float64(1.0), 48_000),
+        lambda: nn.exhaust_levels(1e-5, np.stack([flow[0]] * 2), *flow[1:], holes=5, diameter=6e-3),
+        lambda: nn.exhaust_levels(1e-5, flow[0], flow[1][:50], flow[2], holes=5, diameter=6e-3),
+        lambda: nn.radiated_power(*shapes, np.ones((4, 1)), 100.0),
+        lambda: nn.radiated_power(*shapes, np.ones(3), 100.0),
+        lambda: nn.radiated_power(shapes[0], np.zeros((4, 4), dtype=int), np.ones(4), 100.0),
+        lambda: nn.penetration(nn.penetration_names()["laws"][0], depths=np.ones((3, 2))),
+        lambda: nn.mesh_modes(np.eye(3), np.arange(8), nn.Elastic.isotropic(1e9, 0.3, 500.0), 100.0),
+    ):
+        with pytest.raises(ValueError, match="shape|expected"):
+            refused()
+
+
 def test_a_free_bar_has_the_lowest_longitudinal_mode_of_a_bar() -> None:
     """Without contraction, half a wave at sqrt(E/rho) = 5 km/s fits into 1 m at 2500 Hz."""
     places = [(x, y, z) for z in (0.0, 0.04) for y in (0.0, 0.05) for x in np.linspace(0, 1, 41)]

@@ -3,6 +3,7 @@
 import json
 import logging
 import os
+import signal
 import subprocess
 import sys
 import threading
@@ -68,6 +69,53 @@ def test_a_cycle_has_the_histories_of_the_command(small: nn.Design, cache: Path,
     assert cycle["piston_velocity"].shape == cycle.time.shape and cycle.units["piston_velocity"] == "m/s"
     assert list(cycle.histories.columns)[0] == "piston_position"
     assert cycle.to_xarray()["piston_velocity"].attrs["units"] == "m/s"
+
+
+def test_a_grid_of_nothing_or_of_one_key_twice_is_a_wrong_value(small: nn.Design) -> None:
+    for vary in ({}, {"exhaust.holes": [3, 5], " exhaust.holes": [4, 6]}, {"exhaust.holes": []}):
+        with pytest.raises(ValueError, match="vary|varies|value"):
+            nn.sweep(small, vary, cache=False)
+    with pytest.raises(ValueError, match="vary"):
+        nn.optimise(small, {})
+
+
+def test_a_cache_that_is_no_folder_is_a_warning_and_a_named_folder_that_is_none_an_error(
+    small: nn.Design, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    file = tmp_path / "file"
+    file.write_text("mine")
+    for place in (file, file / "below", Path("/dev/null")):
+        monkeypatch.setenv("NAILNOISE_CACHE", str(place))
+        with pytest.warns(UserWarning, match="not cached"):
+            assert nn.modes(small, "workpiece").rigid.sum() == 6
+        for own in ({"cache": place}, {"store": place}):
+            with pytest.raises(nn.NailnoiseError, match="the store"):
+                nn.sweep(small, {"exhaust.holes": [5]}, **own)
+    assert file.read_text() == "mine"
+
+
+def test_the_optimiser_of_the_command_takes_common_options_and_refuses_a_key_twice(tmp_path: Path) -> None:
+    def optimise(*arguments: str) -> subprocess.CompletedProcess[str]:
+        given = [sys.executable, "-m", "nailnoise", "optimise", str(SMALL), "--trials", "1", *arguments]
+        return subprocess.run(given, cwd=tmp_path, capture_output=True, text=True)
+
+    varied = ("--vary", "exhaust.holes=4..6")
+    done = optimise(*varied, "--quiet", "--threads", "1", "--json", "--out", "one")
+    assert done.returncode in (0, 1) and done.stderr == "", done.stderr
+    assert json.loads(done.stdout) | {"designs": []} == json.loads(optimise(*varied, "--json", "--out", "two").stdout) | {"designs": []}
+    twice = optimise(*varied, "--vary", "exhaust.holes=7..9")
+    assert twice.returncode == 2 and "`exhaust.holes` twice" in twice.stderr
+    assert optimise(*varied, "--threads", "0").returncode == 2
+
+
+@pytest.mark.skipif(os.name == "nt", reason="signals of POSIX")
+def test_an_interrupted_optimisation_ends_with_130_and_no_traceback(tmp_path: Path) -> None:
+    given = [sys.executable, "-m", "nailnoise", "optimise", str(SMALL), "--vary", "exhaust.hole_diameter=3 mm..8 mm", "--trials", "500"]
+    begun = subprocess.Popen(given, cwd=tmp_path, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    time.sleep(5)
+    begun.send_signal(signal.SIGINT)
+    _, told = begun.communicate(timeout=30)
+    assert begun.returncode == 130 and "Traceback" not in told, told
 
 
 def test_modes_are_orthogonal_and_rigid_ones_come_first(small: nn.Design, cache: Path) -> None:

@@ -1,5 +1,6 @@
 //! `nailnoise cache`: what is kept between runs.
 
+use std::path::Path;
 use std::process::ExitCode;
 use std::time::SystemTime;
 
@@ -88,15 +89,21 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
         }
         Action::Verify => {
             let damaged = cache.verify().map_err(failed)?;
+            let mut removed = 0;
             for (path, damage) in &damaged {
-                cache.remove(path).map_err(failed)?;
-                message(&format!("removed: {} {damage}", path.display()));
+                if cache.is_own(path) {
+                    cache.remove(path).map_err(failed)?;
+                    message(&format!("removed: {} {damage}", path.display()));
+                    removed += 1;
+                } else {
+                    left(path);
+                }
             }
-            let sound = cache.entries().map_err(failed)?.len();
+            let sound = cache.entries().map_err(failed)?.len() + removed - damaged.len();
             if arguments.json {
-                print_json(&serde_json::json!({"folder": folder, "sound": sound, "removed": damaged.len()}))?;
+                print_json(&serde_json::json!({"folder": folder, "sound": sound, "removed": removed}))?;
             } else {
-                print(&format!("  {sound} entries are intact, {} removed\n", damaged.len()))?;
+                print(&format!("  {sound} entries are intact, {removed} removed\n"))?;
             }
             return Ok(ExitCode::from(u8::from(!damaged.is_empty())));
         }
@@ -104,7 +111,8 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
             for (path, damage) in cache.obstacles().map_err(failed)? {
                 message(&format!("removed: {} {damage}", path.display()));
             }
-            let count = cache.clear().map_err(failed)?;
+            let (count, others) = cache.clear().map_err(failed)?;
+            others.iter().for_each(|path| left(path));
             if arguments.json {
                 print_json(&serde_json::json!({"folder": folder, "removed": count}))?;
             } else {
@@ -113,6 +121,14 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
         }
     }
     Ok(ExitCode::SUCCESS)
+}
+
+/// Reports a file that is not removed.
+fn left(path: &Path) {
+    message(&format!(
+        "left: {} has the name of an entry, but nailnoise did not write it",
+        path.display()
+    ));
 }
 
 fn listing(rows: &[Row]) -> String {

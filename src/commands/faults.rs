@@ -1,29 +1,73 @@
-//! Faults of the program itself: a panic in any thread ends the command with a message and a status of its own.
+//! Faults of the program itself: a panic in any thread ends the command with a message and a status of its own. A thread that the
+//! system refuses is not a fault: it ends the command as a wrong use of the machine does.
 
 use std::backtrace::{Backtrace, BacktraceStatus};
 use std::panic::{AssertUnwindSafe, PanicHookInfo, catch_unwind, set_hook};
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use super::message;
 
 /// Exit status after a panic, as of any Rust program.
 const FAULT: u8 = 101;
 
+/// Exit status where the system refuses threads.
+const REFUSED: u8 = 2;
+
+/// Beginning of the panic of the standard library and of others where the system refuses a thread.
+const NO_THREAD: &str = "failed to spawn thread";
+
+/// Whether the system has refused a thread.
+static WITHOUT_THREAD: AtomicBool = AtomicBool::new(false);
+
 /// Shows panics as messages from now on.
 pub(super) fn install() {
-    set_hook(Box::new(|fault| message(&text(fault))));
+    set_hook(Box::new(|fault| {
+        if what(fault).starts_with(NO_THREAD) {
+            // Several threads may meet the limit at once.
+            if !WITHOUT_THREAD.swap(true, Ordering::SeqCst) {
+                message(&refused(what(fault)));
+            }
+        } else {
+            message(&text(fault));
+        }
+    }));
+}
+
+/// Warns of a limit of the address space, beyond which the program can only end: no message can be made then.
+pub(super) fn announce_limits() {
+    if let Some(gigabytes) = crate::cost::address_space() {
+        message(&format!(
+            "warning: the address space is limited to {gigabytes:.1} GB (ulimit -v); a command that exceeds it ends with status 3"
+        ));
+    }
+}
+
+fn refused(reason: &str) -> String {
+    format!(
+        "error: {reason}\n  \
+         The system permits no more threads or no more address space. Nothing is left half-written.\n  \
+         help: choose a smaller --threads N, or raise the limit (ulimit -u, ulimit -v)"
+    )
 }
 
 /// The result of the work, or the exit status if it panicked. What the work had begun to write is removed.
 pub(super) fn caught<T>(work: impl FnOnce() -> T) -> Result<T, u8> {
     // Nothing of the work is used after a panic.
-    catch_unwind(AssertUnwindSafe(work)).map_err(|_| FAULT)
+    catch_unwind(AssertUnwindSafe(work)).map_err(|_| match WITHOUT_THREAD.load(Ordering::SeqCst) {
+        true => REFUSED,
+        false => FAULT,
+    })
 }
 
-fn text(fault: &PanicHookInfo<'_>) -> String {
+fn what<'a>(fault: &'a PanicHookInfo<'_>) -> &'a str {
     let payload = fault.payload();
     let what = payload.downcast_ref::<&str>().copied();
     let what = what.or_else(|| payload.downcast_ref::<String>().map(String::as_str));
-    let what = what.unwrap_or("no reason is known");
+    what.unwrap_or("no reason is known")
+}
+
+fn text(fault: &PanicHookInfo<'_>) -> String {
+    let what = what(fault);
     let place = fault.location().map_or_else(String::new, |place| format!(" ({place})"));
     let mut text = format!(
         "error: nailnoise {} has a fault: {what}{place}\n  \

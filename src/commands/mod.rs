@@ -55,8 +55,8 @@ use crate::design::{Assignment, Design};
 use crate::error::Error;
 use crate::result::Check;
 use crate::staging::is_file_name;
-use crate::store::Store;
 use crate::wording::visible;
+use crate::store::{Store, StoreError};
 use progress::progress;
 
 /// What `--version` says.
@@ -206,13 +206,30 @@ struct Keeping {
 }
 
 impl Keeping {
+    /// The user's cache. Where it cannot be used, a warning says so, and nothing is cached.
     fn cache(&self) -> Result<Store, Error> {
-        Ok(if self.no_cache {
-            Store::none()
-        } else {
-            Store::of_user()?
-        })
+        if self.no_cache {
+            return Ok(Store::none());
+        }
+        match Store::of_user() {
+            Err(cause) if cause.is_dispensable() => {
+                report(WithoutCache { cause });
+                Ok(Store::none())
+            }
+            found => Ok(found?),
+        }
     }
+}
+
+/// A run without a cache that was not asked for.
+#[derive(Debug, thiserror::Error, miette::Diagnostic)]
+#[error("results are not cached: {cause}")]
+#[diagnostic(
+    severity(Warning),
+    help("set NAILNOISE_CACHE to a folder, or leave the cache out with --no-cache")
+)]
+struct WithoutCache {
+    cause: StoreError,
 }
 
 /// Values over those of a design file.
@@ -238,17 +255,36 @@ impl Changes {
 #[derive(Args)]
 struct Threads {
     /// Number of threads; results do not depend on it [default: all cores]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=i64::from(MOST_THREADS)))]
     threads: Option<u16>,
 }
 
 impl Threads {
     /// Sets the size of the thread pool of the whole process; all cores without a number.
     fn start(&self) -> Result<(), Error> {
+        let number = match self.threads {
+            Some(number) => usize::from(number),
+            None => of_environment()?,
+        };
         rayon::ThreadPoolBuilder::new()
-            .num_threads(self.threads.map_or(0, usize::from))
+            .num_threads(number)
             .build_global()
             .map_err(Error::Threads)
+    }
+}
+
+/// Most threads that a command starts.
+const MOST_THREADS: u16 = 1024;
+
+/// Number of threads by the variable of the thread pool; 0, which stands for all cores, without it.
+fn of_environment() -> Result<usize, Error> {
+    let Some(found) = std::env::var_os("RAYON_NUM_THREADS").filter(|found| !found.is_empty()) else {
+        return Ok(0);
+    };
+    let found = found.to_string_lossy().into_owned();
+    match found.trim().parse() {
+        Ok(number) if number <= usize::from(MOST_THREADS) => Ok(number),
+        _ => Err(Error::NumberOfThreads { found }),
     }
 }
 
@@ -257,6 +293,7 @@ pub fn main() -> ExitCode {
     install_error_style();
     faults::install();
     crate::interrupt::install();
+    faults::announce_limits();
     let status = faults::caught(|| {
         let outcome = match Cli::try_parse() {
             Ok(cli) => execute(&cli),

@@ -8,7 +8,7 @@ use std::process::ExitCode;
 
 use clap::Args;
 
-use super::python;
+use super::{progress, python};
 use crate::error::Error;
 
 #[derive(Args)]
@@ -25,5 +25,8 @@ pub(super) struct Arguments {
 }
 
 pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
-    python::call("optuna", "optimise", &arguments.arguments)
+    // The flag of this command may be before its name, where the arguments do not have it.
+    let quiet = progress::is_quiet().then(|| OsString::from("--quiet"));
+    let all: Vec<OsString> = quiet.into_iter().chain(arguments.arguments.iter().cloned()).collect();
+    python::call("optuna", "optimise", &all)
 }

@@ -18,6 +18,11 @@ pub(super) fn silence() {
     QUIET.store(true, Ordering::Relaxed);
 }
 
+/// Whether nothing is shown.
+pub(super) fn is_quiet() -> bool {
+    QUIET.load(Ordering::Relaxed)
+}
+
 /// Shows a remark of a command that has no progress.
 pub(super) fn note(text: &str) {
     if !QUIET.load(Ordering::Relaxed) {

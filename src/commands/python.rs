@@ -2,7 +2,9 @@
 
 use std::ffi::OsString;
 use std::path::Path;
-use std::process::{Command, ExitCode};
+use std::process::ExitCode;
+
+use nailnoise_meshes::child;
 
 use super::Common;
 use crate::design::Design;
@@ -11,7 +13,8 @@ use crate::error::Error;
 /// Variable that names the interpreter.
 const PYTHON: &str = "NAILNOISE_PYTHON";
 
-/// Calls `python -m nailnoise COMMAND`, which needs a package beside nailnoise; the exit status.
+/// Calls `python -m nailnoise COMMAND`, which needs a package beside nailnoise; the exit status. It ends when this process ends,
+/// however that happens.
 pub(super) fn call(needed: &'static str, command: &str, arguments: &[OsString]) -> Result<ExitCode, Error> {
     let status = status(needed, command, arguments)?;
     Ok(ExitCode::from(status))
@@ -25,20 +28,29 @@ fn status(needed: &'static str, command: &str, arguments: &[OsString]) -> Result
         reason,
     };
     let probe = format!("import nailnoise, {needed}");
-    let probe = Command::new(&python).args(["-c", &probe]).output();
+    let probe = child::output(child::command(&python).args(["-c", &probe]));
     let probe = probe.map_err(|error| missing(error.to_string()))?;
     if !probe.status.success() {
         let said = String::from_utf8_lossy(&probe.stderr);
         return Err(missing(said.trim().lines().last().unwrap_or_default().to_owned()));
     }
-    let status = Command::new(&python)
-        .args(["-m", "nailnoise", command])
-        .args(arguments)
-        .status()
-        .map_err(|error| missing(error.to_string()))?;
-    let code = status.code().and_then(|code| u8::try_from(code).ok());
-    Ok(code.unwrap_or(1))
+    let status = child::status(
+        child::command(&python)
+            .args(["-m", "nailnoise", command])
+            .args(arguments),
+    );
+    let code = status.map_err(|error| missing(error.to_string()))?.code();
+    match code.and_then(|code| u8::try_from(code).ok()) {
+        Some(code) if code < KILLED => Ok(code),
+        // 1 would be a result: that no design meets the constraints.
+        code => Err(Error::PythonEnded {
+            signal: code.map_or(0, |code| code - KILLED),
+        }),
+    }
 }
+
+/// What a shell adds to the number of the signal that ended a program.
+const KILLED: u8 = 128;
 
 /// A cluster of Dask that fills the store of a command, which then states its result as it would alone.
 pub(super) struct Cluster<'a> {

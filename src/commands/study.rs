@@ -185,7 +185,8 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
     };
     let cache = arguments.keeping.cache()?;
     let store = match &arguments.store {
-        Some(folder) => Store::at(folder.clone(), u64::MAX),
+        Some(folder) if arguments.collect => Store::in_folder(folder, u64::MAX)?,
+        Some(folder) => Store::shared(folder)?,
         None => cache.clone(),
     };
     if let (Some(task), Some(folder)) = (arguments.task, &arguments.store) {

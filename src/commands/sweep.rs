@@ -76,7 +76,7 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
     let progress = progress();
     progress.stage("levels over the grid");
     let store = match &arguments.store {
-        Some(folder) => Store::at(folder.clone(), u64::MAX),
+        Some(folder) => Store::shared(folder)?,
         None => arguments.keeping.cache()?,
     };
     if let (Some(scheduler), Some(folder)) = (&arguments.scheduler, store.folder()) {

@@ -5,6 +5,7 @@
 
 mod consistency;
 mod finished;
+mod ranges;
 
 use serde::Serialize;
 
@@ -23,6 +24,9 @@ pub struct Comparison {
     pub schema: &'static str,
     /// Names of the designs, the reference first.
     pub designs: Vec<String>,
+    /// Frequency range of the levels of each \[Hz\], where they are not all the same; null where they are. Changes are then not
+    /// those of the designs.
+    pub unlike_ranges: Option<Vec<[f64; 2]>>,
     /// Keys whose values differ.
     pub inputs: Vec<InputRow>,
     /// What the shots did.
@@ -161,6 +165,12 @@ impl Comparison {
         self.rankings[design].iter().filter_map(of_source).collect()
     }
 
+    /// That the levels are sums over unlike ranges of frequency, if they are.
+    pub fn warning_of_ranges(&self) -> Option<String> {
+        let ranges = self.unlike_ranges.as_ref()?;
+        Some(ranges::warning(&self.designs, ranges))
+    }
+
     /// Lays results side by side.
     pub fn new(results: &[Finished]) -> Self {
         let each = |f: &dyn Fn(&Finished) -> Option<f64>| results.iter().map(f).collect::<Vec<_>>();
@@ -171,6 +181,7 @@ impl Comparison {
         Self {
             schema: SCHEMA,
             designs: results.iter().map(|r| r.design.name.clone()).collect(),
+            unlike_ranges: ranges::unlike(results),
             inputs: inputs(results),
             outcomes: results.iter().map(|r| r.outcome.clone()).collect(),
             sources: sources.iter().map(|source| source_row(source, results)).collect(),

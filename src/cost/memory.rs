@@ -74,7 +74,21 @@ pub fn available() -> Option<f64> {
     })?;
     let number = |path: &str| read(path).and_then(|text| text.trim().parse::<f64>().ok());
     let group = number("/sys/fs/cgroup/memory.max").zip(number("/sys/fs/cgroup/memory.current"));
-    Some(group.map_or(machine, |(most, used)| machine.min(1e-9 * (most - used).max(0.0))))
+    let free = group.map_or(machine, |(most, used)| machine.min(1e-9 * (most - used).max(0.0)));
+    Some(address_space().map_or(free, |most| free.min(most)))
+}
+
+/// Limit of this process's address space (`ulimit -v`) \[GB\]; none where there is none, or where the system does not say.
+pub fn address_space() -> Option<f64> {
+    let limits = std::fs::read_to_string("/proc/self/limits").ok()?;
+    limit_of_address_space(&limits)
+}
+
+/// The soft limit in the table of `/proc/self/limits` \[GB\]; none where it says `unlimited`.
+fn limit_of_address_space(limits: &str) -> Option<f64> {
+    let line = limits.lines().find_map(|line| line.strip_prefix("Max address space"))?;
+    let bytes: f64 = line.split_whitespace().next()?.parse().ok()?;
+    Some(1e-9 * bytes)
 }
 
 #[cfg(test)]
@@ -82,6 +96,19 @@ mod tests {
     #![allow(clippy::unwrap_used)]
 
     use super::*;
+
+    /// Lines as proc(5) prints them.
+    #[test]
+    fn the_soft_limit_of_the_address_space_is_read() {
+        let head = "Limit                     Soft Limit           Hard Limit           Units     \n";
+        let of = |soft: &str| {
+            limit_of_address_space(&format!(
+                "{head}Max address space         {soft:<20} unlimited            bytes     \nMax file locks            1  1  locks\n"
+            ))
+        };
+        assert_eq!(of("1073741824"), Some(1.073_741_824));
+        assert_eq!((of("unlimited"), limit_of_address_space("")), (None, None));
+    }
 
     #[test]
     fn a_limit_has_a_unit() {

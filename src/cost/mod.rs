@@ -17,7 +17,7 @@ use crate::design::{BemEquations, BodyModel, Convention, Design, RadiationMethod
 use crate::error::Error;
 use crate::stages::bodies::BodyKind;
 
-pub use memory::{MemoryLimit, available};
+pub use memory::{MemoryLimit, address_space, available};
 
 /// Estimated cost of a stage that is computed anew.
 #[derive(Debug, Clone, PartialEq, Serialize)]

@@ -15,6 +15,7 @@ use crate::error::Error;
 use crate::result::Timing;
 use crate::stages::{Codec, Digest, Input, Observer, Progress, Silent, Source, Stage, Stored, WithoutStages};
 use crate::store::{Key, Store};
+use crate::threads::{Begun, beside};
 
 /// A set of stages that share a store, an observer and a clock.
 #[derive(Clone)]
@@ -189,7 +190,11 @@ impl<S: Stage> Node<S> {
         Stopwatch::wait(|| prepare(&stage.inputs()))?;
         // Held until the output is kept. Inputs are made before, so that a process waits for what it needs and for nothing else.
         let _claim = S::Codec::KEPT.then(|| {
-            let step = || progress.observer().step();
+            let step = || {
+                // The cause of a long wait.
+                store.take_notes().iter().for_each(|note| progress.note(note));
+                progress.observer().step();
+            };
             Stopwatch::wait(|| store.claim(S::NAME, &self.key, before, step))
         });
         if S::Codec::KEPT
@@ -227,13 +232,11 @@ fn prepare(inputs: &[&dyn Input]) -> Result<(), Error> {
     let Some((last, others)) = inputs.split_last() else {
         return Ok(());
     };
+    let others: Vec<_> = others.iter().map(|input| || input.prepare()).collect();
     let results: Vec<Result<(), Error>> = std::thread::scope(|scope| {
-        let others: Vec<_> = others.iter().map(|input| scope.spawn(|| input.prepare())).collect();
+        let others: Vec<_> = others.iter().map(|work| beside(scope, work)).collect();
         let last = last.prepare();
-        let joined = others
-            .into_iter()
-            .map(|thread| thread.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic)));
-        joined.chain([last]).collect()
+        others.into_iter().map(Begun::join).chain([last]).collect()
     });
     first_cause(results.into_iter().filter_map(Result::err))
 }

@@ -55,6 +55,7 @@ fn change(db: Option<f64>) -> String {
 
 fn lead(c: &Comparison) -> Markup {
     html! {
+        @if let Some(warning) = c.warning_of_ranges() { p role="alert" { strong { (warning) "." } } }
         div.totals.many[c.designs.len() > 4] { @for (place, name) in c.designs.iter().enumerate() {
             div.total {
                 span.number { (decibels(c.total.level_db[place])) }

@@ -2,28 +2,94 @@
 //!
 //! A claim is a file beside the entry. It is created only where there is none (O_EXCL, which network file systems honour, too) and
 //! removed once the entry is written. Nothing is locked: the owner sets the time of the file every [`BEAT`], and a claim whose time
-//! has stood still for [`STALE`] is taken over, by the clock of the one who waits, because clocks of machines differ. A claim whose
-//! owner is a process of this machine that has ended is taken over at once.
+//! has stood still for [`Patience::stale`] is taken over, by the clock of the one who waits, because clocks of machines differ. A
+//! claim whose owner is a process of this machine that has ended is taken over at once. A claim that cannot be read has a time
+//! all the same.
+//! No wait is without limit: what is not a file, what cannot be removed, and an owner that does not finish end it, each with its
+//! cause.
 //!
 //! A claim is advice. Entries are written whole and verified whoever wrote them, so that two owners at once cost time alone.
 
 use std::fs::{self, File, OpenOptions};
-use std::io::{self, Read as _, Write as _};
+use std::io::{self, ErrorKind, Read as _, Write as _};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::mpsc::{RecvTimeoutError, Sender, channel};
 use std::thread::{self, JoinHandle};
 use std::time::{Duration, Instant, SystemTime};
 
+use thiserror::Error;
+
 /// How often the owner shows that it lives.
 const BEAT: Duration = Duration::from_secs(2);
-/// After which a claim that has not moved is nobody's. Network file systems may show times that are a minute old.
-const STALE: Duration = Duration::from_secs(90);
 /// First and longest pause of one who waits.
 const PAUSES: [Duration; 2] = [Duration::from_millis(5), Duration::from_millis(250)];
+/// Most of a claim's file that is read \[byte\]; a claim has less than 200.
+const LONGEST_TOKEN: u64 = 4096;
 
 /// Claims of this process so far.
 static TAKEN: AtomicU64 = AtomicU64::new(0);
+
+/// Limits of a wait for another process.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Patience {
+    /// A wait that takes longer is reported.
+    reported: Duration,
+    /// Without a change for this long, the owner of a claim is taken to have ended.
+    stale: Duration,
+    /// After this, an entry is computed whoever else computes it.
+    longest: Duration,
+}
+
+impl Patience {
+    /// Network file systems may show times that are a minute old. No stage takes an hour.
+    pub(super) const USUAL: Self = Self {
+        reported: Duration::from_secs(10),
+        stale: Duration::from_secs(90),
+        longest: Duration::from_secs(3600),
+    };
+}
+
+/// Why an entry is computed without a claim although it is not there.
+#[derive(Debug, Error)]
+pub(super) enum Unclaimed {
+    /// No file can be created in the folder.
+    #[error("{} cannot be created ({source})", path.display())]
+    NotCreated {
+        /// The claim, or the folder.
+        path: PathBuf,
+        /// What the system said.
+        source: io::Error,
+    },
+    /// The name of the claim is taken by what no process writes.
+    #[error("{} is {kind}, not the claim of a process; remove it", path.display())]
+    Obstacle {
+        /// The claim.
+        path: PathBuf,
+        /// What it is.
+        kind: &'static str,
+    },
+    /// The claim of an ended process stays.
+    #[error("{owner} has ended or been silent too long, and its claim {} cannot be removed ({source})", path.display())]
+    Immovable {
+        /// The claim.
+        path: PathBuf,
+        /// Who made it.
+        owner: String,
+        /// What the system said.
+        source: io::Error,
+    },
+    /// The owner lives, and does not finish.
+    #[error("{owner} has the claim {} and has not finished in {} minutes", path.display(), waited.as_secs() / 60)]
+    TooLong {
+        /// The claim.
+        path: PathBuf,
+        /// Who has it.
+        owner: String,
+        /// How long it was waited for.
+        waited: Duration,
+    },
+}
 
 /// The claim to compute an entry, given back when it is dropped.
 #[derive(Debug)]
@@ -41,30 +107,60 @@ fn beside(entry: &Path) -> PathBuf {
     entry.with_file_name(name)
 }
 
-/// The claim on an entry, once nobody else has it; none where the entry came to be meanwhile, or where no claim can be made.
-/// `step` is called now and then while another one has it.
-pub(super) fn wait(entry: &Path, appeared: impl Fn() -> bool, step: impl Fn()) -> Option<Claim> {
+/// The claim on an entry, once nobody else has it; none where the entry has appeared meanwhile. While another process has it,
+/// `step` is called now and then, and `report` once with the cause of a wait that is not short.
+///
+/// # Errors
+/// [`Unclaimed`]: the entry is then computed without a claim.
+pub(super) fn wait(
+    entry: &Path,
+    patience: Patience,
+    appeared: impl Fn() -> bool,
+    step: impl Fn(),
+    report: impl Fn(String),
+) -> Result<Option<Claim>, Unclaimed> {
     let path = beside(entry);
-    let (mut seen, mut since, mut pause): (Option<Seen>, Instant, Duration) = (None, Instant::now(), PAUSES[0]);
+    let (begin, mut pause, mut reported) = (Instant::now(), PAUSES[0], false);
+    let mut last: Option<(Seen, Instant)> = None;
     loop {
         match Claim::create(&path) {
-            Ok(claim) => return Some(claim),
-            Err(error) if error.kind() == io::ErrorKind::AlreadyExists => {}
-            // A folder that cannot be written, a full disk: the entry is computed without a claim.
-            Err(_) => return None,
-        }
-        let now = Seen::read(&path);
-        if now != seen {
-            (seen, since) = (now, Instant::now());
-        }
-        if let Some(other) = &seen
-            && (since.elapsed() > STALE || other.owner_has_ended())
-        {
-            take_over(&path, other);
-            continue;
+            Ok(claim) => return Ok(Some(claim)),
+            Err(NotMade::Taken) => {}
+            Err(NotMade::Failed(path, source)) => return Err(Unclaimed::NotCreated { path, source }),
         }
         if appeared() {
-            return None;
+            return Ok(None);
+        }
+        // Where the claim has gone, the next round makes one.
+        let owner = if let Some(now) = Seen::look(&path)? {
+            let since = last.take().filter(|(seen, _)| *seen == now);
+            let since = since.map_or_else(Instant::now, |(_, since)| since);
+            if since.elapsed() > patience.stale || now.owner_has_ended() {
+                take_over(&path, &now).map_err(|source| Unclaimed::Immovable {
+                    path: path.clone(),
+                    owner: now.owner(),
+                    source,
+                })?;
+            }
+            let owner = now.owner();
+            last = Some((now, since));
+            owner
+        } else {
+            "another process".to_owned()
+        };
+        let waited = begin.elapsed();
+        if waited > patience.longest {
+            return Err(Unclaimed::TooLong { path, owner, waited });
+        }
+        if waited > patience.reported && !reported {
+            reported = true;
+            report(format!(
+                "waiting for {owner}, which computes the same (claim {}); the wait ends with its result, {} s after its last \
+                 sign of life, or after {} minutes",
+                path.display(),
+                patience.stale.as_secs(),
+                patience.longest.as_secs() / 60
+            ));
         }
         step();
         thread::sleep(pause);
@@ -72,38 +168,97 @@ pub(super) fn wait(entry: &Path, appeared: impl Fn() -> bool, step: impl Fn()) -
     }
 }
 
+/// The text in a claim.
+#[derive(Debug, PartialEq, Eq)]
+enum Token {
+    Text(String),
+    /// Another user may have made a claim that only they can read; its time can be seen all the same.
+    Unreadable(ErrorKind),
+}
+
 /// A claim as others see it.
 #[derive(Debug, PartialEq, Eq)]
 struct Seen {
-    token: String,
+    token: Token,
     time: SystemTime,
 }
 
 impl Seen {
-    /// What the file says; none where it has gone. It is opened each time, which makes a network file system ask its server.
-    fn read(path: &Path) -> Option<Self> {
-        let mut file = File::open(path).ok()?;
-        let time = file.metadata().and_then(|data| data.modified()).ok()?;
-        let mut token = String::new();
-        file.read_to_string(&mut token).ok()?;
-        Some(Self { token, time })
+    /// What can be seen of the claim; none where it has gone. It is opened each time, which makes a network file system ask its
+    /// server.
+    ///
+    /// # Errors
+    /// [`Unclaimed::Obstacle`] for anything but a file: no process of this program makes it, so that nobody will remove it.
+    fn look(path: &Path) -> Result<Option<Self>, Unclaimed> {
+        // Only a file can be opened without waiting: a pipe waits for a writer.
+        match fs::symlink_metadata(path) {
+            Ok(data) if data.is_file() => {}
+            Ok(data) => {
+                let kind = match data.file_type() {
+                    kind if kind.is_dir() => "a folder",
+                    kind if kind.is_symlink() => "a link",
+                    _ => "a pipe or a device",
+                };
+                let path = path.to_owned();
+                return Err(Unclaimed::Obstacle { path, kind });
+            }
+            Err(error) if error.kind() == ErrorKind::NotFound => return Ok(None),
+            Err(source) => {
+                let path = path.to_owned();
+                return Err(Unclaimed::NotCreated { path, source });
+            }
+        }
+        let token = File::open(path).and_then(|file| {
+            let mut bytes = Vec::new();
+            file.take(LONGEST_TOKEN).read_to_end(&mut bytes)?;
+            Ok(String::from_utf8_lossy(&bytes).into_owned())
+        });
+        let token = match token {
+            Ok(text) => Token::Text(text),
+            Err(error) if error.kind() == ErrorKind::NotFound => return Ok(None),
+            Err(error) => Token::Unreadable(error.kind()),
+        };
+        let time = fs::symlink_metadata(path).and_then(|data| data.modified());
+        Ok(time.ok().map(|time| Self { token, time }))
+    }
+
+    /// Whether the claim is the one with this token.
+    fn has(&self, token: &str) -> bool {
+        matches!(&self.token, Token::Text(own) if own == token)
+    }
+
+    /// Machine, number and start of the owner; none where the token does not state them.
+    fn process(&self) -> Option<(&str, u32, &str)> {
+        let Token::Text(text) = &self.token else { return None };
+        let mut parts = text.split_whitespace();
+        Some((parts.next()?, parts.next()?.parse().ok()?, parts.next()?))
     }
 
     /// Whether the owner was a process of this machine that no longer runs. A token that is not yet written says nothing.
     fn owner_has_ended(&self) -> bool {
-        let mut parts = self.token.split_whitespace();
-        let (Some(machine), Some(process), Some(started)) = (parts.next(), parts.next(), parts.next()) else {
-            return false;
-        };
-        this_machine().is_some_and(|own| own == machine)
-            && process
-                .parse()
-                .is_ok_and(|process| start_of(process).as_deref() != Some(started))
+        self.process().is_some_and(|(machine, process, started)| {
+            this_machine().is_some_and(|own| own == machine) && start_of(process).as_deref() != Some(started)
+        })
+    }
+
+    /// The owner in words.
+    fn owner(&self) -> String {
+        match (self.process(), &self.token) {
+            (Some((machine, process, _)), _) if this_machine().is_some_and(|own| own == machine) => {
+                format!("process {process}")
+            }
+            (Some((_, process, _)), _) => format!("process {process} of another machine"),
+            (None, Token::Unreadable(cause)) => format!("a process whose claim cannot be read ({cause})"),
+            (None, Token::Text(_)) => "a process that its claim does not name".to_owned(),
+        }
     }
 }
 
 /// Removes a claim that is nobody's. Of several who try, one renames it; a claim that was taken over meanwhile is put back.
-fn take_over(path: &Path, stale: &Seen) {
+///
+/// # Errors
+/// Where the claim cannot be renamed, as in a folder in which only owners may rename their files.
+fn take_over(path: &Path, stale: &Seen) -> io::Result<()> {
     let mut aside = path.as_os_str().to_owned();
     aside.push(format!(
         ".{}-{}.tmp",
@@ -111,13 +266,15 @@ fn take_over(path: &Path, stale: &Seen) {
         TAKEN.fetch_add(1, Ordering::Relaxed)
     ));
     let aside = PathBuf::from(aside);
-    if fs::rename(path, &aside).is_err() {
-        return;
+    match fs::rename(path, &aside) {
+        Err(error) if error.kind() == ErrorKind::NotFound => return Ok(()),
+        renamed => renamed?,
     }
-    if Seen::read(&aside).is_some_and(|found| found.token != stale.token) {
-        let _ = fs::rename(&aside, path);
+    let is_another = matches!(Seen::look(&aside), Ok(Some(found)) if found.token != stale.token);
+    if is_another {
+        fs::rename(&aside, path)
     } else {
-        let _ = fs::remove_file(&aside);
+        fs::remove_file(&aside)
     }
 }
 
@@ -135,13 +292,27 @@ fn start_of(process: u32) -> Option<String> {
     Some(text.rsplit_once(')')?.1.split_whitespace().nth(19)?.to_owned())
 }
 
+/// Why a claim could not be made.
+#[derive(Debug)]
+enum NotMade {
+    /// Another one is there.
+    Taken,
+    /// This file or folder cannot be created.
+    Failed(PathBuf, io::Error),
+}
+
 impl Claim {
     /// Creates the file where there is none.
-    fn create(path: &Path) -> io::Result<Self> {
+    fn create(path: &Path) -> Result<Self, NotMade> {
+        // A file with the name of the folder is no claim, although the system has the same error for both.
         if let Some(folder) = path.parent() {
-            fs::create_dir_all(folder)?;
+            fs::create_dir_all(folder).map_err(|source| NotMade::Failed(folder.to_owned(), source))?;
         }
-        let mut file = OpenOptions::new().write(true).create_new(true).open(path)?;
+        let file = OpenOptions::new().write(true).create_new(true).open(path);
+        let mut file = file.map_err(|error| match error.kind() {
+            ErrorKind::AlreadyExists => NotMade::Taken,
+            _ => NotMade::Failed(path.to_owned(), error),
+        })?;
         let process = std::process::id();
         let token = format!(
             "{} {process} {} {}\n",
@@ -151,7 +322,7 @@ impl Claim {
         );
         if let Err(error) = file.write_all(token.as_bytes()) {
             let _ = fs::remove_file(path);
-            return Err(error);
+            return Err(NotMade::Failed(path.to_owned(), error));
         }
         Ok(Self {
             path: path.to_owned(),
@@ -180,7 +351,7 @@ impl Drop for Claim {
             drop(sender);
             let _ = thread.join();
         }
-        if Seen::read(&self.path).is_some_and(|found| found.token == self.token) {
+        if matches!(Seen::look(&self.path), Ok(Some(found)) if found.has(&self.token)) {
             let _ = fs::remove_file(&self.path);
         }
     }
@@ -199,14 +370,22 @@ mod tests {
         folder.join("stage-00.entry")
     }
 
+    /// Waits with the usual limits and without reports.
+    fn claimed(entry: &Path) -> Option<Claim> {
+        wait(entry, Patience::USUAL, || false, || (), |_| ()).unwrap()
+    }
+
+    const SHORT: Patience = Patience {
+        reported: Duration::from_millis(10),
+        stale: Duration::from_millis(400),
+        longest: Duration::from_millis(1500),
+    };
+
     #[test]
     fn a_claim_is_one_owners_and_goes_with_it() {
         let entry = entry("one");
-        let claim = wait(&entry, || false, || ()).unwrap();
-        assert_eq!(
-            Claim::create(&beside(&entry)).unwrap_err().kind(),
-            io::ErrorKind::AlreadyExists
-        );
+        let claim = claimed(&entry).unwrap();
+        assert!(matches!(Claim::create(&beside(&entry)), Err(NotMade::Taken)));
         drop(claim);
         assert_eq!(fs::read_dir(entry.parent().unwrap()).unwrap().count(), 0);
         fs::remove_dir_all(entry.parent().unwrap()).unwrap();
@@ -215,9 +394,10 @@ mod tests {
     #[test]
     fn one_who_waits_ends_when_the_entry_appears() {
         let entry = entry("appears");
-        let _claim = wait(&entry, || false, || ()).unwrap();
+        let _claim = claimed(&entry).unwrap();
         let steps = std::cell::Cell::new(0);
-        let other = wait(&entry, || steps.get() == 3, || steps.set(steps.get() + 1));
+        let step = || steps.set(steps.get() + 1);
+        let other = wait(&entry, Patience::USUAL, || steps.get() == 3, step, |_| ()).unwrap();
         assert!(other.is_none() && steps.get() == 3);
         fs::remove_dir_all(entry.parent().unwrap()).unwrap();
     }
@@ -231,12 +411,13 @@ mod tests {
         let own = std::process::id();
         fs::write(&path, format!("{} {own} 1 0\n", this_machine().unwrap())).unwrap();
         let begin = Instant::now();
-        let claim = wait(&entry, || false, || ()).unwrap();
-        assert!(begin.elapsed() < STALE / 4);
+        let claim = claimed(&entry).unwrap();
+        assert!(begin.elapsed() < Patience::USUAL.stale / 4);
         drop(claim);
         fs::write(&path, format!("elsewhere {own} 1 0\n")).unwrap();
         let steps = std::cell::Cell::new(0);
-        let other = wait(&entry, || steps.get() > 4, || steps.set(steps.get() + 1));
+        let step = || steps.set(steps.get() + 1);
+        let other = wait(&entry, Patience::USUAL, || steps.get() > 4, step, |_| ()).unwrap();
         assert!(other.is_none(), "the claim of another machine was taken over at once");
         fs::remove_dir_all(entry.parent().unwrap()).unwrap();
     }
@@ -244,16 +425,111 @@ mod tests {
     #[test]
     fn what_another_one_took_over_is_left_alone() {
         let entry = entry("other");
-        let claim = wait(&entry, || false, || ()).unwrap();
+        let claim = claimed(&entry).unwrap();
         fs::write(beside(&entry), "elsewhere 1 1 0\n").unwrap();
         drop(claim);
         assert!(beside(&entry).exists());
         let stale = Seen {
-            token: "gone".to_owned(),
+            token: Token::Text("gone".to_owned()),
             time: SystemTime::UNIX_EPOCH,
         };
-        take_over(&beside(&entry), &stale);
+        take_over(&beside(&entry), &stale).unwrap();
         assert!(beside(&entry).exists(), "a claim that is not the stale one is put back");
+        fs::remove_dir_all(entry.parent().unwrap()).unwrap();
+    }
+
+    /// Empty, not text, half-written, and far longer than a claim: each is a file that nobody renews.
+    #[test]
+    fn a_claim_without_a_legible_owner_is_taken_over_when_it_is_stale_and_the_wait_is_reported() {
+        let entry = entry("illegible");
+        for content in [
+            &b""[..],
+            b"\xff\xfe\x00",
+            b"machine",
+            &[b'a'; 100_000],
+            b"machine nobody 1 0\n",
+        ] {
+            fs::write(beside(&entry), content).unwrap();
+            let reports = std::cell::RefCell::new(Vec::new());
+            let claim = wait(&entry, SHORT, || false, || (), |text| reports.borrow_mut().push(text));
+            assert!(claim.unwrap().is_some());
+            let reports = reports.into_inner();
+            assert!(
+                reports.len() == 1 && reports[0].contains("does not name"),
+                "{reports:?}"
+            );
+        }
+        fs::remove_dir_all(entry.parent().unwrap()).unwrap();
+    }
+
+    #[test]
+    #[cfg(unix)]
+    fn what_is_no_file_in_place_of_a_claim_ends_the_wait_at_once_with_its_kind() {
+        use std::os::unix::fs::symlink;
+        let entry = entry("obstacles");
+        let path = beside(&entry);
+        let own = path.file_name().unwrap().to_owned();
+        let fifo = |path: &Path| {
+            assert!(
+                std::process::Command::new("mkfifo")
+                    .arg(path)
+                    .status()
+                    .unwrap()
+                    .success()
+            )
+        };
+        let kinds: [(&str, &dyn Fn()); 5] = [
+            ("a folder", &|| fs::create_dir(&path).unwrap()),
+            ("a link", &|| symlink("/nope/nothing", &path).unwrap()),
+            ("a link", &|| symlink(&own, &path).unwrap()),
+            ("a link", &|| symlink("/dev/zero", &path).unwrap()),
+            ("a pipe or a device", &|| fifo(&path)),
+        ];
+        for (kind, make) in kinds {
+            make();
+            let begin = Instant::now();
+            let found = wait(&entry, Patience::USUAL, || false, || (), |_| ());
+            assert!(
+                matches!(&found, Err(Unclaimed::Obstacle { kind: own, .. }) if *own == kind),
+                "{kind}: {found:?}"
+            );
+            assert!(begin.elapsed() < Duration::from_secs(5));
+            let _ = fs::remove_dir(&path).or_else(|_| fs::remove_file(&path));
+        }
+        fs::remove_dir_all(entry.parent().unwrap()).unwrap();
+    }
+
+    /// A file, and below a file: the system says `AlreadyExists` of the first, as it does of a claim.
+    #[test]
+    fn a_folder_that_cannot_be_is_no_claim_of_another_process() {
+        let entry = entry("no-folder");
+        fs::write(&entry, "a file").unwrap();
+        for folder in [entry.clone(), entry.join("below")] {
+            let found = wait(&folder.join("stage-00.entry"), Patience::USUAL, || false, || (), |_| ());
+            assert!(
+                matches!(&found, Err(Unclaimed::NotCreated { path, .. }) if *path == folder),
+                "{found:?}"
+            );
+        }
+        fs::remove_dir_all(entry.parent().unwrap()).unwrap();
+    }
+
+    /// Its time moves at every look, as that of a process that computes without end.
+    #[test]
+    fn an_owner_that_lives_and_never_finishes_is_not_waited_for_without_limit() {
+        let entry = entry("endless");
+        let path = beside(&entry);
+        fs::write(&path, "elsewhere 1 1 0\n").unwrap();
+        let renew = || {
+            let file = File::options().write(true).open(&path).unwrap();
+            file.set_modified(SystemTime::now()).unwrap();
+        };
+        let found = wait(&entry, SHORT, || false, renew, |_| ());
+        assert!(
+            matches!(&found, Err(Unclaimed::TooLong { owner, .. }) if owner == "process 1 of another machine"),
+            "{found:?}"
+        );
+        assert!(path.exists(), "the claim of a living process is left");
         fs::remove_dir_all(entry.parent().unwrap()).unwrap();
     }
 }

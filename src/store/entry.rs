@@ -20,6 +20,9 @@ use crate::wording::hexadecimal;
 
 const MAGIC: &[u8; 18] = b"nailnoise cache 2\n";
 
+/// Bytes with which entries of all versions begin.
+const OF_ALL_VERSIONS: &[u8] = b"nailnoise cache ";
+
 /// Bytes of the checksum.
 const SUM: usize = size_of::<Checksum>();
 
@@ -30,7 +33,7 @@ const HEADER: usize = MAGIC.len() + 32 + SUM;
 const BUFFER: usize = 1 << 16;
 
 /// Extension of the files.
-pub(super) const EXTENSION: &str = "entry";
+const EXTENSION: &str = "entry";
 
 /// What is wrong with an entry.
 #[derive(Debug, Error)]
@@ -61,6 +64,18 @@ pub(super) fn is_name(name: &str) -> bool {
         .and_then(|stem| stem.rsplit_once('-'))
         .map_or("", |(_, digits)| digits);
     digits.len() == 64 && digits.bytes().all(|digit| digit.is_ascii_hexdigit())
+}
+
+/// Whether a file begins as an entry of this or another version of the program, or has been cut short of its header. What is no
+/// file is in the way of an entry, and nothing else.
+pub(super) fn is_own(path: &Path) -> bool {
+    if !path.is_file() {
+        return true;
+    }
+    let mut beginning = Vec::new();
+    let read = File::open(path).and_then(|file| file.take(HEADER as u64).read_to_end(&mut beginning));
+    let known = &OF_ALL_VERSIONS[..beginning.len().min(OF_ALL_VERSIONS.len())];
+    read.is_ok() && beginning.starts_with(known)
 }
 
 /// The file's name.

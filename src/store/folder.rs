@@ -9,7 +9,7 @@ use miette::Diagnostic;
 use thiserror::Error;
 
 use super::Listed;
-use super::entry::{Damage, EXTENSION, is_file, is_name, renew};
+use super::entry::{Damage, is_file, is_name, is_own, renew};
 
 /// Bytes the entries may take together when nothing else is said: 4 GiB.
 pub const LIMIT: u64 = 4 << 30;
@@ -26,8 +26,26 @@ const ABANDONED: Duration = Duration::from_secs(3600);
 pub enum StoreError {
     /// No environment variable names a folder.
     #[error("there is no folder for the cache: neither NAILNOISE_CACHE nor XDG_CACHE_HOME nor HOME is set")]
-    #[diagnostic(help("set NAILNOISE_CACHE to a folder, or go without: --no-cache"))]
+    #[diagnostic(help("set NAILNOISE_CACHE to a folder"))]
     NoFolder,
+    /// What the folder of the cache should be is something else, or cannot be reached.
+    #[error("the cache {} {obstacle}", path.display())]
+    #[diagnostic(help("set NAILNOISE_CACHE to a folder"))]
+    Unusable {
+        /// The path.
+        path: PathBuf,
+        /// What is there.
+        obstacle: Obstacle,
+    },
+    /// The folder that the user named for results cannot be used.
+    #[error("the store {} {obstacle}", path.display())]
+    #[diagnostic(help("name a folder in which files can be written"))]
+    NoStore {
+        /// The path.
+        path: PathBuf,
+        /// What is there.
+        obstacle: Obstacle,
+    },
     /// The limit is no size.
     #[error("NAILNOISE_CACHE_LIMIT is \"{found}\", which is no size in GiB")]
     #[diagnostic(help("give a number above zero, for instance 4 or 0.5"))]
@@ -35,6 +53,63 @@ pub enum StoreError {
         /// What it holds.
         found: String,
     },
+}
+
+impl StoreError {
+    /// Whether a command can do its work all the same, without a cache.
+    pub fn is_dispensable(&self) -> bool {
+        matches!(self, Self::NoFolder | Self::Unusable { .. })
+    }
+}
+
+/// Why a path cannot be the folder of a store.
+#[derive(Debug, Error)]
+#[non_exhaustive]
+pub enum Obstacle {
+    /// Something else has its name.
+    #[error("is {0}, not a folder")]
+    NoFolder(&'static str),
+    /// It cannot be reached or created.
+    #[error("cannot be used: {0}")]
+    Unreachable(io::Error),
+    /// No file can be written in it.
+    #[error("takes no files: {0}")]
+    ReadOnly(io::Error),
+}
+
+/// Whether a path is a folder, or none yet. Nothing is created.
+///
+/// # Errors
+/// [`Obstacle`].
+pub(super) fn examine(folder: &Path) -> Result<(), Obstacle> {
+    let data = match fs::metadata(folder) {
+        // A link to nothing is not an absent folder: none can be created under its name.
+        Err(error) if error.kind() == io::ErrorKind::NotFound => match fs::symlink_metadata(folder) {
+            Ok(data) => data,
+            Err(_) => return Ok(()),
+        },
+        found => found.map_err(Obstacle::Unreachable)?,
+    };
+    match data.file_type() {
+        kind if kind.is_dir() => Ok(()),
+        kind if kind.is_file() => Err(Obstacle::NoFolder("a file")),
+        kind if kind.is_symlink() => Err(Obstacle::NoFolder("a link to nothing")),
+        _ => Err(Obstacle::NoFolder("a pipe or a device")),
+    }
+}
+
+/// Makes sure that files can be written in a folder, which is created if it does not exist.
+///
+/// # Errors
+/// [`Obstacle`].
+pub(super) fn occupy(folder: &Path) -> Result<(), Obstacle> {
+    examine(folder)?;
+    fs::create_dir_all(folder).map_err(Obstacle::Unreachable)?;
+    let trial = folder.join(format!(".trial-{}.tmp", std::process::id()));
+    let written = fs::write(&trial, "").map_err(Obstacle::ReadOnly);
+    // It is swept away later where it cannot be removed.
+    let _ = fs::remove_file(&trial);
+    written
 }
 
 /// The user's folder.
@@ -96,7 +171,8 @@ pub(super) fn entries(folder: &Path) -> io::Result<Vec<Listed>> {
     let mut entries = Vec::new();
     for file in files(folder)? {
         let path = file.path();
-        if path.extension().is_none_or(|extension| extension != EXTENSION) {
+        // What has another name is somebody else's.
+        if !is_name(&file.file_name().to_string_lossy()) {
             continue;
         }
         // Another process may have removed it meanwhile.
@@ -122,7 +198,7 @@ pub(super) fn entries(folder: &Path) -> io::Result<Vec<Listed>> {
 /// Removes the least recently used entries until the others keep the limit; the bytes that these take.
 pub(super) fn bound(folder: &Path, limit: u64) -> io::Result<u64> {
     sweep(folder)?;
-    let (mut sum, mut left) = (0, 0);
+    let (mut sum, mut left) = (0_u64, 0);
     let mut entries = entries(folder)?;
     // A clock that was set back leaves times in the future, whose order says nothing: they count as used now.
     let soon = SystemTime::now() + AHEAD;
@@ -132,10 +208,9 @@ pub(super) fn bound(folder: &Path, limit: u64) -> io::Result<u64> {
     entries.sort_by_key(|entry| entry.used > soon);
     for entry in entries {
         sum += entry.bytes;
-        if sum > limit {
-            remove(&entry.path)?;
-        } else {
-            left = sum;
+        // In a folder that several users share, each may remove their own entries only; those of the others stay.
+        if sum <= limit || !is_own(&entry.path) || remove(&entry.path).is_err() {
+            left += entry.bytes;
         }
     }
     Ok(left)
@@ -147,8 +222,13 @@ fn sweep(folder: &Path) -> io::Result<()> {
         let path = file.path();
         let modified = file.metadata().and_then(|data| data.modified());
         let old = modified.is_ok_and(|time| time.elapsed().is_ok_and(|age| age > ABANDONED));
-        if old && path.extension().is_some_and(|extension| extension == "tmp") {
-            remove(&path)?;
+        let is_own = path.extension().is_some_and(|extension| extension == "tmp")
+            && path
+                .file_name()
+                .is_some_and(|name| name.to_string_lossy().starts_with('.'));
+        if old && is_own {
+            // What another user left stays where only owners may remove their files.
+            let _ = remove(&path);
         }
     }
     Ok(())

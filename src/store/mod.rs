@@ -22,8 +22,9 @@ use std::time::SystemTime;
 
 pub(crate) use checksum::{Checksum, checksum};
 pub use claim::Claim;
+use claim::{Patience, Unclaimed};
 pub use entry::Damage;
-pub use folder::{LIMIT, StoreError};
+pub use folder::{LIMIT, Obstacle, StoreError};
 pub use key::Key;
 
 use crate::stages::{Codec, Digest};
@@ -34,10 +35,21 @@ pub struct Store {
     place: Option<Place>,
     /// What the user should know: damaged entries, a folder that cannot be written.
     notes: Arc<Mutex<Vec<String>>>,
-    /// Whether a note says that nothing can be kept.
-    noted: Arc<AtomicBool>,
+    /// Which notes there have been that are worth one a run.
+    noted: Arc<Noted>,
     /// Names of the entries that were read or written.
     used: Arc<Mutex<BTreeSet<String>>>,
+}
+
+/// Notes that are taken once however often their cause occurs.
+#[derive(Debug, Default)]
+struct Noted {
+    /// Nothing can be kept.
+    unkept: AtomicBool,
+    /// Another process computes the same.
+    waiting: AtomicBool,
+    /// An entry is computed without a claim.
+    unclaimed: AtomicBool,
 }
 
 /// An entry's time and size, by which a new one is told from an old one; none where there is no entry.
@@ -98,9 +110,37 @@ impl Store {
     /// `$NAILNOISE_CACHE_LIMIT` GiB, else [`LIMIT`].
     ///
     /// # Errors
-    /// [`StoreError`] where the environment names no folder or no size.
+    /// [`StoreError`] where the environment names no folder, something else than a folder, or no size.
     pub fn of_user() -> Result<Self, StoreError> {
-        Ok(Self::at(folder::of_user()?, folder::limit()?))
+        let (limit, path) = (folder::limit()?, folder::of_user()?);
+        match folder::examine(&path) {
+            Ok(()) => Ok(Self::at(path, limit)),
+            Err(obstacle) => Err(StoreError::Unusable { path, obstacle }),
+        }
+    }
+
+    /// In a folder that the user named for results, and that nobody bounds; it is created if it does not exist.
+    ///
+    /// # Errors
+    /// [`StoreError::NoStore`] where no files can be written in it.
+    pub fn shared(path: &Path) -> Result<Self, StoreError> {
+        Self::examined(path, u64::MAX, folder::occupy(path))
+    }
+
+    /// In a folder that the user named, with this many bytes at most; files may be read-only there.
+    ///
+    /// # Errors
+    /// [`StoreError::NoStore`] where it is not a folder.
+    pub fn in_folder(path: &Path, limit: u64) -> Result<Self, StoreError> {
+        Self::examined(path, limit, folder::examine(path))
+    }
+
+    fn examined(path: &Path, limit: u64, found: Result<(), Obstacle>) -> Result<Self, StoreError> {
+        let path = path.to_owned();
+        match found {
+            Ok(()) => Ok(Self::at(path, limit)),
+            Err(obstacle) => Err(StoreError::NoStore { path, obstacle }),
+        }
     }
 
     /// In this folder, with this many bytes at most.
@@ -128,8 +168,15 @@ impl Store {
     }
 
     /// What was read; damage becomes a note.
-    fn undamaged<T>(&self, path: &Path, found: Result<Option<T>, Damage>) -> Option<T> {
+    fn undamaged<T>(&self, place: &Place, path: &Path, found: Result<Option<T>, Damage>) -> Option<T> {
         found.unwrap_or_else(|damage| {
+            // No entry is damaged where the folder has become something else.
+            if let Damage::Unreadable(source) = &damage
+                && !place.folder.is_dir()
+            {
+                self.unkept(place, source);
+                return None;
+            }
             let remedy = match damage {
                 Damage::NoFile(_) => "; `nailnoise cache verify` removes it",
                 _ => "",
@@ -144,7 +191,7 @@ impl Store {
 
     /// A folder that cannot be written is worth one note, not one for each stage.
     fn unkept(&self, place: &Place, source: &std::io::Error) {
-        if !self.noted.swap(true, Ordering::Relaxed) {
+        if !self.noted.unkept.swap(true, Ordering::Relaxed) {
             self.note(format!(
                 "results cannot be kept in {}: {source}; choose another folder with NAILNOISE_CACHE",
                 place.folder.display()
@@ -155,9 +202,10 @@ impl Store {
     /// The kept output of a stage; damage becomes a note.
     pub fn load<T, C: Codec<T>>(&self, stage: &str, key: &Digest) -> Option<T> {
         let key = &in_this_layout(key);
-        let path = self.place.as_ref()?.folder.join(entry::name(stage, key));
+        let place = self.place.as_ref()?;
+        let path = place.folder.join(entry::name(stage, key));
         let read = |from: &mut dyn Read, length| C::read(from, length);
-        let found = self.undamaged(&path, entry::read_by(&path, key, read))?;
+        let found = self.undamaged(place, &path, entry::read_by(&path, key, read))?;
         let value = found.map_err(|error| {
             self.note(format!(
                 "the cache entry {} {error}; it is computed anew",
@@ -178,15 +226,29 @@ impl Store {
         Some((data.modified().ok()?, data.len()))
     }
 
-    /// The claim to compute the output of a stage, which other processes heed until it is dropped. Waits while another one has it;
-    /// none where nothing is kept, or where the entry is no longer that of `before`. `step` is called now and then meanwhile.
+    /// The claim to compute the output of a stage, which other processes heed until it is dropped. Waits while another one has it,
+    /// up to an hour; none where nothing is kept, where the entry is no longer that of `before`, or where no claim can be made.
+    /// `step` is called now and then meanwhile; the first long wait and the first failure become notes.
     pub fn claim(&self, stage: &str, key: &Digest, before: Stamp, step: impl Fn()) -> Option<Claim> {
         let path = self
             .place
             .as_ref()?
             .folder
             .join(entry::name(stage, &in_this_layout(key)));
-        claim::wait(&path, || self.stamp(stage, key) != before, step)
+        let appeared = || self.stamp(stage, key) != before;
+        let report = |cause| {
+            if !self.noted.waiting.swap(true, Ordering::Relaxed) {
+                self.note(cause);
+            }
+        };
+        claim::wait(&path, Patience::USUAL, appeared, step, report).unwrap_or_else(|cause| {
+            // Where no file can be created, the output cannot be kept, either: that is the note.
+            let is_noted = matches!(cause, Unclaimed::NotCreated { .. });
+            if !is_noted && !self.noted.unclaimed.swap(true, Ordering::Relaxed) {
+                self.note(format!("{cause}; the result is computed without waiting"));
+            }
+            None
+        })
     }
 
     /// Names of the entries that were read or written since this was last asked, by this value and its clones.
@@ -208,7 +270,7 @@ impl Store {
         let written = entry::write_by(&path, key, |to| C::write(value, to)).and_then(|bytes| place.bound(bytes));
         match written {
             // A note on what has the name of the entry was taken when it was to be read.
-            Err(source) if source.kind() == ErrorKind::IsADirectory => {}
+            Err(source) if source.kind() == ErrorKind::IsADirectory && path.is_dir() => {}
             Err(source) => self.unkept(place, &source),
             Ok(()) => self.count_as_used(&path),
         }
@@ -264,17 +326,23 @@ impl Store {
         folder::remove(path)
     }
 
-    /// Removes all entries and obstacles; returns how many there were.
+    /// Whether a file was written by this or another version of the program, or is an obstacle: whether it may be removed.
+    pub fn is_own(&self, path: &Path) -> bool {
+        entry::is_own(path)
+    }
+
+    /// Removes all entries and obstacles; returns how many entries there were, and the files that have the name of an entry, but
+    /// not its content. These are left: this program did not write them.
     ///
     /// # Errors
     /// Those of the file system.
-    pub fn clear(&self) -> std::io::Result<usize> {
+    pub fn clear(&self) -> std::io::Result<(usize, Vec<PathBuf>)> {
         let entries = self.entries()?.into_iter().map(|entry| entry.path);
-        let paths: Vec<PathBuf> = entries
-            .chain(self.obstacles()?.into_iter().map(|(path, _)| path))
-            .collect();
-        paths.iter().try_for_each(|path| folder::remove(path))?;
-        Ok(paths.len())
+        let (own, others): (Vec<PathBuf>, Vec<PathBuf>) = entries.partition(|path| entry::is_own(path));
+        let obstacles = self.obstacles()?.into_iter().map(|(path, _)| path);
+        let own: Vec<PathBuf> = own.into_iter().chain(obstacles).collect();
+        own.iter().try_for_each(|path| folder::remove(path))?;
+        Ok((own.len(), others))
     }
 
     fn note(&self, text: String) {

@@ -1,6 +1,5 @@
 //! Jobs on threads of their own. The pool of threads serves the stages within a job, which wait for each other.
 
-use std::panic::resume_unwind;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
 
@@ -9,6 +8,7 @@ use crate::error::Error;
 use crate::graph::Graph;
 use crate::stages::levels::{Levels, ShotLevels};
 use crate::stages::{Postcard, Stage};
+use crate::threads::{Begun, beside};
 
 /// Computes the jobs `0 .. count`, as many at a time as the pool has threads; the results come in the order of the jobs.
 pub(super) fn on_threads<T: Send>(count: usize, compute: impl Fn(usize) -> T + Sync) -> Vec<T> {
@@ -24,13 +24,11 @@ pub(super) fn on_threads<T: Send>(count: usize, compute: impl Fn(usize) -> T + S
     };
     std::thread::scope(|scope| {
         let others: Vec<_> = (1..rayon::current_num_threads().min(count))
-            .map(|_| scope.spawn(work))
+            .map(|_| beside(scope, &work))
             .collect();
         work();
         // A panic goes on as it began: it may be the end of work that was abandoned.
-        for thread in others {
-            thread.join().unwrap_or_else(|panic| resume_unwind(panic));
-        }
+        others.into_iter().for_each(Begun::join);
     });
     // Every job has a result here, since a panic has gone on.
     let results = results.into_inner().unwrap_or_else(PoisonError::into_inner);

@@ -52,7 +52,7 @@ pub use screening::{Candidate, Tally, screen};
 pub use shots::{Counted, DrawnShot, ShotSampler, Shots, shots};
 pub use statistics::{Estimate, Quantiles};
 pub use surrogate::{Surrogate, SurrogateIndex, common_reason};
-pub use sweep::{Axis, SweptPoint, at_point, sweep};
+pub use sweep::{Axis, SweptPoint, at_point, distinct, sweep};
 pub use table::csv;
 pub use variable_report::VariableReport;
 pub use variables::{Drawn, Kind, Scope, Variable, common_variables, differing_keys, variables};

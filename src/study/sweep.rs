@@ -147,11 +147,27 @@ pub fn at_point((path, changes): (&Path, &[Assignment]), axes: &[Axis], values: 
     Ok(Design::load_with(path, &[changes, &own].concat())?)
 }
 
+/// Whether the axes are those of a grid.
+///
+/// # Errors
+/// [`Error::NothingToVary`], and [`Error::VariedTwice`]: the later values of a key would replace the earlier ones in every point.
+pub fn distinct(axes: &[Axis]) -> Result<(), Error> {
+    if axes.is_empty() {
+        return Err(Error::NothingToVary);
+    }
+    let twice = (1..axes.len()).find(|&place| axes[..place].iter().any(|before| before.key == axes[place].key));
+    twice.map_or(Ok(()), |place| {
+        let key = axes[place].key.clone();
+        Err(Error::VariedTwice { key })
+    })
+}
+
 /// Levels of the design in a file, with changes that all points share, over a grid of values; on `request`, over draws that all
 /// points have in common, too. Points whose values do not go together are refused with their conflict.
 ///
 /// # Errors
-/// A key or value that no design can have; a point that needs more memory than allowed; a grid of too many points.
+/// A key or value that no design can have; no key, or one twice; a point that needs more memory than allowed; a grid of too many
+/// points.
 pub fn sweep(
     graph: &Graph,
     (path, changes): (&Path, &[Assignment]),
@@ -160,6 +176,7 @@ pub fn sweep(
     memory: MemoryLimit,
     progress: &Progress,
 ) -> Result<Vec<SweptPoint>, Error> {
+    distinct(axes)?;
     let count = axes
         .iter()
         .map(|axis| axis.values.len())

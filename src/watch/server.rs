@@ -1,28 +1,36 @@
 //! The server of the page: on this machine alone, for a handful of windows, without anything of others.
 //!
-//! It answers each request on a thread and connection of its own, and knows five addresses. Heads are parsed by `httparse`;
+//! It answers each request on a thread and connection of its own, and knows five addresses. Whoever has not shown the token yet is a
+//! stranger, for whom there is a number of connections and a time that do not count against the windows: when there are too many,
+//! the oldest goes. Heads are parsed by `httparse`;
 //! servers of their own are no better here: `tiny_http` is no longer maintained, `oxhttp` chooses no free port and writes to
 //! standard error, `hyper` brings an asynchronous runtime.
 
-use std::io::{self, Write};
-use std::net::{Ipv4Addr, SocketAddr, TcpListener, TcpStream};
-use std::sync::Arc;
+use std::io::{self, ErrorKind, Read, Write};
+use std::net::{Ipv4Addr, Shutdown, SocketAddr, TcpListener, TcpStream};
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
-use std::thread::JoinHandle;
-use std::time::Duration;
+use std::sync::{Arc, Mutex, PoisonError};
+use std::thread::{Builder, JoinHandle};
+use std::time::{Duration, Instant};
 
 use super::board::Board;
 use super::page;
 use super::request::{Request, token};
 
-/// How long a browser may take to ask or to receive.
-const PATIENCE: Duration = Duration::from_secs(20);
+/// How long the head of a request may take, from the first byte to the last.
+const TO_ASK: Duration = Duration::from_secs(5);
+
+/// How long a browser may take to receive an answer, or a piece of news.
+const TO_RECEIVE: Duration = Duration::from_secs(20);
 
 /// Between two signs of life to a window that waits for news.
 const SIGN: Duration = Duration::from_secs(5);
 
-/// Connections at a time.
-const MOST: usize = 64;
+/// Connections with the token at a time.
+const WINDOWS: usize = 64;
+
+/// Connections at a time whose token is not known yet.
+const STRANGERS: usize = 64;
 
 /// Every answer: nothing is kept, no other site learns the address, nothing is shown within a foreign page.
 const ALWAYS: &str = "Cache-Control: no-store\r\nReferrer-Policy: no-referrer\r\nX-Content-Type-Options: nosniff\r\n\
@@ -47,7 +55,67 @@ pub struct Server {
 struct Shared {
     board: Arc<Board>,
     ends: AtomicBool,
-    open: AtomicUsize,
+    /// Connections with the token.
+    windows: AtomicUsize,
+    /// The other ones, the oldest first.
+    strangers: Mutex<Vec<Arc<TcpStream>>>,
+}
+
+impl Shared {
+    /// Counts a new connection, at the cost of the oldest stranger if there are too many.
+    fn receive(&self, stream: &Arc<TcpStream>) {
+        let mut strangers = self.strangers.lock().unwrap_or_else(PoisonError::into_inner);
+        strangers.push(Arc::clone(stream));
+        if strangers.len() > STRANGERS {
+            // Its thread finds the connection closed.
+            let _ = strangers.remove(0).shutdown(Shutdown::Both);
+        }
+    }
+
+    /// Counts a connection as a stranger no longer.
+    fn dismiss(&self, stream: &Arc<TcpStream>) {
+        let mut strangers = self.strangers.lock().unwrap_or_else(PoisonError::into_inner);
+        strangers.retain(|own| !Arc::ptr_eq(own, stream));
+    }
+}
+
+/// A connection for what must be done in a given time, however many pieces it comes in.
+struct Timed<'a> {
+    stream: &'a TcpStream,
+    until: Instant,
+}
+
+impl<'a> Timed<'a> {
+    fn new(stream: &'a TcpStream, time: Duration) -> Self {
+        let until = Instant::now() + time;
+        Self { stream, until }
+    }
+
+    fn left(&self) -> io::Result<Option<Duration>> {
+        let left = self.until.saturating_duration_since(Instant::now());
+        if left.is_zero() {
+            return Err(ErrorKind::TimedOut.into());
+        }
+        Ok(Some(left))
+    }
+}
+
+impl Read for Timed<'_> {
+    fn read(&mut self, bytes: &mut [u8]) -> io::Result<usize> {
+        self.stream.set_read_timeout(self.left()?)?;
+        self.stream.read(bytes)
+    }
+}
+
+impl Write for Timed<'_> {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        self.stream.set_write_timeout(self.left()?)?;
+        self.stream.write(bytes)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.stream.flush()
+    }
 }
 
 impl Server {
@@ -61,12 +129,13 @@ impl Server {
         let shared = Arc::new(Shared {
             board,
             ends: AtomicBool::new(false),
-            open: AtomicUsize::new(0),
+            windows: AtomicUsize::new(0),
+            strangers: Mutex::default(),
         });
-        let accepting = std::thread::spawn({
+        let accepting = Builder::new().spawn({
             let (shared, token) = (Arc::clone(&shared), Arc::clone(&token));
             move || accept(&listener, &shared, &host.to_string(), &token)
-        });
+        })?;
         Ok(Self {
             host,
             token,
@@ -85,6 +154,10 @@ impl Drop for Server {
     fn drop(&mut self) {
         self.shared.ends.store(true, Ordering::SeqCst);
         self.shared.board.wake();
+        let strangers = std::mem::take(&mut *self.shared.strangers.lock().unwrap_or_else(PoisonError::into_inner));
+        for stranger in strangers {
+            let _ = stranger.shutdown(Shutdown::Both);
+        }
         // A connection of its own lets it look.
         let _ = TcpStream::connect(self.host);
         if let Some(accepting) = self.accepting.take() {
@@ -105,49 +178,80 @@ fn accept(listener: &TcpListener, shared: &Shared, host: &str, token: &str) {
                 std::thread::sleep(Duration::from_millis(10));
                 continue;
             };
-            if shared.open.fetch_add(1, Ordering::SeqCst) >= MOST {
-                shared.open.fetch_sub(1, Ordering::SeqCst);
-                continue;
-            }
-            scope.spawn(move || {
+            let stream = Arc::new(stream);
+            shared.receive(&stream);
+            let own = Arc::clone(&stream);
+            let answering = Builder::new().spawn_scoped(scope, move || {
                 // A browser that has gone is no error.
-                let _ = answer(&stream, shared, host, token);
-                shared.open.fetch_sub(1, Ordering::SeqCst);
+                let _ = answer(&own, shared, host, token);
+                shared.dismiss(&own);
+                let _ = own.shutdown(Shutdown::Both);
             });
+            if answering.is_err() {
+                // The system permits no more threads for now.
+                shared.dismiss(&stream);
+            }
         }
     });
 }
 
-fn answer(mut stream: &TcpStream, shared: &Shared, host: &str, token: &str) -> io::Result<()> {
-    stream.set_read_timeout(Some(PATIENCE))?;
-    stream.set_write_timeout(Some(PATIENCE))?;
-    let request = match Request::read(&mut stream) {
+fn answer(stream: &Arc<TcpStream>, shared: &Shared, host: &str, token: &str) -> io::Result<()> {
+    let request = match Request::read(&mut Timed::new(stream, TO_ASK)) {
         Ok(Some(request)) => request,
         Ok(None) => return Ok(()),
-        Err(error) if error.kind() == io::ErrorKind::InvalidData => {
-            return send(stream, ("400 Bad Request", TEXT, OUTER), b"no request of HTTP 1.1\n");
+        Err(error) if error.kind() == ErrorKind::InvalidData => {
+            let reply = Reply::text("400 Bad Request", b"no request of HTTP 1.1\n");
+            return reply.send(stream, false);
         }
         Err(error) => return Err(error),
     };
+    let head_alone = request.method == "HEAD";
     let Some(path) = request.admitted(host, token) else {
-        let refusal = b"refused: open the address that `nailnoise watch` printed\n";
-        return send(stream, ("403 Forbidden", TEXT, OUTER), refusal);
+        let reply = Reply::text(
+            "403 Forbidden",
+            b"refused: open the address that `nailnoise watch` printed\n",
+        );
+        return reply.send(stream, head_alone);
     };
+    shared.dismiss(stream);
+    let answered = if shared.windows.fetch_add(1, Ordering::SeqCst) < WINDOWS {
+        admitted(stream, shared, (&request.method, path))
+    } else {
+        let reply = Reply::text(
+            "503 Service Unavailable",
+            b"too many windows are open: close some of them\n",
+        );
+        reply.send(stream, head_alone)
+    };
+    shared.windows.fetch_sub(1, Ordering::SeqCst);
+    answered
+}
+
+/// Answers a request with the token. To HEAD goes the head of the answer to GET.
+fn admitted(stream: &TcpStream, shared: &Shared, (method, path): (&str, &str)) -> io::Result<()> {
     let board = &shared.board;
-    match (request.method.as_str(), path) {
-        ("GET", "") => send(stream, ("200 OK", HTML, OUTER), page::page(board).as_bytes()),
-        ("GET", "watch.js") => send(stream, ("200 OK", SCRIPT, OUTER), page::SCRIPT.as_bytes()),
-        ("GET", "watch.css") => send(stream, ("200 OK", STYLE, OUTER), page::STYLE.as_bytes()),
-        ("GET", "events") => news(stream, shared),
+    let head_alone = method == "HEAD";
+    let method = if head_alone { "GET" } else { method };
+    let reply = |kind, policy, body| Reply {
+        status: "200 OK",
+        kind,
+        policy,
+        body,
+    };
+    match (method, path) {
+        ("GET", "") => reply(HTML, OUTER, page::page(board).as_bytes()).send(stream, head_alone),
+        ("GET", "watch.js") => reply(SCRIPT, OUTER, page::SCRIPT.as_bytes()).send(stream, head_alone),
+        ("GET", "watch.css") => reply(STYLE, OUTER, page::STYLE.as_bytes()).send(stream, head_alone),
+        ("GET", "events") => news(stream, shared, head_alone),
         ("GET", path) if path == "report" || path.starts_with("report?") => match board.now().report {
-            Some((_, report)) => send(stream, ("200 OK", HTML, INNER), report.as_bytes()),
-            None => send(stream, ("404 Not Found", TEXT, OUTER), b"there is no result yet\n"),
+            Some((_, report)) => reply(HTML, INNER, report.as_bytes()).send(stream, head_alone),
+            None => Reply::text("404 Not Found", b"there is no result yet\n").send(stream, head_alone),
         },
         ("POST", "pin") | ("POST", "unpin") => {
             board.pin(path == "pin");
-            send(stream, ("200 OK", TEXT, OUTER), b"done\n")
+            reply(TEXT, OUTER, b"done\n").send(stream, false)
         }
-        _ => send(stream, ("404 Not Found", TEXT, OUTER), b"there is nothing here\n"),
+        _ => Reply::text("404 Not Found", b"there is nothing here\n").send(stream, head_alone),
     }
 }
 
@@ -156,34 +260,66 @@ const HTML: &str = "text/html; charset=utf-8";
 const SCRIPT: &str = "text/javascript; charset=utf-8";
 const STYLE: &str = "text/css; charset=utf-8";
 
-fn send(mut stream: &TcpStream, (status, kind, policy): (&str, &str, &str), body: &[u8]) -> io::Result<()> {
-    let length = body.len();
-    let head = format!(
-        "HTTP/1.1 {status}\r\nContent-Type: {kind}\r\nContent-Length: {length}\r\nContent-Security-Policy: {policy}\r\n{ALWAYS}\r\n"
-    );
-    stream.write_all(head.as_bytes())?;
-    stream.write_all(body)?;
-    stream.flush()
+/// A whole answer.
+struct Reply<'a> {
+    status: &'static str,
+    /// Its media type.
+    kind: &'static str,
+    /// Its content security policy.
+    policy: &'static str,
+    body: &'a [u8],
+}
+
+impl<'a> Reply<'a> {
+    /// A message.
+    fn text(status: &'static str, body: &'a [u8]) -> Self {
+        Self {
+            status,
+            kind: TEXT,
+            policy: OUTER,
+            body,
+        }
+    }
+
+    fn send(&self, stream: &TcpStream, head_alone: bool) -> io::Result<()> {
+        let mut stream = Timed::new(stream, TO_RECEIVE);
+        let Self {
+            status,
+            kind,
+            policy,
+            body,
+        } = self;
+        let length = body.len();
+        let head = format!(
+            "HTTP/1.1 {status}\r\nContent-Type: {kind}\r\nContent-Length: {length}\r\nContent-Security-Policy: {policy}\r\n{ALWAYS}\r\n"
+        );
+        stream.write_all(head.as_bytes())?;
+        if !head_alone {
+            stream.write_all(body)?;
+        }
+        stream.flush()
+    }
 }
 
 /// Sends every change to a window until it is closed (server-sent events).
-fn news(mut stream: &TcpStream, shared: &Shared) -> io::Result<()> {
-    let head = format!("HTTP/1.1 200 OK\r\nContent-Type: text/event-stream\r\n{ALWAYS}\r\n");
-    stream.write_all(head.as_bytes())?;
+fn news(stream: &TcpStream, shared: &Shared, head_alone: bool) -> io::Result<()> {
+    let send = |text: &str| Timed::new(stream, TO_RECEIVE).write_all(text.as_bytes());
+    send(&format!(
+        "HTTP/1.1 200 OK\r\nContent-Type: text/event-stream\r\n{ALWAYS}\r\n"
+    ))?;
     let mut told = None;
-    while !shared.ends.load(Ordering::SeqCst) {
+    while !head_alone && !shared.ends.load(Ordering::SeqCst) {
         let state = match told {
             None => shared.board.now(),
             Some(version) => shared.board.wait(version, SIGN),
         };
         if told == Some(state.version) {
-            stream.write_all(b":\n\n")?;
+            send(":\n\n")?;
         } else {
             told = Some(state.version);
             let event = page::event(&shared.board.name, &state);
-            stream.write_all(format!("data: {event}\n\n").as_bytes())?;
+            send(&format!("data: {event}\n\n"))?;
         }
-        stream.flush()?;
     }
     Ok(())
 }

@@ -101,6 +101,137 @@ fn clear_removes_what_has_the_name_of_an_entry() {
     }
 }
 
+/// Names that end like those of entries, and the name of an entry itself: the content decides.
+#[test]
+fn clear_and_verify_leave_files_of_others() {
+    let (cache, entries) = filled("cache-others");
+    let foreign = cache.join(format!("own-{}.entry", "0".repeat(64)));
+    let mine = ["notes.entry", "a-1.entry", ".entry"].map(|name| cache.join(name));
+    for path in mine.iter().chain([&foreign]) {
+        fs::write(path, "mine").unwrap();
+    }
+    let verified = nailnoise(&cache, &["cache", "verify", "--json"]);
+    let counts: serde_json::Value = serde_json::from_slice(&verified.stdout).unwrap();
+    assert_eq!(
+        (&counts["sound"], &counts["removed"]),
+        (&entries.len().into(), &0.into())
+    );
+    let cleared = nailnoise(&cache, &["cache", "clear"]);
+    for output in [&verified, &cleared] {
+        assert!(
+            messages(output).contains("nailnoise did not write it"),
+            "{}",
+            messages(output)
+        );
+    }
+    for path in mine.iter().chain([&foreign]) {
+        assert_eq!(fs::read_to_string(path).unwrap(), "mine");
+    }
+    assert_eq!(fs::read_dir(&cache).unwrap().count(), 4, "all entries are gone");
+}
+
+/// The command with this cache, or with none by an environment without folders, must end: nothing else is waited for.
+#[cfg(unix)]
+fn modes_with(name: &str, change: impl FnOnce(&mut std::process::Command)) -> Output {
+    let out = folder(name);
+    let mut command = command(&[
+        "modes",
+        SMALL,
+        "--body",
+        "workpiece",
+        "--quiet",
+        "--out",
+        out.to_str().unwrap(),
+    ]);
+    change(&mut command);
+    command.output().unwrap()
+}
+
+#[test]
+#[cfg(unix)]
+fn a_cache_that_is_no_folder_is_a_warning_and_a_store_that_is_none_an_error() {
+    use std::os::unix::fs::symlink;
+    let place = folder("cache-no-folder");
+    let [file, dangling, endless, pipe] = ["file", "dangling", "endless", "pipe"].map(|name| place.join(name));
+    fs::write(&file, "mine").unwrap();
+    symlink("/nope/nothing", &dangling).unwrap();
+    symlink(&endless, &endless).unwrap();
+    assert!(
+        std::process::Command::new("mkfifo")
+            .arg(&pipe)
+            .status()
+            .unwrap()
+            .success()
+    );
+    let device = PathBuf::from("/dev/null");
+    let cases = [
+        (&device, "is a pipe or a device"),
+        (&file, "is a file"),
+        (&dangling, "is a link to nothing"),
+        (&endless, "cannot be used"),
+        (&pipe, "is a pipe or a device"),
+        (&file.join("below"), "cannot be used"),
+    ];
+    for (cache, words) in cases {
+        let output = modes_with("cache-no-folder-out", |command| {
+            command.env("NAILNOISE_CACHE", cache);
+        });
+        let told = messages(&output).split_whitespace().collect::<Vec<_>>().join(" ");
+        assert!(output.status.success(), "{}: {told}", cache.display());
+        assert_eq!(told.matches("not cached").count(), 1, "{told}");
+        assert!(told.contains(words), "{told}");
+        let listed = nailnoise(cache, &["cache"]);
+        assert_eq!(listed.status.code(), Some(2), "{}", messages(&listed));
+        let store = cache.to_str().unwrap();
+        for arguments in [
+            &["study", SMALL, "-n", "4", "--store", store][..],
+            &["sweep", SMALL, "--vary", "exhaust.holes=3,5", "--store", store],
+        ] {
+            let output = command(arguments).output().unwrap();
+            assert_eq!(output.status.code(), Some(2), "{}", messages(&output));
+        }
+    }
+    assert_eq!(fs::read_to_string(&file).unwrap(), "mine");
+}
+
+#[test]
+#[cfg(unix)]
+fn without_a_home_a_run_goes_on_without_a_cache_and_says_so_once() {
+    let output = modes_with("cache-no-home", |command| {
+        for name in ["HOME", "XDG_CACHE_HOME", "NAILNOISE_CACHE"] {
+            command.env_remove(name);
+        }
+    });
+    let told = messages(&output);
+    assert!(output.status.success(), "{told}");
+    assert_eq!(told.matches("not cached").count(), 1, "{told}");
+}
+
+/// What is no file in place of a claim is nobody's, and what no process renews is taken over: neither stops a run.
+#[test]
+#[cfg(unix)]
+fn a_claim_that_is_no_claim_is_not_waited_for() {
+    for kind in KINDS {
+        let (cache, entries) = filled("cache-claims");
+        let expected = modes(&cache).stdout;
+        let claims: Vec<PathBuf> = entries
+            .iter()
+            .map(|entry| cache.join(format!(".{}.claim.tmp", entry.file_name().unwrap().to_str().unwrap())))
+            .collect();
+        claims.iter().for_each(|claim| fs::write(claim, "").unwrap());
+        disorder(&claims, kind);
+        entries.iter().for_each(|entry| fs::remove_file(entry).unwrap());
+        let output = modes(&cache);
+        assert_eq!(output.stdout, expected, "{kind}");
+        assert_eq!(
+            messages(&output).matches("not the claim of a process").count(),
+            1,
+            "{}",
+            messages(&output)
+        );
+    }
+}
+
 #[test]
 fn disorder_in_the_cache_neither_stops_nor_changes_a_run() {
     for kind in KINDS {

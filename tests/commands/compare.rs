@@ -55,6 +55,35 @@ fn a_comparison_lists_only_the_inputs_that_differ() {
     assert_eq!(inputs[0]["values"], serde_json::json!([763_200.0, 600_000.0]));
 }
 
+/// A range that ends an octave higher contains three bands more, so that the level rises without a change of the tool.
+#[test]
+fn levels_over_unlike_ranges_of_frequency_are_not_compared_without_a_warning() {
+    let folder = folder("compare-ranges");
+    let [one, other] = ["1000 Hz", "2000 Hz"].map(|high| {
+        let name = format!("to-{}", high.replace(' ', ""));
+        over(&folder, &name, &format!("analysis.range_high = \"{high}\""))
+    });
+    let out = folder.join("out").to_str().unwrap().to_owned();
+    let output = nailnoise(&["compare", &one, &other, "--out", &out]);
+    let text = String::from_utf8(output.stdout).unwrap();
+    let first = text.lines().next().unwrap();
+    assert!(
+        first.contains("do not compare") && first.contains("to 1000 Hz") && first.contains("to 2000 Hz"),
+        "{first}"
+    );
+    let results = ["to-1000Hz", "to-2000Hz"].map(|name| format!("{out}/{name}"));
+    let comparison = json(&nailnoise(&[
+        "compare",
+        &results[0],
+        &results[1],
+        "--json",
+        "--out",
+        &out,
+    ]));
+    assert_eq!(comparison["unlike_ranges"][1][1], 2000.0);
+    assert!(COMPARISON.0["unlike_ranges"].is_null());
+}
+
 #[test]
 fn changes_are_differences_from_the_first_design() {
     let (changes, levels) = (&exhaust()["change_db"], &exhaust()["level_db"]);

@@ -305,6 +305,156 @@ fn every_request_to_end_ends_a_command_like_ctrl_c() {
     }
 }
 
+/// A program in place of Python that has the package and works for a minute, or does what the script says.
+fn python(folder: &Path, works: &str) -> PathBuf {
+    let program = folder.join("python");
+    let number = folder.join("number");
+    let script = format!(
+        "#!/bin/sh\n[ \"$1\" = -c ] && exit 0\necho $$ \"$@\" > {0}.new\nmv {0}.new {0}\n{works}\n",
+        text(&number)
+    );
+    fs::write(&program, script).unwrap();
+    fs::set_permissions(&program, std::os::unix::fs::PermissionsExt::from_mode(0o755)).unwrap();
+    program
+}
+
+const OPTIMISE: [&str; 4] = ["optimise", SMALL, "--vary", "exhaust.holes=3..5"];
+
+#[test]
+fn python_ends_with_the_command_however_that_ends() {
+    for (signal, status) in [
+        ("INT", Some(130)),
+        ("TERM", Some(130)),
+        ("HUP", Some(130)),
+        ("KILL", None),
+    ] {
+        let folder = folder(&format!("optimise-{signal}"));
+        let program = python(&folder, "exec sleep 60");
+        let mut optimise = command(&OPTIMISE).env("NAILNOISE_PYTHON", &program).spawn().unwrap();
+        let number = folder.join("number");
+        assert!(
+            within(Duration::from_secs(20), || number.exists()),
+            "python is not started"
+        );
+        let started = fs::read_to_string(&number).unwrap();
+        let child = PathBuf::from("/proc").join(started.split_whitespace().next().unwrap());
+        let own = optimise.id().to_string();
+        assert!(
+            Command::new("kill")
+                .args(["-s", signal, &own])
+                .status()
+                .unwrap()
+                .success()
+        );
+        assert_eq!(optimise.wait().unwrap().code(), status, "{signal}");
+        assert!(
+            within(Duration::from_secs(2), || !child.exists()),
+            "{signal}: python works on"
+        );
+    }
+}
+
+/// 1 would say that no design meets the constraints.
+#[test]
+fn a_python_that_is_killed_is_not_a_result() {
+    let folder = folder("optimise-killed");
+    for (works, status) in [("exit 0", 0), ("exit 1", 1), ("exit 2", 2), ("kill -KILL $$", 3)] {
+        let program = python(&folder, works);
+        let output = command(&OPTIMISE).env("NAILNOISE_PYTHON", &program).output().unwrap();
+        assert_eq!(output.status.code(), Some(status), "{works}: {}", messages(&output));
+        assert_eq!(messages(&output).contains("ended by signal 9"), status == 3, "{works}");
+    }
+}
+
+#[test]
+fn quiet_reaches_python_from_either_side_of_the_command() {
+    let folder = folder("optimise-quiet");
+    let program = python(&folder, "exit 0");
+    for arguments in [
+        [&["--quiet"], &OPTIMISE[..]].concat(),
+        [&OPTIMISE[..], &["--quiet", "--threads", "2"]].concat(),
+    ] {
+        let output = command(&arguments).env("NAILNOISE_PYTHON", &program).output().unwrap();
+        assert!(output.status.success(), "{}", messages(&output));
+        let given = fs::read_to_string(folder.join("number")).unwrap();
+        assert!(
+            given.contains("-m nailnoise optimise") && given.contains("--quiet"),
+            "{given}"
+        );
+    }
+}
+
+/// The command under a limit of its shell.
+fn under(limit: &str, arguments: &[&str], change: impl FnOnce(&mut Command)) -> Output {
+    let script = format!("ulimit {limit} && exec \"$0\" \"$@\"");
+    let mut limited = Command::new("sh");
+    limited
+        .args(["-c", &script, env!("CARGO_BIN_EXE_nailnoise")])
+        .args(arguments);
+    limited.current_dir(ROOT);
+    change(&mut limited);
+    limited.output().unwrap()
+}
+
+/// From a limit in which the command cannot even begin to one that it does not meet.
+#[test]
+#[cfg(target_os = "linux")]
+fn a_limit_of_the_address_space_ends_a_command_with_words_and_status_2_or_3() {
+    let folder = folder("limit-memory");
+    let (out, mut ended) = (folder.join("out"), 0);
+    for gigabytes in [0.3, 0.6, 1.0, 1.5, 2.0, 4.0] {
+        let limit = format!("-v {}", (gigabytes * 1024.0 * 1024.0) as u32);
+        let arguments = ["modes", SMALL, "--body", "workpiece", "--no-cache", "--out", text(&out)];
+        let output = under(&limit, &arguments, |_| ());
+        let told = messages(&output);
+        assert!(
+            matches!(output.status.code(), Some(0 | 2 | 3)),
+            "{gigabytes} GiB: {:?}: {told}",
+            output.status
+        );
+        assert!(
+            output.status.success() || told.contains("memory") || told.contains("thread"),
+            "{told}"
+        );
+        assert!(!told.contains("has a fault"), "{told}");
+        ended += usize::from(!output.status.success());
+    }
+    assert!(ended > 0, "no limit was met");
+}
+
+#[test]
+fn a_file_that_would_exceed_its_limit_is_an_error_with_words() {
+    let out = folder("limit-file");
+    let output = under("-f 0", &["cycle", SMALL, "--out", text(&out)], |_| ());
+    let told = messages(&output);
+    assert_eq!(output.status.code(), Some(2), "{told}");
+    assert!(told.contains("cannot write"), "{told}");
+}
+
+#[test]
+#[cfg(target_os = "linux")]
+fn a_limit_of_processor_time_ends_a_command_with_words() {
+    let out = folder("limit-time");
+    let arguments = ["cycle", SMALL, "--draw", "60000", "--out", text(&out)];
+    let output = under("-S -t 1", &arguments, |_| ());
+    let told = messages(&output);
+    assert_eq!(output.status.code(), Some(2), "{told}");
+    assert!(told.contains("processor time"), "{told}");
+}
+
+#[test]
+fn a_number_of_threads_that_cannot_be_is_refused() {
+    for number in ["100000", "-1", "many"] {
+        let output = command(&["cycle", SMALL, "--json"])
+            .env("RAYON_NUM_THREADS", number)
+            .output()
+            .unwrap();
+        let told = messages(&output);
+        assert_eq!(output.status.code(), Some(2), "{told}");
+        assert!(told.contains("RAYON_NUM_THREADS"), "{told}");
+    }
+}
+
 /// A design with this file name that changes nothing.
 fn named(folder: &Path, name: &str) -> PathBuf {
     let file = folder.join(name);

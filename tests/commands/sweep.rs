@@ -2,7 +2,7 @@
 
 use std::fs;
 
-use crate::common::{command, folder, json, over};
+use crate::common::{SMALL, command, folder, json, messages, over};
 use crate::study::ANY;
 
 /// The change from one point of a sweep to another is that of a comparison over the same draws.
@@ -22,6 +22,28 @@ fn a_sweep_over_draws_is_a_comparison_over_draws() {
     let swept = run(&["sweep", &first, "--vary", "exhaust.holes=5,4"]);
     let compared = run(&["compare", &first, &second]);
     assert_eq!(swept["points"][1]["drawn"], compared["paired"][0]["changes"]);
+}
+
+/// The later values would replace the earlier ones in every point, under two columns of one name.
+#[test]
+fn a_key_that_is_varied_twice_is_refused() {
+    let out = folder("sweep/twice");
+    for other in ["exhaust.holes=4,6", " exhaust.holes =3,5", "exhaust.holes=3..5:3"] {
+        let grid = [
+            "--vary",
+            "exhaust.holes=3,5",
+            "--vary",
+            "ambient.temperature=0 degC,20 degC",
+            "--vary",
+            other,
+        ];
+        let arguments = [&["sweep", SMALL, "--out", out.to_str().unwrap()], &grid[..]].concat();
+        let output = command(&arguments).output().unwrap();
+        let told = messages(&output);
+        assert_eq!(output.status.code(), Some(2), "{told}");
+        assert!(told.contains("`exhaust.holes` twice"), "{told}");
+    }
+    assert_eq!(fs::read_dir(out).unwrap().count(), 0);
 }
 
 /// The films of a point are those of a run with its values.

@@ -213,6 +213,56 @@ fn a_pinned_run_is_compared_with() {
     );
 }
 
+/// Each sends a byte now and then, so that no single wait for it is long.
+#[test]
+fn connections_without_the_token_neither_lock_the_page_out_nor_stay() {
+    let watched = Watched::start("watch-strangers");
+    let mut strangers: Vec<TcpStream> = (0..200).map(|_| TcpStream::connect(&watched.host).unwrap()).collect();
+    let since = Instant::now();
+    while since.elapsed() < Duration::from_secs(8) {
+        for stranger in &mut strangers {
+            let _ = stranger.write_all(b"G");
+        }
+        let asked = Instant::now();
+        assert_eq!(watched.page("").0, 200);
+        assert!(asked.elapsed() < Duration::from_secs(5));
+        std::thread::sleep(Duration::from_millis(500));
+    }
+    for stranger in &mut strangers {
+        stranger.set_read_timeout(Some(Duration::from_secs(5))).unwrap();
+        let ended = stranger.read(&mut [0; 1]);
+        let is_open = matches!(&ended, Err(error) if error.kind() == std::io::ErrorKind::WouldBlock);
+        assert!(!is_open, "a stranger that never asks has a connection for good");
+    }
+}
+
+/// As RFC 9110 (9.3.2) has it: the same head, no body.
+#[test]
+fn head_has_the_head_of_get() {
+    let watched = Watched::start("watch-head");
+    let own = format!("Host: {}\r\n", watched.host);
+    let raw = |method: &str, path: &str| {
+        let mut stream = TcpStream::connect(&watched.host).unwrap();
+        stream.set_read_timeout(Some(PATIENCE)).unwrap();
+        write!(stream, "{method} /{}/{path} HTTP/1.1\r\n{own}\r\n", watched.token).unwrap();
+        let mut answer = String::new();
+        stream.read_to_string(&mut answer).unwrap();
+        let (head, body) = answer.split_once("\r\n\r\n").unwrap();
+        (head.to_owned(), body.len())
+    };
+    for path in ["watch.js", "watch.css", "other"] {
+        let (get, head) = (raw("GET", path), raw("HEAD", path));
+        assert_eq!((&head.0, head.1), (&get.0, 0), "{path}");
+        assert!(get.1 > 0 && get.0.contains(&format!("Content-Length: {}", get.1)));
+    }
+    for path in ["", "events"] {
+        let (head, length) = raw("HEAD", path);
+        assert!(head.starts_with("HTTP/1.1 200 ") && length == 0, "{path}: {head}");
+    }
+    let stranger = watched.ask("HEAD", "/other/", &own);
+    assert_eq!(stranger, (403, String::new()));
+}
+
 #[test]
 fn nobody_else_is_answered() {
     let watched = Watched::start("watch-others");
