@@ -16,7 +16,7 @@ from pathlib import Path
 BEGIN = "<!-- predicted and measured: written by tests/peers/validation.py --update -->"
 END = "<!-- end of the table -->"
 DESIGNS = [f"designs/n80cb-as-tested{kind}.toml" for kind in ("", "-sandbox", "-sandbox-floor")]
-DRAWS = 32
+DRAWS = 128
 
 
 def compared(program, draws):
