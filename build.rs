@@ -62,7 +62,30 @@ fn main() -> Result<(), Box<dyn Error>> {
     }
     emit("layout", layout);
     println!("cargo:rerun-if-changed=src/stages");
+    studies(&root)?;
     describe(&root);
+    Ok(())
+}
+
+/// The list of the studies that come with the program: all files of their folder.
+fn studies(root: &Path) -> Result<(), Box<dyn Error>> {
+    let folder = root.join("designs/studies");
+    println!("cargo:rerun-if-changed=designs/studies");
+    let mut names = Vec::new();
+    for entry in fs::read_dir(&folder)? {
+        let name = entry?.file_name().to_string_lossy().into_owned();
+        if name.ends_with(".json") {
+            names.push(name);
+        }
+    }
+    names.sort();
+    let file = |name: &String| {
+        let path = folder.join(name);
+        format!("    ({:?}, include_str!({path:?})),\n", format!("studies/{name}"))
+    };
+    let list: String = names.iter().map(file).collect();
+    let out = PathBuf::from(std::env::var_os("OUT_DIR").unwrap_or_default());
+    fs::write(out.join("studies.rs"), format!("&[\n{list}]\n"))?;
     Ok(())
 }
 

@@ -319,7 +319,7 @@ fn key(design: &Design, exports: Exports) -> Result<Digest, Error> {
             (
                 entry.key,
                 entry.value,
-                entry.range,
+                (entry.range, entry.range_origin),
                 entry.provenance,
                 entry.source,
                 entry.note,

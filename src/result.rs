@@ -169,6 +169,9 @@ pub struct Input {
     pub unit: String,
     /// Range of plausible values, in SI units; null where there is none.
     pub range: Option<[f64; 2]>,
+    /// Where the range comes from; null without one.
+    #[serde(default)]
+    pub range_origin: Option<crate::design::RangeOrigin>,
     /// Where the value comes from.
     pub provenance: crate::design::Provenance,
 }
@@ -180,6 +183,7 @@ impl From<crate::design::Entry> for Input {
             value: entry.value,
             unit: entry.unit,
             range: entry.range,
+            range_origin: entry.range_origin,
             provenance: entry.provenance,
         }
     }
@@ -267,7 +271,8 @@ pub struct Declaration {
     pub lpa_1s_db: Option<i32>,
     /// L_pC,peak there \[dB re 20 uPa\]; null when silent, or where `ear.not_stated` says why.
     pub lpc_peak_db: Option<i32>,
-    /// K = 1.645 sigma over the draws of a study or screening, inputs and methods \[dB\]; null while there is none.
+    /// K = 1.645 sigma over the draws of a study, inputs and methods \[dB\]; null where it is not stated: without a study of at
+    /// least 32 draws, or where the design contradicts its draws.
     pub k_db: Option<i32>,
     /// Where sigma comes from; null while there is none.
     pub k_basis: Option<String>,

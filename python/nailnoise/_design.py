@@ -80,14 +80,15 @@ class Design(Mapping[str, Any]):
 
     @property
     def ranges(self) -> Any:
-        """Keys that have a range, in SI units, as a table."""
+        """Keys and derived quantities that have a range, in SI units, as a table; ``origin`` says whether a range is assumed."""
 
         def row(entry: dict[str, Any]) -> dict[str, Any]:
             low, high = entry["range"]
             kept = {name: entry[name] for name in ("key", "value", "unit", "provenance", "source")}
-            return {**kept, "low": low, "high": high}
+            return {**kept, "low": low, "high": high, "origin": entry["range_origin"]}
 
-        return table([row(entry) for entry in self._entries.values() if entry["range"]], "key")
+        entries = [*self._entries.values(), *json.loads(self._native.drawn_derived())]
+        return table([row(entry) for entry in entries if entry["range"]], "key")
 
     def with_(self, values: Mapping[str, Value]) -> Design:
         """The design with other values: ``design.with_({"exhaust.holes": 18, "exhaust.hole_diameter": "3.15 mm"})``."""

@@ -71,6 +71,12 @@ impl NativeDesign {
     fn entries(&self) -> PyResult<String> {
         json_of(&self.design.entries())
     }
+
+    /// The derived quantities that a study draws, as JSON.
+    fn drawn_derived(&self) -> PyResult<String> {
+        let entries: Vec<_> = self.design.drawn_derived().map(|(entry, _)| entry).collect();
+        json_of(&entries)
+    }
 }
 
 /// Where results are kept: the folder given, the user's cache, or nowhere.

@@ -55,7 +55,7 @@ pub(crate) fn study_of(
         let made = study::draws(&graph, &design, &request, &progress)?;
         let nominal = study::nominal(&graph, &design, &request)?;
         let result = StudyResult::new(&design, &request, &made, nominal.as_deref());
-        study::keep(&cache, &design, &result)?;
+        study::keep(&cache, &design, &result, &made)?;
         let result = result.with_surrogates(&design, &made);
         let charts = drawn(&figures::study(&result));
         Ok((result, study::csv(&made)?, charts))

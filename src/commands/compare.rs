@@ -6,7 +6,7 @@ use std::process::ExitCode;
 use clap::Args;
 use serde::Serialize;
 
-use super::intervals::Known;
+use super::intervals::{Known, OwnShot};
 use super::table::{dash, decibels, fixed, table};
 use super::{
     Changes, Keeping, Memory, Threads, comparison_page, comparison_sounds, folder_of, message, print, print_json,
@@ -232,8 +232,9 @@ fn finish(
         progress,
     )?;
     // Without it the report of an earlier run would lose its intervals.
-    if let Some(study) = Known::of(cache, &design)? {
-        super::run::add_study(&folder, &study, &bundle)?;
+    let study = Known::of(cache, &design, &OwnShot::parse(&bundle.json)?).transpose();
+    if let Some(study) = study {
+        super::run::add_study(&folder, study.as_ref(), &bundle)?;
     }
     checks.extend(bundle.checks.into_iter().map(|check| check.of(&name)));
     Ok((Finished::parse(&folder, &bundle.json)?, Some(folder)))

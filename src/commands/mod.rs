@@ -32,6 +32,7 @@ mod modes;
 mod optimise;
 mod prf;
 mod progress;
+mod provide;
 mod python;
 mod run;
 mod schema;
@@ -135,6 +136,9 @@ enum Command {
     Completions(completions::Arguments),
     /// Print the manual page of a command, or install all
     Manual(manual::Arguments),
+    /// Make the studies of all shipped designs that come with the program, or check that they are those of today
+    #[command(hide = true)]
+    Provide(provide::Arguments),
 }
 
 /// Arguments common to all commands that compute.
@@ -340,6 +344,7 @@ fn execute(cli: &Cli) -> Result<ExitCode, Error> {
         Command::Schema(arguments) => schema::execute(arguments),
         Command::Completions(arguments) => completions::execute(arguments),
         Command::Manual(arguments) => manual::execute(arguments),
+        Command::Provide(arguments) => provide::execute(arguments),
     }
 }
 

@@ -7,7 +7,7 @@ use std::sync::Arc;
 
 use clap::Args;
 
-use super::intervals::{self, Known};
+use super::intervals::{self, Known, NotKnown, OwnShot};
 use super::progress::noted;
 use super::table::{dash, decibels, fixed, table};
 use super::{Common, Keeping, message, print, progress, status_of};
@@ -71,14 +71,19 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
         checks,
     } = delivered(&design, &folder, exports, cache, common.memory.limit(), &progress)?;
     progress.end();
+    let shot = OwnShot::parse(&bundle.json)?;
+    let contradiction;
     if common.json {
-        print(&bundle.json)?;
+        // Scripts do not wait for a screening.
+        let study = Known::of(&store, &design, &shot).transpose();
+        let study = study.as_ref().map(Result::as_ref);
+        contradiction = study.and_then(contradiction_of);
+        print(&study.map_or_else(|| bundle.json.clone(), |study| amended(&bundle.json, study)))?;
     } else {
-        let study = intervals::study_of(&store, &design, &progress);
+        let study = intervals::study_of(&store, &design, &shot, &progress);
         progress.end();
-        if let Ok(study) = &study
-            && let Err(error) = add_study(&folder, study, &bundle)
-        {
+        contradiction = contradiction_of(study.as_ref());
+        if let Err(error) = add_study(&folder, study.as_ref(), &bundle) {
             message(&format!("the files lack the intervals of the levels: {error}"));
         }
         print(&with_intervals(&bundle.text, study.as_ref()))?;
@@ -93,7 +98,49 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
             folder.display()
         ))?;
     }
-    Ok(status_of(&checks))
+    let status = status_of(&checks);
+    match contradiction {
+        // The numbers are right: it is the design that is not within what it asks for.
+        Some(check) if status == ExitCode::SUCCESS => {
+            message(&format!("check failed: {}", check.name));
+            Ok(ExitCode::from(1))
+        }
+        _ => Ok(status),
+    }
+}
+
+/// The check that fails where a design contradicts its draws.
+fn contradiction_of(study: Result<&Known, &NotKnown>) -> Option<Check> {
+    match study {
+        Ok(study) => study.check(),
+        Err(reason) => reason.check.clone(),
+    }
+}
+
+/// A result as JSON with what a study adds: K of the declaration, and the check that fails where the design contradicts the draws.
+fn amended(json: &str, study: Result<&Known, &NotKnown>) -> String {
+    let json = match study.ok().and_then(intervals::k_of) {
+        Some(uncertainty) => declaration::with_uncertainty(json, &uncertainty),
+        None => json.to_owned(),
+    };
+    match contradiction_of(study) {
+        Some(check) => with_check(&json, &check),
+        None => json,
+    }
+}
+
+/// A result as JSON with one more check in front of the others.
+fn with_check(json: &str, check: &Check) -> String {
+    const LIST: &str = "\n  \"checks\": [";
+    let Ok(check) = serde_json::to_string(check) else {
+        return json.to_owned();
+    };
+    let Some(at) = json.find(LIST).map(|at| at + LIST.len()) else {
+        return json.to_owned();
+    };
+    let (before, after) = json.split_at(at);
+    let comma = if after.trim_start().starts_with(']') { "" } else { "," };
+    format!("{before}\n    {check}{comma}{after}")
 }
 
 /// What a run left in its folder.
@@ -132,23 +179,25 @@ pub(super) fn delivered(
 }
 
 /// Adds what a study states to report and result in a folder, which are whole without it.
-pub(super) fn add_study(folder: &Path, study: &Known, bundle: &Bundle) -> Result<(), Error> {
-    let path = folder.join("report.html");
-    let report = fs::read_to_string(&path).map_err(|source| Error::Write {
-        path: path.clone(),
-        source,
-    })?;
-    let intervals = intervals::of_report(study, &bundle.text);
-    staging::write(&path, report::with_intervals(&report, &intervals).as_bytes())?;
-    if let Some(uncertainty) = intervals::k_of(study) {
-        let json = declaration::with_uncertainty(&bundle.json, &uncertainty);
+pub(super) fn add_study(folder: &Path, study: Result<&Known, &NotKnown>, bundle: &Bundle) -> Result<(), Error> {
+    if let Ok(study) = study {
+        let path = folder.join("report.html");
+        let report = fs::read_to_string(&path).map_err(|source| Error::Write {
+            path: path.clone(),
+            source,
+        })?;
+        let intervals = intervals::of_report(study, &bundle.text);
+        staging::write(&path, report::with_intervals(&report, &intervals).as_bytes())?;
+    }
+    let json = amended(&bundle.json, study);
+    if json != bundle.json {
         staging::write(&folder.join("result.json"), json.as_bytes())?;
     }
     Ok(())
 }
 
 /// The table with the intervals of a study, or why there is none.
-fn with_intervals(text: &Text, study: Result<&Known, &String>) -> String {
+fn with_intervals(text: &Text, study: Result<&Known, &NotKnown>) -> String {
     let Text {
         before,
         headings,
@@ -167,7 +216,8 @@ fn with_intervals(text: &Text, study: Result<&Known, &String>) -> String {
             }
             intervals::legend(study)
         }
-        Err(reason) => format!("\n  how sure these levels are is not known: {reason}\n"),
+        Err(none) if none.check.is_some() => format!("\n  {}\n", none.reason),
+        Err(none) => format!("\n  how sure these levels are is not known: {}\n", none.reason),
     };
     let (mut own, ear) = text.declared.clone();
     (own.k_db, own.k_basis) = study.ok().and_then(intervals::k_of).unzip();
@@ -178,8 +228,10 @@ fn with_intervals(text: &Text, study: Result<&Known, &String>) -> String {
         notes if notes.is_empty() => notes,
         notes => format!("\n{notes}"),
     };
+    let failed =
+        contradiction_of(study).map_or_else(String::new, |check| format!("\n  check FAILED: {}\n", check.name));
     format!(
-        "{before}{}{legend}{declared}{between}{notes}{after}",
+        "{before}{}{legend}{failed}{declared}{between}{notes}{after}",
         table(&headings, &rows)
     )
 }

@@ -15,9 +15,9 @@ use crate::design::Design;
 use crate::error::Error;
 use crate::graph::Graph;
 use crate::stages::Progress;
-use crate::staging::{self, Staging};
+use crate::staging::Staging;
 use crate::store::Store;
-use crate::study::{self, Draws, Estimate, Part, ProvidedStudy, Request, StudyResult};
+use crate::study::{self, Draws, Estimate, Part, Request, StudyResult};
 use crate::{figures, report, shipped};
 
 /// The file that is written last, so that a folder that holds it holds all the rest.
@@ -237,7 +237,7 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
         }
     }
     if arguments.store.is_some() || arguments.groups || arguments.one_at_a_time {
-        study::keep(&cache, &design, &result)?;
+        study::keep(&cache, &design, &result, &made)?;
     }
     let within = arguments.until.iter().all(|own| own.is_met(&result));
     let json = serde_json::to_string_pretty(&result).map_err(Error::Json)? + "\n";
@@ -313,12 +313,8 @@ fn provide(
         .structures
         .map_or_else(String::new, |each| format!(" --structures={each}"));
     let groups = if arguments.groups { " --groups" } else { "" };
-    let command = format!(
-        "nailnoise study designs/{path} -n {} --seed {}{structures}{groups}",
-        result.draws, result.seed
-    );
-    let text = ProvidedStudy::new(path, design, &command, result, made)?.file()?;
-    staging::write(file, text.as_bytes())
+    let command = super::provide::command(path, result, &format!("{structures}{groups}"));
+    super::provide::write(file, (path, &command), (design, result, made))
 }
 
 /// A request in the words of the Python package.
@@ -380,6 +376,6 @@ pub(super) fn compute(
     let nominal = study::nominal(&graph, design, request)?;
     progress.stage("statistics");
     let result = StudyResult::new(design, request, &made, nominal.as_deref());
-    study::keep(store, design, &result)?;
+    study::keep(store, design, &result, &made)?;
     Ok((result, made))
 }

@@ -10,9 +10,10 @@ use std::time::{Duration, Instant};
 use clap::Args;
 use miette::{Diagnostic, GraphicalReportHandler, GraphicalTheme};
 
+use super::intervals::{self, OwnShot};
 use super::progress::note;
 use super::table::decibels;
-use super::{Changes, Keeping, Memory, Threads, intervals, print, progress, run};
+use super::{Changes, Keeping, Memory, Threads, print, progress, run};
 use crate::bundle;
 use crate::cost;
 use crate::design::Design;
@@ -135,7 +136,7 @@ impl Watching<'_> {
     /// Adds the intervals of the levels to the report: those of a study that is kept, else of a few draws.
     fn amend(&self, design: &Design, run: &Run, page: &str, progress: &Progress) -> Result<(), Error> {
         self.board.begin("how sure the levels are");
-        if let Ok(study) = intervals::study_of(&self.store, design, progress) {
+        if let Ok(study) = intervals::study_of(&self.store, design, &OwnShot::of(&run.result), progress) {
             let intervals = intervals::of_report(&study, &run::text(run));
             self.board.amend(report::with_intervals(page, &intervals));
         }

@@ -5,8 +5,8 @@
 
 use std::f64::consts::PI;
 
-use nailnoise_quantities::Dimension;
 use nailnoise_quantities::dimension::*;
+use nailnoise_quantities::{Dimension, Value};
 
 use super::groups::*;
 
@@ -34,6 +34,50 @@ impl Derived {
     /// The derived quantity of this full name.
     pub fn find(key: &str) -> Option<&'static Self> {
         DERIVED.iter().find(|derived| derived.key == key)
+    }
+}
+
+/// How a primary quantity follows from a derived one that is drawn.
+#[derive(Debug)]
+pub struct Solution {
+    /// Full name of the derived quantity.
+    pub key: &'static str,
+    /// The primary quantity that follows; all others keep their values.
+    pub follower: &'static str,
+    /// Under which name [`Values::set`] takes the derived quantity so.
+    pub change: &'static str,
+    /// Sets the follower; whether there is a value for it.
+    pub(super) solve: fn(&mut Values, f64) -> bool,
+}
+
+/// All solutions; the first of a derived quantity is the one where none is named.
+pub(super) const SOLUTIONS: &[Solution] = &[
+    Solution {
+        key: "exhaust.area",
+        follower: "exhaust.hole_diameter",
+        change: "exhaust.area",
+        solve: |v, area| {
+            let diameter = (4.0 * area / (PI * f64::from(v.exhaust.holes))).sqrt();
+            v.set(&[("exhaust.hole_diameter", Value::Number(diameter))]).is_ok()
+        },
+    },
+    Solution {
+        key: "exhaust.area",
+        follower: "exhaust.holes",
+        change: "exhaust.area by exhaust.holes",
+        // The nearest whole number, at least one hole.
+        solve: |v, area| {
+            let holes = 4.0 * area / (PI * v.exhaust.hole_diameter * v.exhaust.hole_diameter);
+            let holes = holes.round().clamp(1.0, f64::from(u32::MAX)) as u32;
+            v.set(&[("exhaust.holes", Value::Count(holes))]).is_ok()
+        },
+    },
+];
+
+impl Solution {
+    /// The solution that [`Values::set`] takes under this name.
+    pub(super) fn find(change: &str) -> Option<&'static Self> {
+        SOLUTIONS.iter().find(|own| own.change == change)
     }
 }
 

@@ -177,6 +177,18 @@ pub enum Problem {
         /// Upper end as shown.
         high: String,
     },
+    /// A range that does not include its value.
+    #[error("the range of `{key}` is {low} .. {high} and leaves out its value, {value}")]
+    RangeWithoutValue {
+        /// Full name of the key.
+        key: String,
+        /// The value as shown.
+        value: String,
+        /// Lower end as shown.
+        low: String,
+        /// Upper end as shown.
+        high: String,
+    },
     /// A provenance that is none of the known ones.
     #[error("`{key}` has the provenance \"{found}\"")]
     BadProvenance {
@@ -384,6 +396,7 @@ impl Problem {
             | Self::NotFinite { key, .. }
             | Self::OutsideLimits { key, .. }
             | Self::BadRange { key, .. }
+            | Self::RangeWithoutValue { key, .. }
             | Self::BadProvenance { key, .. }
             | Self::BadDistribution { key, .. }
             | Self::NoFile { key, .. }
@@ -463,6 +476,9 @@ impl Problem {
             Self::NotFinite { key, .. } => format!("give `{key}` a finite number"),
             Self::OutsideLimits { key, allowed, .. } => format!("give `{key}` a value {allowed}"),
             Self::BadRange { key, .. } => format!("write the lower end of the range of `{key}` first"),
+            Self::RangeWithoutValue { key, .. } => {
+                format!("give `{key}` a range that includes its value, such as range = \"+-10 %\", or range = \"exact\"")
+            }
             Self::BadProvenance { .. } => "begin with published, computed, estimated, decided, numerical, constant or \
                 design; the source may follow a colon: \"published: thesis Table 4-3\""
                 .to_owned(),
@@ -531,6 +547,7 @@ impl Problem {
             Self::NotFinite { .. } => ["not_finite", "not finite"],
             Self::OutsideLimits { .. } => ["outside_limits", "outside its limits"],
             Self::BadRange { .. } => ["bad_range", "wrong way round"],
+            Self::RangeWithoutValue { .. } => ["range_without_value", "leaves out the value"],
             Self::BadProvenance { .. } => ["bad_provenance", "unknown provenance"],
             Self::BadDistribution { .. } => ["bad_distribution", "not possible here"],
             Self::NoFile { .. } => ["no_file", "no such file"],
@@ -571,8 +588,8 @@ impl Diagnostic for DesignError {
 #[derive(Debug, Clone, thiserror::Error)]
 #[non_exhaustive]
 pub enum Warning {
-    /// A value outside the range that the design gives it.
-    #[error("`{key}` is {value}, outside its range {low} .. {high}")]
+    /// A value outside the range that the base states. Its own range is assumed from that.
+    #[error("`{key}` is {value}, outside its range {low} .. {high} in the base")]
     OutsideRange {
         /// Full name of the key.
         key: String,
@@ -630,7 +647,8 @@ impl Diagnostic for Warning {
     fn help<'a>(&'a self) -> Option<Box<dyn Display + 'a>> {
         Some(Box::new(match self {
             Self::OutsideRange { key, .. } => format!(
-                "if the value is meant, give its own range: {key} = {{ value = ..., range = \"low .. high unit\" }}"
+                "studies draw it from the base's range in proportion to the value; if the value is meant, give its own range: \
+                 {key} = {{ value = ..., range = \"+-10 %\" }}"
             ),
             Self::Computed { key, .. } => format!("remove `{key}`"),
             Self::ShippedBase { name, .. } => format!(
@@ -646,7 +664,7 @@ impl Diagnostic for Warning {
 
     fn labels(&self) -> Option<Box<dyn Iterator<Item = LabeledSpan> + '_>> {
         let label = match self {
-            Self::OutsideRange { .. } => "outside its range",
+            Self::OutsideRange { .. } => "outside the range in the base",
             Self::Computed { .. } => "computed",
             Self::ShippedBase { .. } => "not there",
         };

@@ -3,6 +3,7 @@
 use nailnoise_quantities::{Group, GroupSpec, KeySpec, Kind};
 use serde_json::{Map, Value, json};
 
+use super::derived::{Derived, SOLUTIONS};
 use super::distribution::Distribution;
 use super::groups::Values;
 use super::provenance::Provenance;
@@ -13,6 +14,11 @@ use super::study::{SOURCES, outcomes};
 /// TOML schemas. Units and limits are checked by this program alone.
 pub fn json_schema() -> Value {
     let mut root = group(&Values::SPEC);
+    for solution in SOLUTIONS {
+        if let Some((group, key)) = solution.key.split_once('.') {
+            root["properties"][group]["properties"][key] = derived(solution.key);
+        }
+    }
     let mut properties = Map::from_iter([(
         "base".to_owned(),
         json!({"type": "string", "description": "The design to inherit from, relative to this file."}),
@@ -29,12 +35,35 @@ pub fn json_schema() -> Value {
     root["$defs"] = json!({
         "provenance": {"type": "string", "pattern": format!("^({provenances})(:.*)?$"),
                        "description": "published, computed, estimated, decided, numerical, constant or design; the source may follow a colon"},
-        "range": {"description": "\"low .. high unit\", or a list of two quantities", "anyOf": [
-            {"type": "string", "pattern": "\\.\\."},
+        "range": {"description": "\"low .. high unit\", a list of two quantities, \"+-10 %\", \"+-2 mm\" or \"exact\"", "anyOf": [
+            {"type": "string", "pattern": "\\.\\.|^\\s*(\\+-|\u{b1})|^\\s*exact\\s*$"},
             {"type": "array", "items": {"type": ["number", "string"]}, "minItems": 2, "maxItems": 2},
         ]},
     });
     root
+}
+
+/// A derived quantity that a study may draw.
+fn derived(key: &str) -> Value {
+    let description = Derived::find(key).map_or("", |derived| derived.description);
+    let followers = SOLUTIONS.iter().filter(|own| own.key == key).map(|own| own.follower);
+    let words: Vec<&str> = followers
+        .flat_map(|name| [name, name.rsplit('.').next().unwrap_or(name)])
+        .collect();
+    json!({
+        "description": format!("{description} It is computed; a study draws it from a range, and a primary quantity follows."),
+        "anyOf": [
+            {"type": ["number", "string"]},
+            {"type": "object", "additionalProperties": false, "properties": {
+                "value": {"type": ["number", "string"]},
+                "range": {"$ref": "#/$defs/range"},
+                "distribution": {"enum": Distribution::ALL.map(Distribution::as_str)},
+                "provenance": {"$ref": "#/$defs/provenance"},
+                "note": {"type": "string"},
+                "follows": {"enum": words},
+            }},
+        ],
+    })
 }
 
 /// `[study]`, which holds no quantities of the design.
@@ -49,6 +78,8 @@ fn study() -> Value {
                         "anyOf": [outcome, {"type": "array", "items": outcome}]},
             "screening": {"type": "integer", "minimum": 0, "maximum": 8,
                           "description": "Draws of `nailnoise run` for a design without a study."},
+            "default_range": {"type": "string", "pattern": "^\\s*(base|exact|(\\+-|\u{b1}).*%)\\s*$",
+                              "description": "Range of values given without one, where a base states a range."},
             "alternatives": {"type": "object", "additionalProperties": {"type": ["object", "array"]},
                              "description": "Values of a key with weights, or a list of options of a group."},
             "model": {"type": "object", "properties": SOURCES.map(|source| (source.to_owned(), band.clone()))

@@ -18,6 +18,7 @@ mod checks;
 mod conflict;
 mod dependencies;
 mod derived;
+mod derived_range;
 mod distribution;
 mod error;
 mod groups;
@@ -26,6 +27,7 @@ mod json_schema;
 mod lists;
 mod place;
 mod provenance;
+mod range;
 mod reference;
 mod report;
 mod resolve;
@@ -52,7 +54,7 @@ pub use assignment::{Assignment, AssignmentError};
 pub use catalogue::{NailKind, Named, NamedValue, Species, nails, woods};
 pub use conflict::Conflict;
 pub use dependencies::dependencies;
-pub use derived::{AGREEMENT, DERIVED, Derived};
+pub use derived::{AGREEMENT, DERIVED, Derived, Solution};
 pub use distribution::Distribution;
 pub use error::{DesignError, Problem, Warning};
 pub use groups::*;
@@ -60,6 +62,7 @@ pub use json_schema::json_schema;
 pub use nailnoise_quantities::{Dimension, GroupSpec, KeySpec, Kind, Sign, UnitError, Value};
 pub use place::Place;
 pub use provenance::Provenance;
+pub use range::RangeOrigin;
 pub use reference::reference;
 pub use report::ReportSettings;
 pub use sensors::{Carrier, Sensor, SensorProblem};
@@ -70,6 +73,7 @@ pub use surfaces::{NamedSurface, SurfaceName, SurfaceOf, SurfaceProblem};
 pub use transducers::{Chamber, Transducer};
 
 use crate::wording::hexadecimal;
+use derived_range::DerivedRange;
 use resolve::{Record, Records, Resolved};
 
 pub(crate) use settings::found;
@@ -88,6 +92,8 @@ pub struct Design {
     values: Values,
     /// Shared: a study makes thousands of designs that differ in values alone.
     records: Arc<Records>,
+    /// Derived quantities that a study draws.
+    derived: Arc<Vec<DerivedRange>>,
     study: StudySettings,
     report: ReportSettings,
     warnings: Vec<Warning>,
@@ -106,8 +112,10 @@ pub struct Entry {
     pub value: Value,
     /// SI unit; empty for plain numbers, counts, switches and choices.
     pub unit: String,
-    /// Range of plausible values, in SI units.
+    /// Range of plausible values, in SI units; two equal ends for a value that is exact.
     pub range: Option<[f64; 2]>,
+    /// Where the range comes from; none without one.
+    pub range_origin: Option<RangeOrigin>,
     /// Distribution over the range.
     #[serde(skip)]
     pub distribution: Distribution,
@@ -161,6 +169,7 @@ impl Design {
         let Resolved {
             values,
             records,
+            derived,
             study,
             report,
             mut warnings,
@@ -174,6 +183,7 @@ impl Design {
             path: path.to_owned(),
             values,
             records: Arc::new(records),
+            derived: Arc::new(derived),
             study,
             report,
             warnings,
@@ -222,8 +232,16 @@ impl Design {
     /// It is the same for two designs whose values agree to twelve digits, however and in whichever files and units
     /// they are written, and whatever is said about provenance and range.
     pub fn digest(&self) -> String {
+        self.digest_without(&[])
+    }
+
+    /// The same of all values but those of some keys.
+    pub(crate) fn digest_without(&self, keys: &[&str]) -> String {
         let mut text = String::new();
         self.values.visit("", &mut |key, _, value| {
+            if keys.contains(&key) {
+                return;
+            }
             // Writing to a string cannot fail.
             let _ = match value {
                 Value::Number(0.0) => writeln!(text, "{key}=0"),
@@ -307,18 +325,21 @@ impl Design {
             let Some(record) = self.records.get(key) else { return };
             let Record {
                 range,
+                range_origin,
                 distribution,
                 note,
                 place,
                 ..
             } = record;
-            let changed = value != record.value;
+            // A numerical setting is one with whatever value.
+            let changed = value != record.value && record.provenance != Provenance::Numerical;
             entries.push(Entry {
                 key: key.to_owned(),
                 symbol: spec.symbol,
                 value,
                 unit: spec.unit(),
                 range: *range,
+                range_origin: *range_origin,
                 distribution: *distribution,
                 provenance: if changed { Provenance::Design } else { record.provenance },
                 source: if changed { String::new() } else { record.source.clone() },
@@ -328,6 +349,11 @@ impl Design {
             });
         });
         entries
+    }
+
+    /// The derived quantities that a study draws, as [`entries`](Self::entries), in the order of the reference.
+    pub fn drawn_derived(&self) -> impl Iterator<Item = (Entry, &'static Solution)> + '_ {
+        self.derived.iter().map(|own| (own.entry(&self.values), own.solution))
     }
 }
 

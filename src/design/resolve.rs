@@ -6,15 +6,17 @@ use nailnoise_quantities::dimension::NUMBER;
 use nailnoise_quantities::{Dimension, Group, KeySpec, Kind, Measured, Value, dotted, members};
 
 use super::catalogue::Names;
-use super::derived::AGREEMENT;
+use super::derived::{AGREEMENT, Derived};
+use super::derived_range::{DerivedRange, MergedDerived};
 use super::distribution::Distribution;
 use super::error::{DesignError, Problem, Warning};
 use super::groups::Values;
 use super::place::Place;
 use super::provenance::Provenance;
+use super::range::{DefaultRange, GivenRange, RangeOrigin, Ranged, includes, inherited};
 use super::report::ReportSettings;
 use super::sensors::SensorProblem;
-use super::settings::{Given, GivenDerived, Layer, Setting};
+use super::settings::{Given, Layer, Setting};
 use super::show::show;
 use super::source::File;
 use super::springs::Sprung;
@@ -23,10 +25,12 @@ use super::surfaces::SurfaceProblem;
 
 /// What the files say about one key, the nearest file last.
 #[derive(Debug)]
-struct Merged {
+pub(crate) struct Merged {
     spec: &'static KeySpec,
     value: Option<(Given, String, Box<Place>)>,
-    range: Option<([Measured; 2], Box<Place>)>,
+    range: Option<(GivenRange, Box<Place>)>,
+    /// The value in the file that states the range, where a nearer file gives another one.
+    value_of_range: Option<Given>,
     distribution: Option<(Distribution, Box<Place>)>,
     provenance: Provenance,
     source: String,
@@ -35,11 +39,26 @@ struct Merged {
     depth: usize,
 }
 
+impl Merged {
+    /// The value as it is given so far.
+    pub(crate) fn given(&self) -> Option<Given> {
+        self.value.as_ref().map(|(given, ..)| given.clone())
+    }
+
+    /// Drops what is said of its range.
+    pub(crate) fn forget_range(&mut self) {
+        (self.range, self.value_of_range, self.distribution) = (None, None, None);
+    }
+}
+
 /// A key with its resolved value and what is known about it.
 #[derive(Debug, Clone)]
 pub(crate) struct Record {
     pub(crate) value: Value,
     pub(crate) range: Option<[f64; 2]>,
+    pub(crate) range_origin: Option<RangeOrigin>,
+    /// The range that the base states, where the value is given without one.
+    range_of_base: Option<[f64; 2]>,
     pub(crate) distribution: Distribution,
     pub(crate) provenance: Provenance,
     pub(crate) source: String,
@@ -56,6 +75,7 @@ pub(crate) type Records = HashMap<String, Record>;
 pub(crate) struct Resolved {
     pub(crate) values: Values,
     pub(crate) records: Records,
+    pub(crate) derived: Vec<DerivedRange>,
     pub(crate) study: StudySettings,
     pub(crate) report: ReportSettings,
     pub(crate) warnings: Vec<Warning>,
@@ -64,18 +84,19 @@ pub(crate) struct Resolved {
 /// Reads the files of a chain, the nearest first, and resolves every key.
 pub(crate) fn resolve(chain: &[File]) -> Result<Resolved, DesignError> {
     let mut merged = HashMap::new();
-    let (mut layers, mut derived) = (Vec::new(), Vec::new());
+    let mut layers = Vec::new();
     let mut studies = Vec::new();
     let mut report = ReportSettings::default();
     for (depth, file) in chain.iter().enumerate().rev() {
         let table = file.table()?;
         let layer = Layer::read(file, &table, &Values::SPEC)?;
-        layers.push((depth, file.is_command_line(), layer.settings));
-        derived.extend(layer.derived);
+        layers.push((depth, file.is_command_line(), layer));
         studies.extend(StudyLayer::of(file, &table, &Values::SPEC)?);
         report.read(file, &table)?;
     }
-    let names = merge_layers(&mut merged, layers)?;
+    let mut derived = MergedDerived::default();
+    let (names, agreeing) = merge_layers(&mut merged, &mut derived, layers)?;
+    let default = study::default_range(&studies);
     complete(&merged, chain)?;
 
     let ambient = match merged.get("ambient.pressure").and_then(|merged| merged.value.as_ref()) {
@@ -84,11 +105,14 @@ pub(crate) fn resolve(chain: &[File]) -> Result<Resolved, DesignError> {
     };
     let mut records = Records::with_capacity(merged.len());
     for (key, merged) in merged {
-        if let Some(record) = record(&key, merged, ambient)? {
+        if let Some(record) = record(&key, merged, ambient, default)? {
             records.insert(key, record);
         }
     }
-    let ranged = |key: &str| records.get(key).is_some_and(|record| record.range.is_some());
+    let ranged = |key: &str| {
+        let range = records.get(key).and_then(|record| record.range);
+        range.is_some_and(|[low, high]| low < high) || derived.draws(key)
+    };
     let study = study::joined(studies, &names, ranged, ambient)?;
     let found = records
         .iter()
@@ -105,12 +129,14 @@ pub(crate) fn resolve(chain: &[File]) -> Result<Resolved, DesignError> {
         return Err(surface(name, problem, &records));
     }
     let mut warnings = outside_range(&values, &records);
-    for given in derived {
+    for given in agreeing {
         warnings.push(agree(given, &values)?);
     }
+    let derived = derived.resolved(&values, default, ambient)?;
     Ok(Resolved {
         values,
         records,
+        derived,
         study,
         report,
         warnings,
@@ -121,27 +147,43 @@ pub(crate) fn resolve(chain: &[File]) -> Result<Resolved, DesignError> {
 /// command line count as one file: a key wins over a name in whichever order they are given.
 fn merge_layers(
     merged: &mut HashMap<String, Merged>,
-    layers: Vec<(usize, bool, Vec<Setting>)>,
-) -> Result<Names, DesignError> {
+    derived: &mut MergedDerived,
+    layers: Vec<(usize, bool, Layer)>,
+) -> Result<(Names, Vec<Agreeing>), DesignError> {
     let (on_command_line, in_files): (Vec<_>, Vec<_>) =
         layers.into_iter().partition(|(_, is_command_line, _)| *is_command_line);
     let files = in_files.into_iter().map(|layer| vec![layer]);
-    let mut names = Names::default();
+    let (mut names, mut agreeing) = (Names::default(), Vec::new());
     for file in files.chain([on_command_line]) {
-        let all: Vec<&Setting> = file.iter().flat_map(|(.., settings)| settings).collect();
+        let all: Vec<&Setting> = file.iter().flat_map(|(.., layer)| &layer.settings).collect();
         let depth = file.iter().map(|(depth, ..)| *depth).max().unwrap_or(0);
         for setting in names.expand(&all)? {
             // Nothing of a base is left: neither its range nor its note.
             merged.remove(&setting.key);
             merge(merged, setting, depth);
         }
-        for (depth, _, settings) in file {
-            for setting in settings {
+        let ranged = all.iter().filter(|setting| setting.range.is_some());
+        let ranged: Vec<String> = ranged.map(|setting| setting.key.clone()).collect();
+        ranged.iter().for_each(|key| derived.drop_of_follower(key));
+        let mut of_file = Vec::new();
+        for (depth, _, layer) in file {
+            for setting in layer.settings {
                 merge(merged, setting, depth);
             }
+            of_file.extend(layer.derived);
+        }
+        for mut given in of_file {
+            if let Some((value, at)) = given.value.take() {
+                agreeing.push(Agreeing {
+                    derived: given.derived,
+                    value,
+                    at,
+                });
+            }
+            derived.take(given, merged, &ranged)?;
         }
     }
-    Ok(names)
+    Ok((names, agreeing))
 }
 
 fn merge(merged: &mut HashMap<String, Merged>, setting: Setting, depth: usize) {
@@ -158,6 +200,7 @@ fn merge(merged: &mut HashMap<String, Merged>, setting: Setting, depth: usize) {
         spec,
         value: None,
         range: None,
+        value_of_range: None,
         distribution: None,
         provenance: Provenance::Design,
         source: String::new(),
@@ -165,13 +208,19 @@ fn merge(merged: &mut HashMap<String, Merged>, setting: Setting, depth: usize) {
         depth,
     });
     if value.is_some() {
+        if entry.range.is_some() && entry.value_of_range.is_none() {
+            entry.value_of_range = entry.given();
+        }
         entry.value = value;
-        entry.provenance = Provenance::Design;
+        // A numerical setting is one with whatever value.
+        if entry.provenance != Provenance::Numerical {
+            entry.provenance = Provenance::Design;
+        }
         entry.source.clear();
         entry.depth = depth;
     }
     if range.is_some() {
-        entry.range = range;
+        (entry.range, entry.value_of_range) = (range, None);
     }
     if distribution.is_some() {
         entry.distribution = distribution;
@@ -229,11 +278,12 @@ fn example(kind: Kind) -> String {
     }
 }
 
-fn record(key: &str, merged: Merged, ambient: f64) -> Result<Option<Record>, DesignError> {
+fn record(key: &str, merged: Merged, ambient: f64, default: DefaultRange) -> Result<Option<Record>, DesignError> {
     let Merged {
         spec,
         value,
         range,
+        value_of_range,
         distribution,
         provenance,
         source,
@@ -256,32 +306,40 @@ fn record(key: &str, merged: Merged, ambient: f64) -> Result<Option<Record>, Des
             Value::Number(value)
         }
     };
-    let range = match range {
+    let number = |value: &Value| match value {
+        Value::Number(value) => *value,
+        Value::Count(count) => f64::from(*count),
+        Value::Switch(_) | Value::Choice(_) | Value::File(_) => f64::NAN,
+    };
+    let ranged = match range {
         None => None,
-        Some((ends, at)) => {
-            let [low, high] = ends.map(|end| end.absolute(ambient));
-            if low > high {
-                let (low, high) = (show(low, dimension), show(high, dimension));
-                return Err(Problem::BadRange {
-                    key: key.to_owned(),
-                    low,
-                    high,
-                }
-                .at(at));
+        Some((given, at)) => {
+            let own = number(&value);
+            let base = match value_of_range {
+                Some(Given::Quantity(measured)) => measured.absolute(ambient),
+                Some(Given::Other(value)) => number(&value),
+                None => own,
+            };
+            let stated = given.of(base, ambient);
+            let [low, high] = stated.map(|end| show(end, dimension));
+            let key = key.to_owned();
+            if stated[0] > stated[1] {
+                return Err(Problem::BadRange { key, low, high }.at(at));
             }
-            Some([low, high])
+            let ranged = inherited(own, (base, stated), default, spec.kind.domain());
+            if !includes(ranged.range, own) {
+                let value = show(own, dimension);
+                return Err(Problem::RangeWithoutValue { key, value, low, high }.at(at));
+            }
+            Some(ranged)
         }
     };
+    let range = ranged.map(|own| own.range);
     let distribution = match distribution {
         None => Distribution::default(),
         Some((distribution, at)) => {
-            let number = match value {
-                Value::Number(value) => value,
-                Value::Count(count) => f64::from(count),
-                Value::Switch(_) | Value::Choice(_) | Value::File(_) => f64::NAN,
-            };
             let problem = match range {
-                Some(range) => distribution.problem(number, range),
+                Some(range) => distribution.problem(number(&value), range),
                 None => Some("it has no range"),
             };
             if let Some(because) = problem {
@@ -298,6 +356,8 @@ fn record(key: &str, merged: Merged, ambient: f64) -> Result<Option<Record>, Des
     Ok(Some(Record {
         value,
         range,
+        range_origin: ranged.map(|own: Ranged| own.origin),
+        range_of_base: ranged.and_then(|own| own.of_base),
         distribution,
         provenance,
         source,
@@ -382,11 +442,12 @@ fn last_set(list: &str, name: &str, keys: &[&str], records: &Records) -> Option<
     last.map(|record| record.place.clone())
 }
 
+/// Values outside the range that their base states, from which the range of a value without one is assumed.
 fn outside_range(values: &Values, records: &Records) -> Vec<Warning> {
     let mut warnings = Vec::new();
     values.visit("", &mut |key, spec, value| {
         let Some(Record {
-            range: Some([low, high]),
+            range_of_base: Some([low, high]),
             place,
             ..
         }) = records.get(key)
@@ -398,9 +459,7 @@ fn outside_range(values: &Values, records: &Records) -> Vec<Warning> {
             Value::Count(count) => f64::from(count),
             Value::Switch(_) | Value::Choice(_) | Value::File(_) => return,
         };
-        // "96 psig" as a value and its like in a range may differ by a rounding.
-        let slack = 1e-9 * low.abs().max(high.abs());
-        if value < low - slack || value > high + slack {
+        if !includes([*low, *high], value) {
             let dimension = dimension(spec.kind);
             warnings.push(Warning::OutsideRange {
                 key: key.to_owned(),
@@ -414,9 +473,16 @@ fn outside_range(values: &Values, records: &Records) -> Vec<Warning> {
     warnings
 }
 
+/// A derived quantity that a file gives all the same.
+struct Agreeing {
+    derived: &'static Derived,
+    value: Measured,
+    at: Box<Place>,
+}
+
 /// A derived quantity that is given must be the computed one; it has no effect then.
-fn agree(given: GivenDerived, values: &Values) -> Result<Warning, DesignError> {
-    let GivenDerived { derived, value, at } = given;
+fn agree(given: Agreeing, values: &Values) -> Result<Warning, DesignError> {
+    let Agreeing { derived, value, at } = given;
     let computed = (derived.value)(values);
     if (value.si - computed).abs() <= AGREEMENT * computed.abs() {
         return Ok(Warning::Computed {

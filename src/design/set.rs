@@ -1,7 +1,8 @@
 //! Setting keys by their full names, for programs that change a design: studies, sensitivities, sweeps.
 
-use nailnoise_quantities::{Group, Kind, Value};
+use nailnoise_quantities::{Group, Kind, Value, positive};
 
+use super::derived::{Derived, Solution};
 use super::groups::Values;
 use super::suggest;
 
@@ -55,10 +56,17 @@ impl Values {
     /// Each value is held to the limits of its own key; whether the values go together is asked of
     /// [`conflict`](Self::conflict).
     ///
+    /// A derived quantity that has a [`Solution`] is set last, by the primary quantity that follows from it.
+    ///
     /// # Errors
     /// [`SetError`] for the first key that cannot be set; nothing is changed then.
     pub fn set(&mut self, changes: &[(&str, Value)]) -> Result<(), SetError> {
+        let solved = |key: &str| Solution::find(key);
         for (key, value) in changes {
+            if let Some(solution) = solved(key) {
+                check_derived(solution, value)?;
+                continue;
+            }
             let Some((spec, _)) = self.key_mut(key) else {
                 return Err(SetError::UnknownKey {
                     key: (*key).to_owned(),
@@ -67,14 +75,35 @@ impl Values {
             };
             check(key, spec.kind, value)?;
         }
-        // Every change is of its key's kind, so that nothing can fail any more.
+        let solutions = changes.iter().filter_map(|(key, value)| Some((solved(key)?, value)));
+        let before = solutions.clone().next().is_some().then(|| self.clone());
+        // Every change is of its key's kind, so that nothing but a follower can fail any more.
         for (key, value) in changes {
             if let Some((_, place)) = self.key_mut(key) {
                 place.assign(value);
             }
         }
+        for (solution, value) in solutions {
+            if let Value::Number(number) = value
+                && !(solution.solve)(self, *number)
+            {
+                if let Some(before) = before {
+                    *self = before;
+                }
+                return Err(SetError::OutsideLimits {
+                    key: solution.key.to_owned(),
+                    value: *number,
+                    allowed: format!("so that `{}`, which follows, is within its limits", solution.follower),
+                });
+            }
+        }
         Ok(())
     }
+}
+
+fn check_derived(solution: &Solution, value: &Value) -> Result<(), SetError> {
+    let kind = Derived::find(solution.key).map(|derived| positive(derived.dimension));
+    kind.map_or(Ok(()), |kind| check(solution.key, kind, value))
 }
 
 fn check(key: &str, kind: Kind, value: &Value) -> Result<(), SetError> {
@@ -110,7 +139,39 @@ fn check(key: &str, kind: Kind, value: &Value) -> Result<(), SetError> {
 mod tests {
     #![allow(clippy::unwrap_used)]
 
+    use nailnoise_quantities::Value;
+
     use crate::design::{Design, another};
+
+    /// A = n pi d^2/4 with the holes' number that is set with it, in whichever order.
+    #[test]
+    fn a_derived_quantity_that_is_set_is_the_one_that_follows() {
+        let file = concat!(env!("CARGO_MANIFEST_DIR"), "/designs/n80cb.toml");
+        let base = Design::load(file).unwrap();
+        for changes in [
+            [
+                ("exhaust.area", Value::Number(3e-4)),
+                ("exhaust.holes", Value::Count(12)),
+            ],
+            [
+                ("exhaust.holes", Value::Count(12)),
+                ("exhaust.area", Value::Number(3e-4)),
+            ],
+        ] {
+            let mut design = base.clone();
+            design.set(&changes).unwrap();
+            assert_eq!(design.exhaust.holes, 12);
+            assert!((design.exhaust.area() / 3e-4 - 1.0).abs() < 1e-12);
+        }
+        let mut by_holes = base.clone();
+        by_holes
+            .set(&[("exhaust.area by exhaust.holes", Value::Number(3e-4))])
+            .unwrap();
+        let one = base.exhaust.area() / f64::from(base.exhaust.holes);
+        assert_eq!(by_holes.exhaust.hole_diameter, base.exhaust.hole_diameter);
+        assert!((by_holes.exhaust.area() - 3e-4).abs() <= 0.5 * one);
+        assert!(base.clone().set(&[("exhaust.area", Value::Number(-1.0))]).is_err());
+    }
 
     #[test]
     fn a_change_moves_its_own_key_and_no_other() {

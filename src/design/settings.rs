@@ -14,6 +14,7 @@ use super::distribution::Distribution;
 use super::error::{DesignError, Problem};
 use super::place::Place;
 use super::provenance::Provenance;
+use super::range::GivenRange;
 use super::source::File;
 use super::suggest;
 
@@ -30,18 +31,23 @@ pub(crate) struct Setting {
     pub(crate) key: String,
     pub(crate) spec: &'static KeySpec,
     pub(crate) value: Option<(Given, String, Box<Place>)>,
-    pub(crate) range: Option<([Measured; 2], Box<Place>)>,
+    pub(crate) range: Option<(GivenRange, Box<Place>)>,
     pub(crate) distribution: Option<(Distribution, Box<Place>)>,
     pub(crate) provenance: Option<(Provenance, String)>,
     pub(crate) note: Option<String>,
 }
 
-/// A derived quantity that a file gives all the same.
+/// What one file says about a derived quantity: a value that it must have all the same, or a range from which a study draws it.
 #[derive(Debug)]
 pub(crate) struct GivenDerived {
     pub(crate) derived: &'static Derived,
-    pub(crate) value: Measured,
-    pub(crate) at: Box<Place>,
+    pub(crate) value: Option<(Measured, Box<Place>)>,
+    pub(crate) range: Option<(GivenRange, Box<Place>)>,
+    pub(crate) distribution: Option<(Distribution, Box<Place>)>,
+    pub(crate) provenance: Option<(Provenance, String)>,
+    pub(crate) note: Option<String>,
+    /// The primary quantity that follows.
+    pub(crate) follows: Option<(String, Box<Place>)>,
 }
 
 /// All that one file says.
@@ -192,20 +198,49 @@ impl Reader<'_> {
     }
 
     fn derived(&self, derived: &'static Derived, value: &Spanned<DeValue<'_>>) -> Result<GivenDerived, DesignError> {
-        let inner = match value.get_ref() {
-            DeValue::Table(table) => table.get("value").unwrap_or(value),
-            _ => value,
-        };
         let field = Field {
             file: self.file,
             key: derived.key,
         };
-        let measured = field.measured(inner, derived.dimension, false)?;
-        Ok(GivenDerived {
+        let mut given = GivenDerived {
             derived,
-            value: measured,
-            at: self.file.place(inner.span()),
-        })
+            value: None,
+            range: None,
+            distribution: None,
+            provenance: None,
+            note: None,
+            follows: None,
+        };
+        let number = |value: &Spanned<DeValue<'_>>| {
+            let measured = field.measured(value, derived.dimension, false)?;
+            Ok(Some((measured, self.file.place(value.span()))))
+        };
+        let DeValue::Table(table) = value.get_ref() else {
+            given.value = number(value)?;
+            return Ok(given);
+        };
+        for (name, value) in table {
+            match name.get_ref().as_ref() {
+                "value" => given.value = number(value)?,
+                "range" => given.range = Some(field.range_of(value, derived.dimension, false)?),
+                "distribution" => given.distribution = Some(field.distribution_of(value)?),
+                "provenance" => given.provenance = Some(field.provenance(value)?),
+                "note" => given.note = Some(field.text(value, "note")?),
+                "follows" => given.follows = Some((field.text(value, "follows")?, self.file.place(value.span()))),
+                other => {
+                    let known = ["value", "range", "distribution", "provenance", "note", "follows"];
+                    let known = known.map(str::to_owned).to_vec();
+                    return Err(Problem::UnknownKey {
+                        key: dotted(derived.key, other),
+                        nearest: suggest::word(known.iter().map(String::as_str), other)
+                            .map(|near| dotted(derived.key, near)),
+                        known,
+                    }
+                    .at(self.file.place(name.span())));
+                }
+            }
+        }
+        Ok(given)
     }
 
     fn setting(
@@ -376,21 +411,30 @@ impl Field<'_> {
         .at(at))
     }
 
-    fn range(&self, value: &Spanned<DeValue<'_>>, spec: &KeySpec) -> Result<([Measured; 2], Box<Place>), DesignError> {
-        let (dimension, gauge) = match spec.kind {
-            Kind::Quantity { dimension, gauge, .. } => (dimension, gauge),
-            Kind::Count(_) => (NUMBER, false),
+    fn range(&self, value: &Spanned<DeValue<'_>>, spec: &KeySpec) -> Result<(GivenRange, Box<Place>), DesignError> {
+        match spec.kind {
+            Kind::Quantity { dimension, gauge, .. } => self.range_of(value, dimension, gauge),
+            Kind::Count(_) => self.range_of(value, NUMBER, false),
             Kind::Switch | Kind::Choice(_) | Kind::File => {
-                return Err(self.wrong_kind(value, "without a range: it is no quantity".to_owned()));
+                Err(self.wrong_kind(value, "without a range: it is no quantity".to_owned()))
             }
-        };
-        let ends = match value.get_ref() {
-            DeValue::String(text) => quantities::range(text, dimension, gauge)
+        }
+    }
+
+    /// A range of this dimension: two ends, a width around the value, or none.
+    pub(super) fn range_of(
+        &self,
+        value: &Spanned<DeValue<'_>>,
+        dimension: Dimension,
+        gauge: bool,
+    ) -> Result<(GivenRange, Box<Place>), DesignError> {
+        let range = match value.get_ref() {
+            DeValue::String(text) => GivenRange::parse(text, dimension, gauge)
                 .map_err(|error| self.quantity(error, text, dimension, value.span()))?,
-            DeValue::Array(ends) => self.ends(ends, value, dimension, gauge)?,
+            DeValue::Array(ends) => GivenRange::Ends(self.ends(ends, value, dimension, gauge)?),
             _ => return Err(self.wrong_kind(value, RANGE.to_owned())),
         };
-        Ok((ends, self.file.place(value.span())))
+        Ok((range, self.file.place(value.span())))
     }
 
     fn ends(
@@ -418,6 +462,10 @@ impl Field<'_> {
         if !matches!(spec.kind, Kind::Quantity { .. } | Kind::Count(_)) {
             return Err(self.wrong_kind(value, "without a distribution: it is no quantity".to_owned()));
         }
+        self.distribution_of(value)
+    }
+
+    fn distribution_of(&self, value: &Spanned<DeValue<'_>>) -> Result<(Distribution, Box<Place>), DesignError> {
         let word = value.get_ref().as_str().unwrap_or_default();
         let known = Distribution::parse(word);
         let known =
@@ -489,7 +537,7 @@ impl Field<'_> {
     }
 }
 
-const RANGE: &str = "with a range of two ends: \"low .. high unit\" or [low, high]";
+const RANGE: &str = "with a range: \"low .. high unit\", [low, high], \"+-10 %\" or \"exact\"";
 
 fn one_of(words: &[&str]) -> String {
     let quoted: Vec<_> = words.iter().map(|word| format!("\"{word}\"")).collect();

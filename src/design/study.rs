@@ -4,6 +4,7 @@
 //! [study]
 //! require = "drives"                        # an outcome, or a list of them
 //! screening = 8                             # draws of `nailnoise run`
+//! default_range = "+-10 %"                  # of values without a range; "base" or "exact" otherwise
 //! [study.alternatives]
 //! "support.worktable.preset" = { A = 0.5, B = 0.25, C = 0.25 }
 //! exhaust = [ { holes = 5, hole_diameter = "5.97 mm" }, { holes = 1, hole_diameter = "13.35 mm" } ]
@@ -28,6 +29,7 @@ use toml::de::{DeTable, DeValue};
 use super::catalogue::Names;
 use super::error::{DesignError, Problem};
 use super::place::Place;
+use super::range::{DefaultRange, GivenRange};
 use super::settings::{Field, Given, found, found_value};
 use super::source::File;
 use super::suggest;
@@ -89,6 +91,7 @@ type Placed<T> = (T, Box<Place>);
 pub(crate) struct StudyLayer {
     require: Option<Vec<&'static str>>,
     screening: Option<u32>,
+    default_range: Option<DefaultRange>,
     alternatives: BTreeMap<String, Vec<DraftOption>>,
     model: BTreeMap<&'static str, [f64; 2]>,
     correlations: Option<Vec<Placed<Correlation>>>,
@@ -115,6 +118,7 @@ impl StudyLayer {
             match key.get_ref().as_ref() {
                 "require" => layer.require = Some(reader.outcomes(value)?),
                 "screening" => layer.screening = Some(reader.screening(value)?),
+                "default_range" => layer.default_range = Some(reader.default_range(value)?),
                 "alternatives" => {
                     for (key, value) in reader.table("study.alternatives", value)? {
                         let name = key.get_ref().as_ref();
@@ -133,13 +137,29 @@ impl StudyLayer {
                 }
                 "correlation" => layer.correlations = Some(reader.correlations(value)?),
                 _ => {
-                    let known = ["require", "screening", "alternatives", "model", "correlation"];
+                    let known = [
+                        "require",
+                        "screening",
+                        "default_range",
+                        "alternatives",
+                        "model",
+                        "correlation",
+                    ];
                     return Err(reader.unknown("study", key, &known));
                 }
             }
         }
         Ok(layer)
     }
+}
+
+/// The range of values without one, by the nearest of the files that says so.
+pub(crate) fn default_range(layers: &[StudyLayer]) -> DefaultRange {
+    layers
+        .iter()
+        .rev()
+        .find_map(|layer| layer.default_range)
+        .unwrap_or_default()
 }
 
 /// Joins what the files say, the nearest last; `names` are the names of its wood and nail, `ranged` says whether a key has a range, `ambient` is the pressure from which
@@ -263,6 +283,15 @@ impl Reader<'_> {
             let expected = format!("as a whole number from 0 to {MOST_SCREENED}; `nailnoise study` makes more draws");
             self.wrong("study.screening", value, &expected)
         })
+    }
+
+    fn default_range(&self, value: &Spanned<DeValue<'_>>) -> Result<DefaultRange, DesignError> {
+        let word = value.get_ref().as_str().unwrap_or_default();
+        match GivenRange::parse(word, NUMBER, false) {
+            _ if word.trim() == "base" => Ok(DefaultRange::Base),
+            Ok(own @ (GivenRange::Exact | GivenRange::Relative(_))) => Ok(DefaultRange::Own(own)),
+            _ => Err(self.wrong("study.default_range", value, "as \"base\", \"exact\" or \"+-10 %\"")),
+        }
     }
 
     /// A positive number, or a number in (-1, 1).

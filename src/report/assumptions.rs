@@ -2,7 +2,7 @@
 
 use maud::{Markup, html};
 
-use crate::design::{Design, Entry, Provenance};
+use crate::design::{Design, Entry, Provenance, RangeOrigin};
 
 use super::tables::plain;
 
@@ -46,12 +46,26 @@ pub(super) fn section(design: &Design) -> Markup {
                             td.key-name { (entry.key) }
                             td.n { (plain(&serde_json::to_value(&entry.value).unwrap_or_default())) }
                             td { (entry.unit) }
-                            td { @if let Some([low, high]) = entry.range { (plain(&low.into())) " \u{2026} " (plain(&high.into())) } }
+                            td { (range(entry)) }
                             td { (entry.source) @if !entry.note.is_empty() { " " span.quiet { (entry.note) } } }
                         } } }
                     } }
                 }
             }
+        }
+    }
+}
+
+/// The range of a value and, if no file states it, where it comes from.
+fn range(entry: &Entry) -> Markup {
+    html! {
+        @match entry.range {
+            Some([low, high]) if low == high => { "exact" }
+            Some([low, high]) => { (plain(&low.into())) " \u{2026} " (plain(&high.into())) }
+            None => {}
+        }
+        @if let Some(origin) = entry.range_origin.filter(|origin| *origin != RangeOrigin::Given) {
+            " " span.quiet { (origin.as_str()) }
         }
     }
 }

@@ -12,7 +12,7 @@ pub(super) fn section(result: &RunResult) -> Markup {
     html! {
         h3 { "Levels for a declaration (ISO 4871, EN 12549)" }
         ul.notes {
-            @for line in declaration::lines(&result.declaration, ear) { li { (line.replace("K not known without a study", "K in the legend of the intervals")) } }
+            @for line in declaration::lines(&result.declaration, ear) { li { (line.replace(declaration::NO_K, "K in the legend of the intervals")) } }
         }
         p.quiet {
             "L_WA,1s in dB re 1 pW s, one shot; L_pA,1s in dB re 20 \u{b5}Pa over 1 s and L_pC,peak in dB re 20 \u{b5}Pa at the \

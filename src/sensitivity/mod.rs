@@ -252,7 +252,7 @@ fn points(parameter: &Parameter) -> Vec<f64> {
 
 fn run(design: &Design, parameter: &Parameter, x: f64, settings: &Settings, outputs: &[Output]) -> Run {
     let mut moved = design.clone();
-    if let Err(error) = moved.set(&[(parameter.key.as_str(), Value::Number(x))]) {
+    if let Err(error) = moved.set(&[(parameter.change(), Value::Number(x))]) {
         return Run::Refused(error.to_string());
     }
     if let Some(conflict) = moved.conflict() {

@@ -1,10 +1,13 @@
-//! Studies kept for `nailnoise run`: which designs a study is of, and those of the user's store.
+//! Studies kept for `nailnoise run`, in the user's store.
 
 use serde::{Deserialize, Serialize};
 
-use super::parameters::Parameter;
+use super::draw_table::DrawTable;
+use super::draws::Draws;
+use super::population::{Difference, Population};
 use super::result::StudyResult;
-use crate::design::{Design, Provenance};
+use super::weighted::{Weighting, reweighted};
+use crate::design::Design;
 use crate::error::Error;
 use crate::stages::levels::ShotLevels;
 use crate::stages::{Digest, Postcard, Stage};
@@ -14,14 +17,57 @@ use crate::wording::hexadecimal;
 /// Its name in the store.
 const STUDY: &str = "study";
 
-/// Studies kept of designs that differ in values alone.
-const MOST: usize = 8;
+/// Version of the layout of what is kept.
+const LAYOUT: &str = "2";
+
+/// Studies kept, the last ones.
+const MOST: usize = 16;
 
 /// A study in the store.
 #[derive(Serialize, Deserialize)]
 struct Kept {
-    population: String,
+    population: Population,
     result: StudyResult,
+    draws: DrawTable,
+}
+
+/// A study that serves a design.
+#[derive(Debug, Clone)]
+pub struct Found {
+    /// What it states.
+    pub result: StudyResult,
+    /// How the draws of another study are weighted; none where they are of this population.
+    pub weighting: Option<Weighting>,
+}
+
+impl Found {
+    /// What a study states of a design; none where it does not serve it.
+    ///
+    /// # Errors
+    /// A design that cannot be digested.
+    pub(super) fn of(
+        design: &Design,
+        population: &Population,
+        result: &StudyResult,
+        draws: &DrawTable,
+    ) -> Result<Option<Self>, Error> {
+        Ok(match population.difference(design)? {
+            Difference::Other => None,
+            Difference::None => Some(Self {
+                result: result.clone(),
+                weighting: None,
+            }),
+            Difference::Distributions(pairs) => reweighted(result, draws, &pairs).map(|(result, weighting)| Self {
+                result,
+                weighting: Some(weighting),
+            }),
+        })
+    }
+
+    /// The larger study counts, and one that drew structures above all; of few draws those of the same population.
+    pub fn size(&self) -> (bool, usize) {
+        size(&self.result)
+    }
 }
 
 /// Digest of the code on which levels of draws depend.
@@ -29,75 +75,39 @@ pub(super) fn code() -> String {
     hexadecimal(&Key::empty().with(&ShotLevels::NAME).with(&ShotLevels::CODE).digest())
 }
 
-/// What designs have in common that differ in values within their ranges alone.
-fn ranges(design: &Design) -> Result<String, Error> {
-    let entries = design.entries().into_iter();
-    let ranged = entries.filter(|entry| entry.range.is_some_and(|[low, high]| low < high));
-    let ranged: Vec<_> = ranged
-        .map(|entry| {
-            let numerical = entry.provenance == Provenance::Numerical;
-            (entry.key, entry.range, entry.distribution, numerical)
-        })
-        .collect();
-    serde_json::to_string(&(ranged, design.study())).map_err(Error::Json)
-}
-
-/// Digest of the population from which a study of a design draws: designs that differ in values that are drawn alone have the
-/// same one.
-///
-/// # Errors
-/// A design that cannot be digested.
-pub(super) fn population(design: &Design, result: &StudyResult) -> Result<String, Error> {
-    let drawn = |key: &str| result.variables.iter().any(|own| own.drawn && own.name == key);
-    let entries = design.entries().into_iter().filter(|entry| drawn(&entry.key));
-    let middles: Vec<(String, _)> = entries
-        .filter_map(Parameter::of)
-        .map(|parameter| (parameter.key.clone(), parameter.at(0.5)))
-        .collect();
-    let middles: Vec<(&str, _)> = middles
-        .iter()
-        .map(|(key, value)| (key.as_str(), value.clone()))
-        .collect();
-    let mut design = design.clone();
-    let ranges = ranges(&design)?;
-    // A value of a key's own distribution can be set.
-    let _ = design.set(&middles);
-    Ok(hexadecimal(&Key::empty().with(&ranges).with(&design.digest()).digest()))
-}
-
-fn all(store: &Store, design: &Design) -> Result<(Digest, Vec<Kept>), Error> {
-    let key = Key::new().with(&ranges(design)?).with(&code()).digest();
+fn all(store: &Store) -> (Digest, Vec<Kept>) {
+    let key = Key::new().with(&LAYOUT).with(&code()).digest();
     let kept = store.load::<Vec<Kept>, Postcard>(STUDY, &key).unwrap_or_default();
-    Ok((key, kept))
+    (key, kept)
 }
 
-/// The larger study counts, and one that drew structures above all.
-pub(super) fn size(study: &StudyResult) -> (bool, usize) {
+fn size(study: &StudyResult) -> (bool, usize) {
     (study.structures > 0, study.draws)
 }
 
-/// The largest study in the store of a design, or of one that differs in values that were drawn alone, by the code of today.
+/// The largest study in the store that serves a design, by the code of today.
 ///
 /// # Errors
 /// A design that cannot be digested.
-pub fn kept(store: &Store, design: &Design) -> Result<Option<StudyResult>, Error> {
-    let mut largest: Option<StudyResult> = None;
-    for own in all(store, design)?.1 {
-        let is_larger = largest.as_ref().is_none_or(|known| size(known) < size(&own.result));
-        if is_larger && population(design, &own.result)? == own.population {
-            largest = Some(own.result);
+pub fn kept(store: &Store, design: &Design) -> Result<Option<Found>, Error> {
+    let mut largest: Option<Found> = None;
+    for own in all(store).1 {
+        if let Some(found) = Found::of(design, &own.population, &own.result, &own.draws)?
+            && largest.as_ref().is_none_or(|known| known.size() < found.size())
+        {
+            largest = Some(found);
         }
     }
     Ok(largest)
 }
 
-/// Keeps a study, unless one of the same designs with drawn structures or more draws is kept.
+/// Keeps a study, unless one of the same population with drawn structures or more draws is kept.
 ///
 /// # Errors
 /// A design that cannot be digested.
-pub fn keep(store: &Store, design: &Design, result: &StudyResult) -> Result<(), Error> {
-    let (key, mut kept) = all(store, design)?;
-    let population = population(design, result)?;
+pub fn keep(store: &Store, design: &Design, result: &StudyResult, made: &Draws) -> Result<(), Error> {
+    let (key, mut kept) = all(store);
+    let population = Population::of(design, result)?;
     let known = kept.iter().position(|own| own.population == population);
     if let Some(known) = known {
         if size(&kept[known].result) > size(result) {
@@ -110,6 +120,7 @@ pub fn keep(store: &Store, design: &Design, result: &StudyResult) -> Result<(), 
         Kept {
             population,
             result: result.clone(),
+            draws: DrawTable::of(made),
         },
     );
     kept.truncate(MOST);

@@ -6,6 +6,7 @@
 mod condition;
 mod contributions;
 mod correlation_ratio;
+mod draw_table;
 mod draws;
 mod group_indices;
 mod groups;
@@ -19,6 +20,7 @@ mod one_at_a_time;
 mod paired;
 mod parameters;
 mod polynomial;
+mod population;
 mod provided;
 mod request;
 mod result;
@@ -30,19 +32,22 @@ mod surrogate;
 mod sweep;
 mod table;
 pub mod tasks;
+pub mod tolerance;
 mod variable_report;
 mod variables;
+mod weighted;
 
 pub use condition::{Condition, ConditionInput};
 pub use contributions::{Contribution, Contributions};
+pub use draw_table::DrawTable;
 pub use draws::{Draw, Draws, common_draws, draws, nominal};
 pub use groups::{Group, GroupContribution, GroupContributions, GroupStudy, group_study};
-pub use kept::{keep, kept};
+pub use kept::{Found, keep, kept};
 pub use level_table::{column, levels_of};
 pub use one_at_a_time::{InputChanges, InputEnd, OneAtATime, one_at_a_time, one_at_a_time_csv};
 pub use paired::{Change, PairedStudy};
 pub use parameters::{Parameter, taking_part};
-pub use provided::ProvidedStudy;
+pub use provided::{FoundProvided, ProvidedState, ProvidedStudy};
 pub use request::{Part, Request};
 pub use result::{
     Candidates, Convergence, LabelledStudy, LevelStudy, Louder, OrderProbability, SCHEMA, SourceStudy, StudyResult,
@@ -56,5 +61,6 @@ pub use sweep::{Axis, SweptPoint, at_point, distinct, sweep};
 pub use table::csv;
 pub use variable_report::VariableReport;
 pub use variables::{Drawn, Kind, Scope, Variable, common_variables, differing_keys, variables};
+pub use weighted::Weighting;
 
 pub use crate::stages::outcomes::{Shot, ShotOutcome};

@@ -4,7 +4,7 @@ use serde::Serialize;
 
 use super::normal;
 use crate::design::inputs::cycle::parameters as cycle_parameters;
-use crate::design::{Design, Distribution, Entry, Value};
+use crate::design::{Design, Distribution, Entry, Provenance, Value};
 use crate::error::Error;
 
 /// Standard deviations at which a normal distribution is cut.
@@ -26,6 +26,9 @@ pub struct Parameter {
     /// Distribution over the range.
     #[serde(skip)]
     pub distribution: Distribution,
+    /// Under which name a draw sets it, if that is not the key: of a derived quantity.
+    #[serde(skip)]
+    pub(crate) change: Option<&'static str>,
 }
 
 impl Parameter {
@@ -39,7 +42,79 @@ impl Parameter {
             value: entry.value,
             range,
             distribution: entry.distribution,
+            change: None,
         })
+    }
+
+    /// Those of a design that have a range that is no point: keys, and derived quantities that are drawn. Properties of the
+    /// numerical method are among them.
+    pub(crate) fn all(design: &Design) -> Vec<(Self, Provenance)> {
+        let own = design.entries().into_iter().filter_map(|entry| {
+            let provenance = entry.provenance;
+            Some((Self::of(entry)?, provenance))
+        });
+        let derived = design.drawn_derived().filter_map(|(entry, solution)| {
+            let provenance = entry.provenance;
+            let change = Some(solution.change);
+            Some((
+                Self {
+                    change,
+                    ..Self::of(entry)?
+                },
+                provenance,
+            ))
+        });
+        own.chain(derived).collect()
+    }
+
+    /// The name under which [`set`](crate::design::Values::set) takes it.
+    pub fn change(&self) -> &str {
+        self.change.unwrap_or(&self.key)
+    }
+
+    /// Smallest and largest value of the distribution.
+    pub(super) fn support(&self) -> [f64; 2] {
+        let [low, high] = self.range;
+        match self.distribution {
+            Distribution::Normal => {
+                let (middle, cut) = (0.5 * (low + high), 0.25 * CUT * (high - low));
+                [middle - cut, middle + cut]
+            }
+            Distribution::Uniform if self.is_count() => [low.ceil(), high.floor()],
+            _ => self.range,
+        }
+    }
+
+    fn is_count(&self) -> bool {
+        matches!(self.value, Value::Count(_))
+    }
+
+    /// Probability density at a value; of a uniform count the probability.
+    pub(super) fn density(&self, x: f64) -> f64 {
+        let [low, high] = self.support();
+        if x < low || x > high {
+            return 0.0;
+        }
+        match self.distribution {
+            Distribution::Uniform if self.is_count() => 1.0 / (high - low + 1.0),
+            Distribution::Uniform => 1.0 / (high - low),
+            Distribution::Triangular => {
+                let mode = self.number();
+                let height = 2.0 / (high - low);
+                match x < mode {
+                    true => height * (x - low) / (mode - low),
+                    false if high > mode => height * (high - x) / (high - mode),
+                    false => height,
+                }
+            }
+            Distribution::Normal => {
+                let deviation = (high - low) / (2.0 * CUT);
+                let z = (x - 0.5 * (low + high)) / deviation;
+                let within = 1.0 - 2.0 * normal::cumulative(-CUT);
+                (-0.5 * z * z).exp() / (deviation * (2.0 * std::f64::consts::PI).sqrt() * within)
+            }
+            Distribution::LogUniform => 1.0 / (x * (high / low).ln()),
+        }
     }
 
     /// Half the range.
@@ -107,10 +182,10 @@ pub fn taking_part(design: &Design) -> Result<Vec<Parameter>, Error> {
         let [low, high] = parameter.range;
         let other = if low == parameter.number() { high } else { low };
         let mut changed = design.clone();
-        changed.set(&[(parameter.key.as_str(), parameter.hold(other))]).is_ok()
+        changed.set(&[(parameter.change(), parameter.hold(other))]).is_ok()
             && cycle_parameters(&changed).is_ok_and(|parameters| parameters != base)
     };
-    let parameters = design.entries().into_iter().filter_map(Parameter::of);
+    let parameters = Parameter::all(design).into_iter().map(|(parameter, _)| parameter);
     Ok(parameters.filter(takes_part).collect())
 }
 
@@ -126,6 +201,7 @@ mod tests {
             value,
             range,
             distribution,
+            change: None,
         }
     }
 

@@ -1,7 +1,8 @@
 //! Quantiles, probabilities of orders and losses of decisions from draws, each with its bootstrap interval.
 //!
-//! Levels are in dB re 1 pW s; minus infinity is silence. Quantiles interpolate between neighbouring draws linearly (type 7 of
-//! Hyndman and Fan, "Sample quantiles in statistical packages", The American Statistician 50, 361 (1996)).
+//! Levels are in dB re 1 pW s; minus infinity is silence. Quantiles of draws interpolate between neighbouring ones linearly, at the
+//! place p (n + 1) (type 6 of Hyndman and Fan, "Sample quantiles in statistical packages", The American Statistician 50, 361
+//! (1996)): a further draw lies below with the probability p, whatever the distribution. Those of resamples are of type 7.
 
 use std::collections::BTreeMap;
 
@@ -186,8 +187,9 @@ pub(super) fn interval(mut resampled: Vec<f64>) -> [Option<f64>; 2] {
 
 /// Quantiles of levels that count several times each; `order` holds their places from the lowest level on.
 fn counted_quantiles<const N: usize>(levels: &[f64], order: &[u32], counts: &[u32], shares: [f64; N]) -> [f64; N] {
-    let last = counts.iter().sum::<u32>().saturating_sub(1);
-    let at = shares.map(|p| p * f64::from(last));
+    let count = counts.iter().sum::<u32>();
+    let last = count.saturating_sub(1);
+    let at = shares.map(|p| (p * f64::from(count + 1) - 1.0).clamp(0.0, f64::from(last)));
     let mut wanted: Vec<(u32, usize)> = at
         .iter()
         .enumerate()
@@ -213,6 +215,26 @@ fn counted_quantiles<const N: usize>(levels: &[f64], order: &[u32], counts: &[u3
         ends[end / 2][end % 2] = level;
     }
     std::array::from_fn(|own| interpolated(ends[own][0], ends[own][1], at[own].fract()))
+}
+
+/// The quantile `p` of levels with weights: each stands for its share of all weights, and has the middle of that share below it
+/// (type 5 of Hyndman and Fan, where the weights are equal).
+pub(super) fn weighted_quantiles(levels: &[f64], weights: &[f64], p: f64) -> f64 {
+    let mut order: Vec<usize> = (0..levels.len()).filter(|&draw| weights[draw] > 0.0).collect();
+    order.sort_by(|a, b| levels[*a].total_cmp(&levels[*b]));
+    let total: f64 = order.iter().map(|&draw| weights[draw]).sum();
+    let (mut below, mut before) = (0.0, None);
+    for draw in order {
+        let place = (below + 0.5 * weights[draw]) / total;
+        if place >= p {
+            return match before {
+                Some((other, level)) => interpolated(level, levels[draw], (p - other) / (place - other)),
+                None => levels[draw],
+            };
+        }
+        (below, before) = (below + weights[draw], Some((place, levels[draw])));
+    }
+    before.map_or(f64::NAN, |(_, level)| level)
 }
 
 /// Places of sources by their levels, loudest first; equal levels keep the order of the sources.
@@ -402,6 +424,42 @@ mod tests {
         let of_clusters = Bootstrap::new(&[0, 0, 0, 1, 1, 1]).share(&[false; 6]).interval;
         let high = of_clusters[1].unwrap_or_default();
         assert!(((1.0 - high).powi(2) - 0.05).abs() < 1e-12 && of_clusters[0] == Some(0.0));
+    }
+
+    /// In the mean over many samples, 90 % of all lie between the 5th and the 95th percentile of 128 draws.
+    #[test]
+    fn a_further_draw_lies_between_the_percentiles_as_often_as_is_stated() {
+        let mut inside = 0.0;
+        for repetition in 0..200 {
+            let quantiles = Bootstrap::new(&[0; 128]).quantiles(&sample(20_000 + repetition, 128));
+            let [low, high] = [quantiles.p05, quantiles.p95].map(|own| own.value.unwrap_or_default());
+            inside += normal::cumulative(high) - normal::cumulative(low);
+        }
+        // Standard deviation of the mean 0.0019.
+        assert!((inside / 200.0 - 0.9).abs() < 0.005, "{}", inside / 200.0);
+    }
+
+    #[test]
+    fn levels_of_twice_the_weight_count_as_two() {
+        let levels: Vec<f64> = sample(3, 400);
+        let weights: Vec<f64> = (0..400).map(|draw| f64::from(1 + draw % 2)).collect();
+        let mut twice: Vec<f64> = levels.clone();
+        twice.extend(
+            levels
+                .iter()
+                .enumerate()
+                .filter(|(draw, _)| draw % 2 == 1)
+                .map(|(_, level)| *level),
+        );
+        twice.sort_by(f64::total_cmp);
+        for p in [0.05, 0.5, 0.95] {
+            assert_near(
+                weighted_quantiles(&levels, &weights, p),
+                quantile(&twice, p),
+                0.03,
+                "quantile",
+            );
+        }
     }
 
     #[test]

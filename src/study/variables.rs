@@ -8,7 +8,7 @@ use serde::Serialize;
 use super::parameters::Parameter;
 use super::{law, normal};
 use crate::chain::{Chain, Options};
-use crate::design::{Alternative, Carrier, Design, Entry, Provenance, SOURCES, Value};
+use crate::design::{Alternative, Carrier, Derived, Design, Entry, Provenance, SOURCES, Value};
 use crate::error::Error;
 use crate::graph::Graph;
 use crate::stages::Digest;
@@ -86,7 +86,7 @@ impl Variable {
     /// Keys and values that a draw sets.
     pub fn changes<'a>(&'a self, drawn: &Drawn) -> Vec<(&'a str, Value)> {
         match (&self.kind, drawn) {
-            (Kind::Quantity(parameter), Drawn::Value(value)) => vec![(&parameter.key, value.clone())],
+            (Kind::Quantity(parameter), Drawn::Value(value)) => vec![(parameter.change(), value.clone())],
             (Kind::Alternatives(options), Drawn::Alternative(chosen)) => {
                 let values = options[*chosen].values.iter();
                 values.map(|(key, value)| (key.as_str(), value.clone())).collect()
@@ -199,16 +199,17 @@ pub fn variables(design: &Design) -> Result<Vec<Variable>, Error> {
             .flat_map(|option| &option.values);
         values.any(|(own, _)| own == key)
     };
-    let entries = bases[0].entries();
-    let entries = entries
-        .into_iter()
-        .filter(|entry| entry.provenance != Provenance::Numerical && !chosen(&entry.key));
-    let mut parameters: Vec<Parameter> = entries.filter_map(Parameter::of).collect();
+    let parameters = Parameter::all(&bases[0]).into_iter();
+    let parameters = parameters.filter(|(own, provenance)| {
+        let primaries = Derived::find(&own.key).map_or(&[][..], |derived| derived.primaries);
+        *provenance != Provenance::Numerical && !chosen(&own.key) && !primaries.iter().any(|key| chosen(key))
+    });
+    let mut parameters: Vec<Parameter> = parameters.map(|(own, _)| own).collect();
     law::leave_out_held(design, &mut parameters)?;
     let in_force = parameters.into_par_iter().filter_map(|parameter| {
         let ends = [0.001, 0.5, 0.999].map(|u| parameter.at(u));
         let mut scopes = ends
-            .map(|value| scope(&[(parameter.key.as_str(), value)]))
+            .map(|value| scope(&[(parameter.change(), value)]))
             .into_iter()
             .flatten();
         let first = scopes.next()?;
@@ -270,7 +271,10 @@ pub fn common_variables(designs: &[&Design]) -> Result<Vec<Variable>, Error> {
         }
     }
     let differing = differing_keys(designs);
-    joint.retain(|variable| !differing.contains(&variable.name));
+    // A derived quantity differs where one of those differs from which it follows.
+    let primaries = |name: &str| Derived::find(name).map_or(&[][..], |derived| derived.primaries);
+    let differs = |name: &str| differing.iter().any(|key| key == name);
+    joint.retain(|own| !differs(&own.name) && !primaries(&own.name).iter().any(|key| differs(key)));
     Ok(joint)
 }
 

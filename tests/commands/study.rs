@@ -75,6 +75,8 @@ fn held(folder: &Path, other: &[(&str, &str)], model: &str) -> String {
             text += &format!("{} = {{ range = [{value}, {value}] }}\n", entry.key);
         }
     }
+    // So that the area of the holes, from which it follows, is not drawn.
+    text += "exhaust.hole_diameter = { range = \"exact\" }\n";
     for (key, range) in other {
         text += &format!("{key} = {{ range = \"{range}\" }}\n");
     }

@@ -6,7 +6,7 @@ use std::path::Path;
 
 use miette::{Diagnostic, GraphicalReportHandler, GraphicalTheme};
 use nailnoise::design::{
-    DERIVED, Design, DesignError, Entry, Problem, Provenance, Rings, SupportKind, Value, reference,
+    DERIVED, Design, DesignError, Entry, Problem, Provenance, RangeOrigin, Rings, SupportKind, Value, reference,
 };
 use proptest::prelude::*;
 
@@ -114,7 +114,8 @@ fn values_and_ranges_are_those_of_the_file_in_si_units() {
     let text = fs::read_to_string(BASE).unwrap();
     let mut file = BTreeMap::new();
     settings(&text.parse().unwrap(), "", &mut file);
-    file.retain(|key, _| !key.starts_with("study.")); // no keys of the design
+    // No keys of the design, and derived quantities.
+    file.retain(|key, _| !key.starts_with("study.") && DERIVED.iter().all(|derived| derived.key != key));
     let entries = entries(&load(BASE));
     assert_eq!(file.keys().collect::<Vec<_>>(), entries.keys().collect::<Vec<_>>());
     for (key, given) in &file {
@@ -155,9 +156,12 @@ fn every_number_of_the_cycle_has_a_range() {
         "hand",
         "model",
     ];
-    for (key, entry) in entries(&load(BASE)) {
+    let base = load(BASE);
+    let followers: Vec<&str> = base.drawn_derived().map(|(_, solution)| solution.follower).collect();
+    for (key, entry) in entries(&base) {
         let group = key.split('.').next().unwrap();
-        let fixed = matches!(entry.provenance, Provenance::Constant | Provenance::Decided);
+        let fixed =
+            matches!(entry.provenance, Provenance::Constant | Provenance::Decided) || followers.contains(&key.as_str());
         if groups.contains(&group) && matches!(entry.value, Value::Number(_)) && !fixed && !key.contains(".muffler.") {
             assert!(entry.range.is_some(), "{key} has no range");
         }
@@ -235,17 +239,18 @@ fn the_sandbox_differs_in_the_support_only() {
 }
 
 #[test]
-fn a_bare_value_keeps_range_and_note_and_becomes_the_designs_own() {
+fn a_bare_value_keeps_the_note_and_the_range_in_proportion_and_becomes_the_designs_own() {
     let (base, own) = (entries(&load(BASE)), entries(&changed("hand.force = \"120 N\"")));
     let (base, own) = (&base["hand.force"], &own["hand.force"]);
     assert_eq!(
         (base.provenance, own.provenance),
         (Provenance::Estimated, Provenance::Design)
     );
-    assert_eq!(
-        (own.value.clone(), own.range, &own.note),
-        (Value::Number(120.0), base.range, &base.note)
-    );
+    assert_eq!((own.value.clone(), &own.note), (Value::Number(120.0), &base.note));
+    // 110 N with 40 to 150 N.
+    assert_near(own.range, [40.0 / 110.0 * 120.0, 150.0 / 110.0 * 120.0]);
+    assert_eq!(own.range_origin, Some(RangeOrigin::AssumedFromBase));
+    assert_eq!(base.range_origin, Some(RangeOrigin::Given));
     assert_eq!((own.file.as_str(), own.line), ("designs/over.toml", 2));
     assert_eq!(base.file, BASE);
 }
@@ -269,7 +274,129 @@ fn a_table_replaces_only_what_it_gives() {
         (own.provenance, own.source.as_str()),
         (Provenance::Published, "EN 12549")
     );
-    assert_eq!(own.range, Some([40.0, 150.0]));
+    assert_near(own.range, [40.0 / 110.0 * 115.0, 150.0 / 110.0 * 115.0]);
+}
+
+fn assert_near(range: Option<[f64; 2]>, expected: [f64; 2]) {
+    let found = range.unwrap_or([f64::NAN; 2]);
+    let near = found
+        .iter()
+        .zip(expected)
+        .all(|(own, other)| (own - other).abs() <= 1e-9 * other.abs());
+    assert!(near, "{found:?}, expected {expected:?}");
+}
+
+#[test]
+fn a_range_may_be_a_width_around_the_value_or_none() {
+    let of = |text: &str| entries(&changed(text))["hand.force"].range;
+    assert_near(
+        of("hand.force = { value = \"120 N\", range = \"+-10 %\" }"),
+        [108.0, 132.0],
+    );
+    assert_near(
+        of("hand.force = { value = \"120 N\", range = \"+-5 N\" }"),
+        [115.0, 125.0],
+    );
+    assert_near(
+        of("hand.force = { value = \"120 N\", range = \"exact\" }"),
+        [120.0, 120.0],
+    );
+    // Around the value of the base, where a file gives the width alone.
+    assert_near(of("hand.force.range = \"+-10 %\""), [99.0, 121.0]);
+}
+
+#[test]
+fn the_default_range_of_the_study_is_that_of_all_values_without_one() {
+    let own = |default: &str| {
+        let design = changed(&format!("study.default_range = \"{default}\"\nhand.force = \"120 N\""));
+        let entries = entries(&design);
+        (entries["hand.force"].clone(), entries["piston.mass"].clone())
+    };
+    let (force, mass) = own("+-5 %");
+    assert_near(force.range, [114.0, 126.0]);
+    assert_eq!(force.range_origin, Some(RangeOrigin::AssumedByDefault));
+    // A value of the base has the range that the base states.
+    assert_eq!(
+        (mass.range, mass.range_origin),
+        (Some([0.129, 0.133]), Some(RangeOrigin::Given))
+    );
+    assert_near(own("exact").0.range, [120.0, 120.0]);
+    assert_near(own("base").0.range, [40.0 / 110.0 * 120.0, 150.0 / 110.0 * 120.0]);
+    assert!(over("study.default_range = \"10\"").is_err());
+}
+
+/// Files between the design and the file that states the range do not matter, 0 among their values neither.
+#[test]
+fn the_range_of_a_value_does_not_depend_on_the_values_in_between() {
+    let direct = entries(&changed("hand.force = \"120 N\""))["hand.force"].range;
+    for between in ["0 N", "80 N", "500 N"] {
+        let assignments =
+            [format!("hand.force={between}"), "hand.force=120 N".to_owned()].map(|text| text.parse().unwrap());
+        let design = Design::load_with(BASE, &assignments).unwrap();
+        assert_eq!(entries(&design)["hand.force"].range, direct, "{between}");
+    }
+}
+
+#[test]
+fn a_range_without_its_value_is_an_error() {
+    for text in [
+        "hand.force = { value = \"200 N\", range = \"100 .. 150 N\" }",
+        "hand.force = { range = \"115 .. 150 N\" }", // the base's 110 N
+    ] {
+        let error = over(text).unwrap_err();
+        assert!(
+            matches!(&error.problem, Problem::RangeWithoutValue { key, .. } if key == "hand.force"),
+            "{error}"
+        );
+        assert!(error.remedy().contains("+-10 %"), "{}", error.remedy());
+    }
+    // The value of a nearer file is within the range that a base states for it.
+    assert!(over("hand.force = { value = \"120 N\", range = \"115 .. 150 N\" }").is_ok());
+}
+
+#[test]
+fn a_numerical_setting_is_one_with_another_value() {
+    let own = entries(&changed("analysis.time_step = \"2 us\""));
+    assert_eq!(own["analysis.time_step"].provenance, Provenance::Numerical);
+}
+
+fn area(text: &str) -> Option<Entry> {
+    let design = changed(text);
+    design.drawn_derived().next().map(|(entry, _)| entry)
+}
+
+#[test]
+fn the_range_of_a_derived_quantity_follows_the_primary_ones() {
+    let base = area("").unwrap();
+    assert_eq!((base.key.as_str(), base.range), ("exhaust.area", Some([1e-4, 1e-3])));
+    let number = |entry: &Entry| self::number(entry.value.clone());
+    for text in [
+        "exhaust.holes = 12",
+        "exhaust = { holes = 12, hole_diameter = \"3 mm\" }",
+    ] {
+        let own = area(text).unwrap();
+        let ratio = number(&own) / number(&base);
+        assert_near(own.range, [1e-4 * ratio, 1e-3 * ratio]);
+        assert_eq!(own.range_origin, Some(RangeOrigin::AssumedFromBase));
+    }
+}
+
+#[test]
+fn a_derived_quantity_is_drawn_where_no_nearer_file_gives_its_follower_a_range() {
+    assert!(area("exhaust.hole_diameter = { value = \"6 mm\", range = \"exact\" }").is_none());
+    assert!(area("exhaust.holes = { value = 6, range = \"exact\" }").is_some());
+    let by_holes = changed("exhaust.area = { range = \"50 .. 300 mm2\", follows = \"holes\" }");
+    let (_, solution) = by_holes.drawn_derived().next().unwrap();
+    assert_eq!(solution.follower, "exhaust.holes");
+    assert_eq!(entries(&by_holes)["exhaust.holes"].range, None);
+    for wrong in [
+        "exhaust.area = { range = \"50 .. 300 mm2\", follows = \"pitch\" }",
+        "exhaust.area = { range = \"200 .. 300 mm2\" }", // without the 140 mm2
+        "exhaust.area = { range = \"50 .. 300 mm2\" }\nexhaust.hole_diameter = { value = \"6 mm\", range = \"+-10 %\" }",
+        "piston.area = { range = \"2000 .. 3000 mm2\" }",
+    ] {
+        assert!(over(wrong).is_err(), "{wrong}");
+    }
 }
 
 #[test]

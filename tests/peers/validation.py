@@ -16,7 +16,7 @@ from pathlib import Path
 BEGIN = "<!-- predicted and measured: written by tests/peers/validation.py --update -->"
 END = "<!-- end of the table -->"
 DESIGNS = [f"designs/n80cb-as-tested{kind}.toml" for kind in ("", "-sandbox", "-sandbox-floor")]
-DRAWS = 32
+DRAWS = 128
 
 
 def compared(program, draws):
@@ -52,15 +52,30 @@ def table(rows):
     return "".join("| " + " | ".join(line) + " |\n" for line in lines)
 
 
+def summary(rows):
+    """Which predictions lie apart from the measurement with their whole interval."""
+    apart = [row for row in rows if abs(row["distance"]) >= 0.05]
+    text = f"\nOf {len(rows)} rows, {len(rows) - len(apart)} overlap within 0.05 of their unit."
+    if apart:
+        text += " These do not:\n\n"
+        for row in sorted(apart, key=lambda row: -abs(row["distance"])):
+            quantity, design, of_unit, *_ = cells(row)
+            text += f"- {quantity} ({design}): {row['distance']:+.1f} {of_unit}\n"
+        return text
+    return text + "\n"
+
+
 def main(program, page, update):
     text = Path(page).read_text()
     before, rest = text.split(BEGIN)
     old, after = rest.split(END)
     program = str(Path(program).resolve())
     if update:
-        Path(page).write_text(before + BEGIN + "\n" + table(compared(program, DRAWS)) + END + after)
+        rows = compared(program, DRAWS)
+        Path(page).write_text(before + BEGIN + "\n" + table(rows) + summary(rows) + END + after)
         return
-    stated = [[cell.strip() for cell in line.strip("|").split("|")] for line in old.strip().splitlines()[2:]]
+    lines = [line for line in old.strip().splitlines() if line.startswith("|")]
+    stated = [[cell.strip() for cell in line.strip("|").split("|")] for line in lines[2:]]
     found = [cells(row) for row in compared(program, 2)]
     # Quantity, design, unit, measured and predicted; the intervals need the draws.
     wrong = [(a[:5], b[:5]) for a, b in zip(stated, found, strict=True) if a[:5] != b[:5]]

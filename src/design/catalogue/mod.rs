@@ -260,7 +260,7 @@ fn value_of(setting: Setting) -> Option<NamedValue> {
         symbol: setting.spec.symbol,
         value,
         unit: setting.spec.unit(),
-        range: setting.range.map(|(ends, _)| ends.map(|end| end.si)),
+        range: setting.range.and_then(|(range, _)| range.ends()),
         provenance,
         source,
     })

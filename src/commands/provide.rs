@@ -1,0 +1,139 @@
+//! `nailnoise provide`: the studies of all shipped designs that come with the program, and whether they are those of today. It is
+//! for those who change the program, and is not listed by `--help`.
+
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+use clap::Args;
+
+use super::table::table;
+use super::{Keeping, Threads, message, print, progress};
+use crate::design::Design;
+use crate::error::Error;
+use crate::shipped;
+use crate::stages::Progress;
+use crate::staging;
+use crate::store::Store;
+use crate::study::{Draws, ProvidedStudy, Request, StudyResult};
+
+/// Draws of a provided study at least: the pages and the intervals of `run` rest on them.
+const FEWEST: usize = 128;
+
+#[derive(Args)]
+pub(super) struct Arguments {
+    /// Folder for the studies, designs/studies of the sources
+    #[arg(value_name = "DIR", required_unless_present = "check")]
+    folder: Option<PathBuf>,
+    /// Number of draws
+    #[arg(short = 'n', long, value_name = "N", default_value_t = 128, value_parser = clap::value_parser!(u32).range(1..=4096))]
+    draws: u32,
+    /// Seed of the draws
+    #[arg(long, value_name = "SEED", default_value_t = 1)]
+    seed: u64,
+    /// Compute nothing: list the studies that are in the program, with status 1 if one is missing, small or outdated
+    #[arg(long, conflicts_with = "folder")]
+    check: bool,
+    #[command(flatten)]
+    threads: Threads,
+    #[command(flatten)]
+    keeping: Keeping,
+}
+
+pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
+    let Some(folder) = &arguments.folder else {
+        return check();
+    };
+    arguments.threads.start()?;
+    let request = Request::new(arguments.draws as usize, arguments.seed);
+    all(folder, &arguments.keeping.cache()?, &request, &progress())
+}
+
+/// What made a study, in words.
+pub(super) fn command(path: &str, result: &StudyResult, options: &str) -> String {
+    format!(
+        "nailnoise study designs/{path} -n {} --seed {}{options}",
+        result.draws, result.seed
+    )
+}
+
+/// Writes a study of the shipped design of this path.
+pub(super) fn write(
+    file: &Path,
+    (path, command): (&str, &str),
+    (design, result, made): (&Design, &StudyResult, &Draws),
+) -> Result<(), Error> {
+    let text = ProvidedStudy::new(path, design, command, result, made)?.file()?;
+    staging::write(file, text.as_bytes())
+}
+
+/// Name of the file of a design's study: `quieter/muffler.toml` has `quieter-muffler.json`.
+fn file_name(path: &str) -> String {
+    path.trim_end_matches(".toml").replace('/', "-") + ".json"
+}
+
+/// Studies every shipped design and writes the studies to a folder, one after the other: they share shots and structures by the
+/// cache. A design whose study fails is named, and the others are made.
+fn all(folder: &Path, store: &Store, request: &Request, progress: &Progress) -> Result<ExitCode, Error> {
+    let mut failed = Vec::new();
+    for (number, (path, _)) in (1..).zip(shipped::DESIGNS) {
+        progress.note(&format!("study {number} of {}: {path}", shipped::DESIGNS.len()));
+        let Some(design) = Design::shipped(path) else {
+            failed.push(format!("{path}: the design cannot be read"));
+            continue;
+        };
+        match super::study::compute(store, &design, request, progress) {
+            Ok((result, made)) => {
+                let result = result.with_surrogates(&design, &made);
+                let own = command(path, &result, "");
+                write(&folder.join(file_name(path)), (path, &own), (&design, &result, &made))?;
+                if result.candidates.failures > 0 {
+                    failed.push(format!(
+                        "{path}: {} draws or shots cannot be computed",
+                        result.candidates.failures
+                    ));
+                }
+            }
+            Err(error) => failed.push(format!("{path}: {error}")),
+        }
+    }
+    progress.end();
+    failed.iter().for_each(|reason| message(reason));
+    print(&format!(
+        "{} of {} studies without a fault, in {}; a program that is built now has them\n",
+        shipped::DESIGNS.len() - failed.len(),
+        shipped::DESIGNS.len(),
+        folder.display()
+    ))?;
+    Ok(if failed.is_empty() {
+        ExitCode::SUCCESS
+    } else {
+        ExitCode::from(3)
+    })
+}
+
+/// Lists the studies that are in the program; the status is 1 where one is missing, has too few draws, or is of another design or code.
+fn check() -> Result<ExitCode, Error> {
+    let states = ProvidedStudy::states()?;
+    let is_good =
+        |draws: Option<usize>, changed: &[&str]| draws.is_some_and(|draws| draws >= FEWEST) && changed.is_empty();
+    let rows: Vec<Vec<String>> = states
+        .iter()
+        .map(|own| {
+            let state = match (own.draws, own.changed.as_slice()) {
+                (None, _) => "missing".to_owned(),
+                (Some(draws), []) if draws < FEWEST => format!("fewer than {FEWEST} draws"),
+                (Some(_), []) => "of today".to_owned(),
+                (Some(_), changed) => format!("{} changed since", changed.join(" and ")),
+            };
+            let draws = own.draws.map_or_else(|| "-".to_owned(), |draws| draws.to_string());
+            vec![own.design.to_owned(), draws, state]
+        })
+        .collect();
+    print(&table(&["design", "draws", "study"], &rows))?;
+    Ok(if states.iter().all(|own| is_good(own.draws, &own.changed)) {
+        ExitCode::SUCCESS
+    } else {
+        message("`nailnoise provide designs/studies` makes them anew; then build the program");
+        ExitCode::from(1)
+    })
+}

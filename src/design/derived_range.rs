@@ -1,0 +1,222 @@
+//! Ranges of derived quantities: a study may draw one in place of the primary quantity that follows from it.
+//!
+//! ```toml
+//! exhaust.area = { range = "100 .. 1000 mm2", distribution = "log-uniform", follows = "hole_diameter" }
+//! ```
+//!
+//! The nearest file counts: a range of the follower in a file nearer to the design drops that of the derived quantity, and the other
+//! way round. Values of the primary quantities that are given without a range move the range in proportion (`range.rs`).
+
+use std::collections::HashMap;
+
+use nailnoise_quantities::{Value, positive};
+
+use super::Entry;
+use super::derived::{Derived, SOLUTIONS, Solution};
+use super::distribution::Distribution;
+use super::error::{DesignError, Problem};
+use super::groups::Values;
+use super::place::Place;
+use super::provenance::Provenance;
+use super::range::{DefaultRange, GivenRange, Ranged, includes, inherited};
+use super::resolve::Merged;
+use super::settings::{Given, GivenDerived};
+use super::show::show;
+
+/// A derived quantity that a study draws.
+#[derive(Debug, Clone)]
+pub(crate) struct DerivedRange {
+    derived: &'static Derived,
+    pub(super) solution: &'static Solution,
+    ranged: Ranged,
+    distribution: Distribution,
+    provenance: Provenance,
+    source: String,
+    note: String,
+    place: Box<Place>,
+}
+
+impl DerivedRange {
+    /// It in a design of these values.
+    pub(super) fn entry(&self, values: &Values) -> Entry {
+        Entry {
+            key: self.derived.key.to_owned(),
+            symbol: self.derived.symbol,
+            value: Value::Number((self.derived.value)(values)),
+            unit: self.derived.dimension.unit(),
+            range: Some(self.ranged.range),
+            range_origin: Some(self.ranged.origin),
+            distribution: self.distribution,
+            provenance: self.provenance,
+            source: self.source.clone(),
+            note: self.note.clone(),
+            file: self.place.file().to_owned(),
+            line: self.place.line(),
+        }
+    }
+}
+
+/// What the files say so far of the ranges of derived quantities.
+#[derive(Debug, Default)]
+pub(crate) struct MergedDerived {
+    found: Vec<Draft>,
+}
+
+#[derive(Debug)]
+struct Draft {
+    given: GivenDerived,
+    range: GivenRange,
+    place: Box<Place>,
+    solution: &'static Solution,
+    /// Values of the primary quantities in the file that states the range.
+    primaries: Vec<(&'static str, Given)>,
+}
+
+impl MergedDerived {
+    /// Whether a study draws this derived quantity.
+    pub(crate) fn draws(&self, key: &str) -> bool {
+        self.found.iter().any(|own| own.given.derived.key == key)
+    }
+
+    /// Drops a derived quantity whose follower has a range in a nearer file.
+    pub(crate) fn drop_of_follower(&mut self, follower: &str) {
+        self.found.retain(|own| own.solution.follower != follower);
+    }
+
+    /// Takes what one file says, after its other settings are merged; `ranged` are the keys to which the same file gives a range.
+    ///
+    /// # Errors
+    /// A derived quantity that nothing follows from; a follower with a range of its own in the same file.
+    pub(crate) fn take(
+        &mut self,
+        given: GivenDerived,
+        merged: &mut HashMap<String, Merged>,
+        ranged: &[String],
+    ) -> Result<(), DesignError> {
+        let key = given.derived.key;
+        let Some((range, place)) = given.range.clone() else {
+            return Ok(());
+        };
+        let follows = given.follows.clone();
+        let solution = SOLUTIONS.iter().find(|own| {
+            own.key == key
+                && follows.as_ref().is_none_or(|(word, _)| {
+                    own.follower == word || own.follower.rsplit('.').next() == Some(word.as_str())
+                })
+        });
+        let Some(solution) = solution else {
+            let own = SOLUTIONS.iter().filter(|own| own.key == key);
+            let known: Vec<String> = own.map(|own| format!("\"{}\"", own.follower)).collect();
+            let (found, expected) = match &follows {
+                Some((word, _)) if !known.is_empty() => {
+                    (format!("the text \"{word}\""), format!("as {}", known.join(" or ")))
+                }
+                _ => (
+                    "a range".to_owned(),
+                    "without a range: no quantity follows from it".to_owned(),
+                ),
+            };
+            let at = follows.map_or(place, |(_, at)| at);
+            return Err(Problem::WrongKind {
+                key: key.to_owned(),
+                found,
+                expected,
+            }
+            .at(at));
+        };
+        if ranged.iter().any(|key| key == solution.follower) {
+            return Err(Problem::WrongKind {
+                key: solution.follower.to_owned(),
+                found: "a range".to_owned(),
+                expected: format!("without a range: it follows from `{key}`, which has one in the same file"),
+            }
+            .at(place));
+        }
+        if let Some(follower) = merged.get_mut(solution.follower) {
+            follower.forget_range();
+        }
+        let primaries = given.derived.primaries.iter();
+        let primaries = primaries.filter_map(|primary| Some((*primary, merged.get(*primary)?.given()?)));
+        let primaries = primaries.collect();
+        self.found.retain(|own| own.given.derived.key != key);
+        self.found.push(Draft {
+            given,
+            range,
+            place,
+            solution,
+            primaries,
+        });
+        Ok(())
+    }
+
+    /// The derived quantities of a design with these values.
+    ///
+    /// # Errors
+    /// A range that leaves out the value that the same file gives; a distribution that does not go with the range.
+    pub(crate) fn resolved(
+        self,
+        values: &Values,
+        default: DefaultRange,
+        ambient: f64,
+    ) -> Result<Vec<DerivedRange>, DesignError> {
+        let resolved = |draft: Draft| {
+            let derived = draft.given.derived;
+            let mut base = values.clone();
+            let absolute = |given: &Given| match given {
+                Given::Quantity(measured) => Value::Number(measured.absolute(ambient)),
+                Given::Other(value) => value.clone(),
+            };
+            let primaries: Vec<_> = draft
+                .primaries
+                .iter()
+                .map(|(key, given)| (*key, absolute(given)))
+                .collect();
+            // Values of a file of the chain are of their keys' kinds.
+            let _ = base.set(&primaries);
+            let [own, base] = [values, &base].map(|values| (derived.value)(values));
+            let range = draft.range.of(base, ambient);
+            let [low, high] = range.map(|end| show(end, derived.dimension));
+            if range[0] > range[1] {
+                let key = derived.key.to_owned();
+                return Err(Problem::BadRange { key, low, high }.at(draft.place));
+            }
+            let ranged = inherited(own, (base, range), default, positive(derived.dimension).domain());
+            if !includes(ranged.range, own) {
+                return Err(Problem::RangeWithoutValue {
+                    key: derived.key.to_owned(),
+                    value: show(own, derived.dimension),
+                    low,
+                    high,
+                }
+                .at(draft.place));
+            }
+            let distribution = draft.given.distribution.clone();
+            if let Some((distribution, at)) = &distribution
+                && let Some(because) = distribution.problem(own, ranged.range)
+            {
+                return Err(Problem::BadDistribution {
+                    key: derived.key.to_owned(),
+                    distribution: distribution.as_str(),
+                    because,
+                }
+                .at(at.clone()));
+            }
+            let (provenance, source) = draft
+                .given
+                .provenance
+                .clone()
+                .unwrap_or((Provenance::Design, String::new()));
+            Ok(DerivedRange {
+                derived,
+                solution: draft.solution,
+                ranged,
+                distribution: distribution.map_or_else(Distribution::default, |(distribution, _)| distribution),
+                provenance,
+                source,
+                note: draft.given.note.clone().unwrap_or_default(),
+                place: draft.place,
+            })
+        };
+        self.found.into_iter().map(resolved).collect()
+    }
+}

@@ -1,0 +1,80 @@
+//! What is kept of the draws of a study: their levels, and where each quantity lies in its distribution, so that the draws can be
+//! weighted for another design.
+
+use std::collections::BTreeMap;
+
+use serde::{Deserialize, Serialize};
+
+use super::draws::Draws;
+use super::level_table::{LevelTable, TOTAL};
+use super::variables::Kind;
+
+/// Draws that are kept at most.
+const MOST: usize = 4096;
+
+/// Decimals of the levels \[dB\].
+const DECIMALS: f64 = 100.0;
+
+/// Parts of a distribution that a place is rounded to: three hexadecimal digits.
+const PARTS: f64 = 4096.0;
+const DIGITS: usize = 3;
+
+/// Levels and places of the draws.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+pub struct DrawTable {
+    /// Level of each source and of the total in each draw, with the errors of methods \[dB re 1 pW s\]; null for silence.
+    pub levels_db: BTreeMap<String, Vec<Option<f64>>>,
+    /// Place of each drawn key in its distribution, draw by draw: three hexadecimal digits, 0 to 4095 of 4096 parts.
+    pub places: BTreeMap<String, String>,
+}
+
+impl DrawTable {
+    /// That of these draws.
+    pub(super) fn of(made: &Draws) -> Self {
+        let draws = &made.draws[..made.draws.len().min(MOST)];
+        let table = LevelTable::new(draws);
+        let rounded = |level: f64| level.is_finite().then(|| (DECIMALS * level).round() / DECIMALS);
+        let column = |levels: Vec<f64>| levels.into_iter().map(rounded).collect();
+        let sources = table.names.iter().enumerate();
+        let mut levels_db: BTreeMap<String, Vec<Option<f64>>> = sources
+            .map(|(place, name)| (name.clone(), column(table.column(place))))
+            .collect();
+        levels_db.insert(TOTAL.to_owned(), column(table.totals()));
+        let places = made.variables.iter().enumerate().filter_map(|(place, variable)| {
+            let shares = || draws.iter().map(|draw| draw.shares[place]);
+            let is_drawn = matches!(variable.kind, Kind::Quantity(_)) && shares().all(|share| !share.is_nan());
+            let digits = |share: f64| format!("{:03x}", (PARTS * share).clamp(0.0, PARTS - 1.0) as u16);
+            is_drawn.then(|| (variable.name.clone(), shares().map(digits).collect()))
+        });
+        Self {
+            levels_db,
+            places: places.collect(),
+        }
+    }
+
+    /// Number of draws.
+    pub fn len(&self) -> usize {
+        self.levels_db.get(TOTAL).map_or(0, Vec::len)
+    }
+
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// Shares of its distribution below a key, draw by draw; none for one that is not drawn.
+    pub(super) fn shares(&self, key: &str) -> Option<Vec<f64>> {
+        let digits = self.places.get(key)?;
+        let share = |place: usize| {
+            let own = digits.get(DIGITS * place..DIGITS * (place + 1))?;
+            Some((f64::from(u16::from_str_radix(own, 16).ok()?) + 0.5) / PARTS)
+        };
+        (0..self.len()).map(share).collect()
+    }
+
+    /// Levels of a source or of the total, draw by draw; minus infinity for silence.
+    pub(super) fn levels(&self, name: &str) -> Option<Vec<f64>> {
+        let own = self.levels_db.get(name)?.iter();
+        Some(own.map(|level| level.unwrap_or(f64::NEG_INFINITY)).collect())
+    }
+}
