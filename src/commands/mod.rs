@@ -56,8 +56,8 @@ use crate::design::{Assignment, Design};
 use crate::error::Error;
 use crate::result::Check;
 use crate::staging::is_file_name;
-use crate::wording::visible;
 use crate::store::{Store, StoreError};
+use crate::wording::visible;
 use progress::progress;
 
 /// What `--version` says.
