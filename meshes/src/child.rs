@@ -17,8 +17,8 @@ trap '' INT HUP
 exec 3<&0
 ( [ -z "$PROCESSOR_SECONDS" ] || ulimit -t "$PROCESSOR_SECONDS"; exec "$@" ) </dev/null 3<&- & child=$!
 { read -r _ <&3; kill -KILL "$child"; } >/dev/null 2>&1 & watcher=$!
-wait "$child"; status=$?
 exec 2>/dev/null
+wait "$child"; status=$?
 kill "$watcher"; wait "$watcher"
 exit "$status"
 "#;

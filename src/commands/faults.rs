@@ -13,8 +13,12 @@ const FAULT: u8 = 101;
 /// Exit status where the system refuses threads.
 const REFUSED: u8 = 2;
 
-/// Beginning of the panic of the standard library and of others where the system refuses a thread.
-const NO_THREAD: &str = "failed to spawn thread";
+/// Beginnings of the panics of the standard library and of others where the system refuses a thread or its stack.
+const NO_THREAD: [&str; 3] = [
+    "failed to spawn thread",
+    "failed to allocate an alternative stack",
+    "failed to set up alternative stack",
+];
 
 /// Whether the system has refused a thread.
 static WITHOUT_THREAD: AtomicBool = AtomicBool::new(false);
@@ -22,7 +26,7 @@ static WITHOUT_THREAD: AtomicBool = AtomicBool::new(false);
 /// Shows panics as messages from now on.
 pub(super) fn install() {
     set_hook(Box::new(|fault| {
-        if what(fault).starts_with(NO_THREAD) {
+        if NO_THREAD.iter().any(|beginning| what(fault).starts_with(beginning)) {
             // Several threads may meet the limit at once.
             if !WITHOUT_THREAD.swap(true, Ordering::SeqCst) {
                 message(&refused(what(fault)));

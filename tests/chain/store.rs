@@ -42,7 +42,7 @@ fn a_value_is_computed_once_and_read_back_bit_by_bit() {
     assert_eq!(cache.entries().unwrap().len(), 2);
     assert_eq!(cache.entries().unwrap()[0].stage, "squares");
     assert!(cache.take_notes().is_empty());
-    assert_eq!(cache.clear().unwrap(), 2);
+    assert_eq!(cache.clear().unwrap(), (2, Vec::new()));
     squares(&cache, 1000, &computed);
     assert_eq!(computed.get(), 3);
 }

@@ -31,15 +31,13 @@ def case(program: str, base: str, mode: int, umask: str) -> None:
     with tempfile.TemporaryDirectory() as place:
         folder = Path(place)
         folder.chmod(0o755)
-        # Neither user may be able to enter the folders of the repository.
+        # Neither user may be able to enter the folder of the program; the design must be one that both can read.
         own = folder / "nailnoise"
         shutil.copy(program, own)
         own.chmod(0o755)
-        shutil.copy(base, folder / "base.toml")
         design = folder / "drawn.toml"
-        design.write_text('base = "base.toml"\n[study]\nrequire = ["drives", "underdriven", "overdriven", "strikes_bumper"]\n')
-        for file in (design, folder / "base.toml"):
-            file.chmod(0o644)
+        design.write_text(f'base = "{base}"\n[study]\nrequire = ["drives", "underdriven", "overdriven", "strikes_bumper"]\n')
+        design.chmod(0o644)
         store = folder / "shared"
         store.mkdir()
         store.chmod(mode)
@@ -76,7 +74,7 @@ def case(program: str, base: str, mode: int, umask: str) -> None:
 
 
 def main() -> int:
-    program, base = sys.argv[1:3]
+    program, base = (str(Path(own).resolve()) for own in sys.argv[1:3])
     if os.geteuid() != 0 or not shutil.which("setpriv"):
         print("two users: left out, needs root and setpriv")
         return 0
