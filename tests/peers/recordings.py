@@ -78,8 +78,9 @@ def riff(*chunks, mark=b"RIFF"):
 
 
 def rf64(data, *chunks, mark=b"RF64"):
-    ds64 = chunk(b"ds64", struct.pack("<QQQI", 0, len(data), 0, 0))
-    return mark + b"\xff" * 4 + b"WAVE" + ds64 + b"".join(chunks) + b"data" + b"\xff" * 4 + data
+    ds64 = lambda length: chunk(b"ds64", struct.pack("<QQQI", length, len(data), RATE, 0))
+    body = lambda length: b"WAVE" + ds64(length) + b"".join(chunks) + b"data" + b"\xff" * 4 + data
+    return mark + b"\xff" * 4 + body(len(body(0)))
 
 
 def wav_files():
