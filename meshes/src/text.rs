@@ -1,7 +1,8 @@
 //! Text of instruments and spreadsheets, in whatever encoding: UTF-8, UTF-16 ("Unicode text" of Excel), Windows-1252.
 //!
-//! The standard library decodes UTF-16, and Windows-1252 differs from Unicode in 27 characters only, so that no crate is
-//! needed. A file of another code page (DOS, Mac OS Roman) reads as Windows-1252: its numbers and English labels are the same.
+//! The standard library decodes UTF-16, and Windows-1252 differs from Unicode in 27 characters only, so that no crate
+//! is needed. A file of another code page (DOS, Mac OS Roman) reads as Windows-1252: its numbers and English labels are
+//! the same.
 
 use std::borrow::Cow;
 
@@ -75,8 +76,8 @@ pub fn characters(bytes: &[u8]) -> Cow<'_, str> {
     }
 }
 
-/// A text file as characters, in UTF-8, UTF-16 or Windows-1252, without a byte order mark. None for binary files, which have
-/// bytes that no text has.
+/// A text file as characters, in UTF-8, UTF-16 or Windows-1252, without a byte order mark. None for binary files, which
+/// have bytes that no text has.
 pub fn decode(bytes: &[u8]) -> Option<Cow<'_, str>> {
     let text = match utf8(bytes) {
         Cow::Borrowed(bytes) => characters(bytes),

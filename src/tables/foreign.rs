@@ -9,7 +9,7 @@ pub struct Foreign {
     pub remedy: &'static str,
 }
 
-const SOUND: &str = "convert it to WAV, as `ffmpeg -i IN -c:a pcm_s24le OUT.wav` does, with 32 bit float (`pcm_f32le`) for float samples";
+const SOUND: &str = "convert it to WAV, as `ffmpeg -i IN -c:a pcm_s24le OUT.wav` does (pcm_f32le for floats)";
 const EXPORT: &str =
     "export the recording as WAV, as a universal file with datasets 58, or as a table (CSV) with a column of times";
 const TABLE: &str = "save the sheet as CSV";

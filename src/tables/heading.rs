@@ -131,7 +131,7 @@ mod tests {
             ("time (ms)", "time", "ms"),
             ("p / Pa", "p", "Pa"),
             ("t/s", "t", "s"),
-            ("a/(m/s2)", "a", "(m/s2)"),
+            ("a/(m/s2)", "a", "m/s2"),
             ("a / m/s²", "a", "m/s²"),
             ("Time, s", "Time", "s"),
             ("time_ms", "time", "ms"),

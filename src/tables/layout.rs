@@ -110,8 +110,8 @@ fn is_units(fields: &[String], columns: usize) -> bool {
     (1..=columns).contains(&count) && fields.iter().all(unit)
 }
 
-/// Finds the headings of a table: the first line that `is_header` accepts with numbers close behind it, else that before the
-/// first line of numbers, else the first line that is accepted, so that an error is about what is there.
+/// Finds the headings of a table: the first line that `is_header` accepts with numbers close behind it, else that
+/// before the first line of numbers, else the first line that is accepted, so that an error is about what is there.
 pub(super) fn find(text: &str, is_header: impl Fn(&[Heading]) -> bool) -> Option<Layout> {
     let mut lines = lines(text);
     let stated = lines.first().and_then(stated);

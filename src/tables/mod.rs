@@ -1,8 +1,9 @@
 //! Tables of numbers as text: the one reader of CSV for recordings, drives and laws.
 //!
-//! A file is in UTF-8, UTF-16 or Windows-1252. Its columns are separated by semicolons, tabs, commas or bars; lines that begin
-//! with `#` are comments, and `sep=;` of Excel is followed. The headings may come behind lines about the instrument and before
-//! a row of units. Numbers have a decimal point, or throughout a decimal comma. [`csv`] splits the lines into fields.
+//! A file is in UTF-8, UTF-16 or Windows-1252. Its columns are separated by semicolons, tabs, commas or bars; lines
+//! that begin with `#` are comments, and `sep=;` of Excel is followed. The headings may come behind lines about the
+//! instrument and before a row of units. Numbers have a decimal point, or throughout a decimal comma. [`csv`] splits
+//! the lines into fields.
 
 mod foreign;
 mod heading;
@@ -64,8 +65,8 @@ pub(crate) struct Table {
 }
 
 impl Table {
-    /// Finds headings, units and the beginning of the rows of a table. `is_header` is whether these headings are those that
-    /// are looked for; without such a line they are those before the first line of numbers.
+    /// Finds headings, units and the beginning of the rows of a table. `is_header` is whether these headings are those
+    /// that are looked for; without such a line they are those before the first line of numbers.
     ///
     /// # Errors
     /// [`TableFault`] for what is no text, or has no columns.

@@ -331,30 +331,30 @@ fn damaged_recordings_are_refused() {
         (
             "r-empty",
             String::new(),
-            ["a2.csv, line 1: it is empty", "time_s,depth_m,force_n"],
+            ["a2.csv, line 1: no line has two columns", "time_s,depth_m,force_n"],
         ),
         (
             "r-columns",
-            good.replacen("depth_m", "depth_mm", 1),
+            good.replacen("depth_m", "dept_m", 1),
             ["a2.csv, line 1: its columns are", "time_s,depth_m,force_n"],
         ),
         (
             "r-text",
             edited(50, "0.3,deep,20"),
             [
-                "a2.csv, line 51: depth_m is \"deep\", no number",
-                "a point before the decimals",
+                "a2.csv, line 51: \"depth_m\" is \"deep\", which is no finite number",
+                "one decimal mark",
             ],
         ),
         (
             "r-infinite",
             edited(50, "0.3,0.01,inf"),
-            ["a2.csv, line 51: force_n is \"inf\"", "help"],
+            ["a2.csv, line 51: \"force_n\" is \"inf\"", "help"],
         ),
         (
             "r-fields",
             edited(50, "0.3,0.01"),
-            ["a2.csv, line 51: it has 2 fields", "a field for every column"],
+            ["a2.csv, line 51: it has 2 fields", "a number for every column"],
         ),
         (
             "r-short",
@@ -428,7 +428,12 @@ fn damaged_recordings_are_refused() {
     }
     let folder = folder("prf-fit-bytes");
     fs::write(folder.join("drives.csv"), [0xFF, 0xFE, 0x00]).unwrap();
-    fails("bytes", &folder, &[], &["cannot read", "help"]);
+    fails(
+        "bytes",
+        &folder,
+        &[],
+        &["drives.csv, line 1: no line has two columns", "help"],
+    );
 }
 
 #[test]

@@ -68,7 +68,7 @@ fn a_dead_microphone_is_refused_by_name_and_so_are_nine() {
         .unwrap()
         .shot(0, 0)
         .unwrap_err();
-    names(&error, &["channel mic1", "dead"]);
+    names(&error, &["channel mic1", "dead", "so are those of mic2, mic3", "mic9"]);
 }
 
 #[test]

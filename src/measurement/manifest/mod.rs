@@ -359,22 +359,24 @@ impl Manifest {
     }
 }
 
-/// Every microphone, accelerometer and pressure transducer has a signal. With everything wrapped, in configuration 2, all
-/// microphones together may have none, as in a virtual test of perfect wraps without background noise.
+/// Every microphone, accelerometer and pressure transducer has a signal. With everything wrapped, in configuration 2,
+/// all microphones together may have none, as in a virtual test of perfect wraps without background noise.
 fn alive(channels: &[(PathBuf, Channel)], signals: &Signals, configuration: usize) -> Result<(), MeasurementError> {
     let fault = |index: usize| dead(&signals.channels[index], channels[index].1.kind.quantity().unit());
     let is_microphone = |index: &usize| channels[*index].1.kind == Kind::Microphone;
     let mut microphones = (0..channels.len()).filter(is_microphone);
     let silent = configuration == RESIDUAL && microphones.all(|index| fault(index).is_some());
-    for (index, (_, channel)) in channels.iter().enumerate() {
-        if channel.kind == Kind::Trigger || (silent && is_microphone(&index)) {
-            continue;
-        }
-        if let Some(fault) = fault(index) {
-            return Err(signals.refuse(index, &channel.name, fault));
-        }
+    let is_needed = |index: &usize| channels[*index].1.kind != Kind::Trigger && !(silent && is_microphone(index));
+    let mut faults = (0..channels.len())
+        .filter(is_needed)
+        .filter_map(|index| Some((index, fault(index)?)));
+    let Some((index, mut first)) = faults.next() else {
+        return Ok(());
+    };
+    if let Fault::Dead { others, .. } = &mut first {
+        others.extend(faults.map(|(index, _)| channels[index].1.name.clone()));
     }
-    Ok(())
+    Err(signals.refuse(index, &channels[index].1.name, first))
 }
 
 impl Channel {

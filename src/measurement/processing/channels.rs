@@ -7,9 +7,9 @@ use crate::measurement::recordings::Shot;
 use crate::measurement::wrapping::Configuration;
 use crate::wording::rounded;
 
-/// Largest difference of a microphone's level from the median of all \[dB\]. Distances from the centre of 1 to 1.73 m explain
-/// 5 dB, the directivity of a tool with an exhaust 5 to 8 dB; a sensor with a broken cable or with the sensitivity of another one
-/// differs by more.
+/// Largest difference of a microphone's level from the median of all \[dB\]. Distances from the centre of 1 to 1.73 m
+/// explain 5 dB, the directivity of a tool with an exhaust 5 to 8 dB; a sensor with a broken cable or with the
+/// sensitivity of another one differs by more.
 const SPREAD: f64 = 15.0;
 
 /// Least constant part of a record, relative to its peak, that is stated. It is removed in any case.

@@ -21,7 +21,8 @@ pub(super) fn even_axis(times: &[f64]) -> Result<(f64, f64), Fault> {
     Err(uneven(times))
 }
 
-/// The first sample that is off the even axis of those before it; of those behind it, where there are too few before it.
+/// The first sample that is off the even axis of those before it; of those behind it, where there are too few before
+/// it.
 fn uneven(times: &[f64]) -> Fault {
     let mut steps: Vec<f64> = times.windows(2).map(|pair| pair[1] - pair[0]).collect();
     steps.sort_by(f64::total_cmp);
@@ -54,8 +55,9 @@ fn uneven(times: &[f64]) -> Fault {
     }
 }
 
-/// The first of the indices 1 to `last` whose distance from index 0 is not a step times the index, and the distance expected
-/// there. The steps that explain all distances up to an index are an interval, which each further index narrows.
+/// The first of the indices 1 to `last` whose distance from index 0 is not a step times the index, and the distance
+/// expected there. The steps that explain all distances up to an index are an interval, which each further index
+/// narrows.
 fn piece(median: f64, last: usize, distance: impl Fn(usize) -> f64) -> Option<(usize, f64)> {
     let (mut low, mut high) = (0.5 * median, 1.5 * median);
     let mut step = median;

@@ -1,7 +1,7 @@
 //! Tables: a heading for each column, a column of times, a column for each channel.
 //!
-//! The column of times has the heading `t`, or one that begins with `time`; else it is the only one in a unit of time. A
-//! heading may end with a unit, `time [ms]`, `time_ms`, `N (g)`, or have it in the row below.
+//! The column of times has the heading `t`, or one that begins with `time`; else it is the only one in a unit of time.
+//! A heading may end with a unit, `time [ms]`, `time_ms`, `N (g)`, or have it in the row below.
 
 use nailnoise_quantities::dimension::TIME;
 

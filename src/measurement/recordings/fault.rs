@@ -25,8 +25,8 @@ pub enum Fault {
     },
     /// A WAV file of samples of another width.
     #[error(
-        "the samples have {bits} bits in {bytes} bytes, of the kind {kind}; integers of 2 to 64 bits and floats of 32 and 64 \
-         bits are read"
+        "the samples have {bits} bits in {bytes} bytes, of the kind {kind}; integers of 2 to 64 bits and floats of 32 \
+         and 64 bits are read"
     )]
     Width {
         /// Bits of a sample.
@@ -210,7 +210,10 @@ pub enum Fault {
         found: String,
     },
     /// A channel without a signal.
-    #[error("the channel is dead: all {samples} samples are {value} {unit}")]
+    #[error(
+        "the channel is dead: all {samples} samples are {value} {unit}{}",
+        and_others(others)
+    )]
     Dead {
         /// Samples of the record.
         samples: usize,
@@ -218,6 +221,8 @@ pub enum Fault {
         value: f64,
         /// Unit of the value.
         unit: &'static str,
+        /// Other channels of the shot without a signal.
+        others: Vec<String>,
     },
     /// Manifest and file state different units.
     #[error("the manifest states the unit \"{manifest}\", the file \"{file}\"")]
@@ -266,6 +271,13 @@ pub enum Fault {
         /// The least duration \[s\].
         needed: f64,
     },
+}
+
+fn and_others(others: &[String]) -> String {
+    if others.is_empty() {
+        return String::new();
+    }
+    format!("; so are those of {}", others.join(", "))
 }
 
 impl Fault {

@@ -144,8 +144,8 @@ impl Format {
         (((1_i128 << (bits - 1)) - 1) << unused) as f64
     }
 
-    /// Refuses samples that use the bits which by the header are unused, and leave the highest ones empty: their writer put
-    /// the valid bits at the wrong end, and they would read too quiet.
+    /// Refuses samples that use the bits which by the header are unused, and leave the highest ones empty: their writer
+    /// put the valid bits at the wrong end, and they would read too quiet.
     pub(super) fn check(&self, data: &[u8]) -> Result<(), Fault> {
         let Coded::Integer { bits } = self.coded else {
             return Ok(());

@@ -1,9 +1,9 @@
 //! The chunks of RIFF files, and of RF64 and BW64 files, whose lengths may exceed 4 GiB (EBU Tech 3306, ITU-R BS.2088).
 //!
-//! Written here, because hound refuses what recorders write: chunks of odd length, `fmt ` chunks of 18 and 40 bytes with other
-//! contents than its own, RF64; and it reads 24 bits in containers of 32 from the wrong end. The licence of symphonia, MPL-2.0, is
-//! not among those of `deny.toml`. This reader is lenient where libsndfile is: it follows the chunks in any order, accepts a
-//! missing pad byte, and ignores the length of the file in its header.
+//! Written here, because hound refuses what recorders write: chunks of odd length, `fmt ` chunks of 18 and 40 bytes
+//! with other contents than its own, RF64; and it reads 24 bits in containers of 32 from the wrong end. The licence of
+//! symphonia, MPL-2.0, is not among those of `deny.toml`. This reader is lenient where libsndfile is: it follows the
+//! chunks in any order, accepts a missing pad byte, and ignores the length of the file in its header.
 
 /// Lengths of chunks that stand for "see ds64" or "unknown, to the end of the file".
 const UNKNOWN: u32 = u32::MAX;

@@ -25,9 +25,9 @@ pub struct Offsets {
 }
 
 impl Shot {
-    /// Removes the constant part of microphones and accelerometers, an offset of their amplifiers: neither sound nor the
-    /// vibration of a tool at rest before and after the shot has one. The ends of a record would make a step of it, which
-    /// raises the lowest bands. Gas pressures keep theirs, the static pressure.
+    /// Removes the constant part of microphones and accelerometers, an offset of their amplifiers: neither sound nor
+    /// the vibration of a tool at rest before and after the shot has one. The ends of a record would make a step of it,
+    /// which raises the lowest bands. Gas pressures keep theirs, the static pressure.
     pub fn remove_offsets(&mut self) -> Offsets {
         Offsets {
             microphones: self.microphones.iter_mut().map(|record| remove_mean(record)).collect(),

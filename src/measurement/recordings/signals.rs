@@ -194,6 +194,7 @@ pub(crate) fn dead(signal: &[f64], unit: &'static str) -> Option<Fault> {
         samples: signal.len(),
         value: *first,
         unit,
+        others: Vec::new(),
     })
 }
 

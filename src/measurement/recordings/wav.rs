@@ -69,8 +69,8 @@ pub fn encode(signals: &[&[f64]], rate: u32, full_scale: f64, coding: Coding) ->
     plain(bytes.into_inner(), coding).ok_or_else(|| io::Error::other("the header of a WAV file is not extensible"))
 }
 
-/// A WAV file with the format chunk of 16 bytes in the place of the extensible one of 40 bytes that hound writes for more than
-/// 16 bits, because Python's `wave` before 3.12 and other simple readers open no extensible one.
+/// A WAV file with the format chunk of 16 bytes in the place of the extensible one of 40 bytes that hound writes for
+/// more than 16 bits, because Python's `wave` before 3.12 and other simple readers open no extensible one.
 fn plain(mut file: Vec<u8>, coding: Coding) -> Option<Vec<u8>> {
     const CHUNK: std::ops::Range<usize> = 12..20;
     const FORMAT: std::ops::Range<usize> = 20..22;
