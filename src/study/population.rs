@@ -19,8 +19,8 @@ use crate::error::Error;
 use crate::store::Key;
 use crate::wording::hexadecimal;
 
-/// Relative difference up to which ends of ranges are the same; provided studies have six digits.
-const SAME: f64 = 2e-5;
+/// Relative difference up to which ends of ranges are the same; provided studies have five digits.
+const SAME: f64 = 1e-4;
 
 /// The distribution of a quantity that is drawn.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
