@@ -267,10 +267,15 @@ class Study(_Shown):
 
     def _shown(self) -> tuple[str, list[str], list[list[str]]]:
         title = f"{self.data['design']['name']}: {self.data['draws']} draws, levels in dB re 1 pW s"
-        headings = ["source", "design", "P5", "P50", "P95", "P(first)"]
+        # Fewer than 32 draws state no percentiles.
+        few = self.data["draws"] < 32
+        headings = ["source", "design", "lowest" if few else "P5", "P50", "highest" if few else "P95", "P(first)"]
+        ends = {own["source"]: own["level"]["extremes_db"] for own in self.data["sources"]}
+        ends["total"] = self.data["total"]["extremes_db"]
 
         def cells(row: dict[str, Any]) -> list[str]:
-            levels = [decibels(row[key]) for key in ("design", "p05", "p50", "p95")]
+            low, high = ends[row["source"]] if few else (row["p05"], row["p95"])
+            levels = [decibels(level) for level in (row["design"], low, row["p50"], high)]
             return [row["source"], *levels, "" if row["first"] is None else f"{row['first']:.2f}"]
 
         return title, headings, [cells(row) for row in self._rows()]

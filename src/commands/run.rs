@@ -228,8 +228,9 @@ fn with_intervals(text: &Text, study: Result<&Known, &NotKnown>) -> String {
         notes if notes.is_empty() => notes,
         notes => format!("\n{notes}"),
     };
-    let failed =
-        contradiction_of(study).map_or_else(String::new, |check| format!("\n  check FAILED: {}\n", check.name));
+    let failed = contradiction_of(study).map_or_else(String::new, |check| {
+        format!("\n  check against the draws FAILED: {}\n", check.name)
+    });
     format!(
         "{before}{}{legend}{failed}{declared}{between}{notes}{after}",
         table(&headings, &rows)

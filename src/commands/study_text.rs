@@ -6,7 +6,7 @@ use super::progress::noted;
 use super::table::{dash, decibels, fixed, table};
 use crate::study::{
     Condition, Contributions, Estimate, GroupStudy, InputChanges, InputEnd, LevelStudy, OneAtATime, StudyResult,
-    Surrogate, SurrogateIndex, common_reason,
+    Surrogate, SurrogateIndex, common_reason, names_of_ends,
 };
 use crate::wording::drawn_structures;
 
@@ -188,13 +188,14 @@ pub(super) fn text(result: &StudyResult) -> String {
     );
     let place = |share: Option<f64>| dash(share, |share| format!("{:.0} %", 100.0 * share));
     let row = |name: &str, own: &LevelStudy| {
+        let [low, high] = own.ends(result.draws);
         vec![
             name.to_owned(),
             decibels(own.nominal_db),
             place(own.below_nominal),
-            level(&own.level_db.p05),
+            level(&low),
             level(&own.level_db.p50),
-            level(&own.level_db.p95),
+            level(&high),
         ]
     };
     let mut rows: Vec<Vec<String>> = Vec::new();
@@ -206,13 +207,14 @@ pub(super) fn text(result: &StudyResult) -> String {
         rows.push(cells);
     }
     rows.push(row("total", &result.total));
+    let [low, high] = names_of_ends(result.draws);
     let headings = [
         "source",
         "design",
         "draws below",
-        "P5",
+        low,
         "P50",
-        "P95",
+        high,
         "P(first)",
         "loss dB",
         "silenced dB",

@@ -6,7 +6,7 @@ use super::chart::markup;
 use super::page::{Page, Section};
 use super::tables::{decibels, with_code};
 use crate::figures::Chart;
-use crate::study::{Estimate, GroupStudy, LevelStudy, StudyResult, common_reason};
+use crate::study::{Estimate, GroupStudy, LevelStudy, StudyResult, common_reason, names_of_ends};
 
 pub(super) fn page(result: &StudyResult, charts: &[Chart], scatter: &[Chart]) -> Page {
     let chart = |name: &str| charts.iter().find(|chart| chart.name == name).map(markup);
@@ -82,12 +82,14 @@ fn levels(result: &StudyResult) -> Markup {
         html! {
             td.n { (decibels(own.nominal_db)) }
             td.n { @if let Some(share) = own.below_nominal { (format!("{:.0} %", 100.0 * share)) } }
-            td.n { (level(&own.level_db.p05)) } td.n { (level(&own.level_db.p50)) } td.n { (level(&own.level_db.p95)) }
+            @let [low, high] = own.ends(result.draws);
+            td.n { (level(&low)) } td.n { (level(&own.level_db.p50)) } td.n { (level(&high)) }
         }
     };
+    let [low, high] = names_of_ends(result.draws);
     html! {
         div.scroll { table {
-            thead { tr { th { "source" } th.n { "design" } th.n { "draws below" } th.n { "P5" } th.n { "P50" } th.n { "P95" }
+            thead { tr { th { "source" } th.n { "design" } th.n { "draws below" } th.n { (low) } th.n { "P50" } th.n { (high) }
                 th.n { "P(first)" } th.n { "loss" } th.n { "silenced" } } }
             tbody {
                 @for own in &result.sources { tr {

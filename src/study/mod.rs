@@ -51,6 +51,7 @@ pub use provided::{FoundProvided, ProvidedState, ProvidedStudy};
 pub use request::{Part, Request};
 pub use result::{
     Candidates, Convergence, LabelledStudy, LevelStudy, Louder, OrderProbability, SCHEMA, SourceStudy, StudyResult,
+    names_of_ends,
 };
 pub use sampling::{Frame, NoValues, Point, Rejections, Sampler};
 pub use screening::{Candidate, Tally, screen};

@@ -4,6 +4,7 @@ use std::collections::BTreeSet;
 
 use super::draws::{Draw, Draws};
 use super::request::Request;
+use super::tolerance::{STATED_FROM, content, draws_for, next_within};
 use super::variable_report::VariableReport;
 use super::variables::Kind;
 use crate::design::Design;
@@ -17,6 +18,17 @@ const SHIFTED: f64 = 4.0;
 /// The notes on draws of a design.
 pub(super) fn notes(design: &Design, request: &Request, made: &Draws, variables: &[VariableReport]) -> Vec<String> {
     let mut notes = Vec::new();
+    let draws = made.draws.len();
+    if (2..STATED_FROM).contains(&draws) && made.structures == 0 {
+        notes.push(format!(
+            "{draws} draws state no percentiles: a further draw lies between the lowest and the highest with a probability of {:.0} %, \
+             and with 90 % confidence these contain {:.0} % of all draws (Wilks 1941); {STATED_FROM} draws state P5 and P95, and the \
+             range of {} contains 90 % of all with 90 % confidence",
+            100.0 * next_within(draws),
+            (100.0 * content(draws).unwrap_or(0.0)).floor(),
+            draws_for(0.9)
+        ));
+    }
     let held: Vec<&str> = variables
         .iter()
         .filter(|own| !own.drawn)

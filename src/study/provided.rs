@@ -31,7 +31,7 @@ pub struct ProvidedStudy {
     pub version: String,
     code: String,
     population: Population,
-    /// What it states.
+    /// What it states, without bands and intervals between events.
     pub result: StudyResult,
     /// Levels and places of its draws.
     #[serde(flatten)]
@@ -77,7 +77,7 @@ impl ProvidedStudy {
             version: env!("CARGO_PKG_VERSION").to_owned(),
             code: code(),
             population: Population::of(design, result)?,
-            result: result.clone(),
+            result: brief(result),
             draws: DrawTable::of(made),
         })
     }
@@ -150,6 +150,16 @@ impl ProvidedStudy {
         };
         shipped::DESIGNS.iter().map(state).collect()
     }
+}
+
+/// A study without bands and intervals, which are most of its bytes; no command shows them of a provided one.
+fn brief(result: &StudyResult) -> StudyResult {
+    let mut brief = result.clone();
+    for own in &mut brief.sources {
+        own.bands.clear();
+        own.intervals.clear();
+    }
+    brief
 }
 
 /// The files of this layout.

@@ -16,6 +16,7 @@ use super::one_at_a_time::OneAtATime;
 use super::request::Request;
 use super::statistics::{Bootstrap, Estimate, Quantiles, benefit, loss, order, weighted_mean};
 use super::surrogate::{Surrogate, surrogates};
+use super::tolerance::STATED_FROM;
 use super::variable_report::{VariableReport, variable_reports};
 use crate::design::Design;
 use crate::result::{DesignId, schema_of};
@@ -102,6 +103,27 @@ pub struct LevelStudy {
     pub extremes_db: [Option<f64>; 2],
     /// P5, P50 and P95 of the draws.
     pub level_db: Quantiles,
+}
+
+impl LevelStudy {
+    /// P5 and P95 of so many draws; of fewer than [`STATED_FROM`] the lowest and the highest, which have no interval.
+    pub fn ends(&self, draws: usize) -> [Estimate; 2] {
+        if draws >= STATED_FROM {
+            return [self.level_db.p05, self.level_db.p95];
+        }
+        self.extremes_db.map(|value| Estimate {
+            value,
+            interval: [None; 2],
+        })
+    }
+}
+
+/// What [`LevelStudy::ends`] of so many draws are called.
+pub fn names_of_ends(draws: usize) -> [&'static str; 2] {
+    match draws {
+        STATED_FROM.. => ["P5", "P95"],
+        _ => ["lowest", "highest"],
+    }
 }
 
 /// A source over the draws.
