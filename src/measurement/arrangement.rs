@@ -70,7 +70,8 @@ impl Arrangement {
             centre: manifest.centre.into(),
             microphones: manifest.microphones.iter().map(|own| own.position.into()).collect(),
             plane: manifest.plane,
-            air: Air::at(manifest.temperature, manifest.static_pressure)?,
+            air: Air::at(manifest.temperature, manifest.static_pressure)?
+                .of_gas(manifest.gas_constant, manifest.heat_capacity_ratio)?,
             absorption: manifest.absorption,
             range_hz: RANGE,
             accelerometers: manifest.accelerometers.clone(),

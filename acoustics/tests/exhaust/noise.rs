@@ -289,7 +289,7 @@ fn the_plenum_filters_the_unsteady_flow_only() {
         .spectrum;
     let free = noise(&history, &HOLES).spectrum;
     assert_eq!(filtered.contributions[0], free.contributions[0]);
-    let f0 = plenum.frequency(&HOLES, air.temperature);
+    let f0 = plenum.frequency(&HOLES, air.temperature, &air);
     let at = (0..free.frequency.len()).min_by(|&i, &j| {
         (free.frequency[i] - f0)
             .abs()
