@@ -272,8 +272,8 @@ impl Fields<'_> {
         let domain = DOMAINS.iter().find(|(name, _)| *name == column);
         match domain {
             Some((_, [low, high])) if !(*low..=*high).contains(&number) => Err(self.error(
-                format!("{column} is {number}, and must be from {low} to {high}"),
-                "give the value in the unit that the column's name ends with",
+                format!("{column} is {number:?}, and must be from {low:?} to {high:?}"),
+                format!("correct {column}; its name ends with its unit"),
             )),
             _ => Ok(number),
         }

@@ -190,3 +190,24 @@ pub fn widen(ranking: &mut [RankedSource], starts: &Starts) {
         ));
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn parts_too_faint_for_a_level_are_no_gap_and_absent_energy_is_one() {
+        // 0.1 fJ in one band, and 20 bands of half the energy of silence each, which have no level.
+        let loud = 1e-16;
+        let whole = energy_level(loud + 20.0 * 0.5 * SILENCE);
+        assert_eq!(gap(loud, 20, whole), 0.0);
+        assert!(gap(loud, 0, whole) > 1e-4);
+        // A part of a millionth that is not there.
+        let part = 1e-6;
+        assert!((gap(1.0 - part, 20, energy_level(1.0)) / part - 1.0).abs() < 1e-6);
+        assert!((gap(1.0 + part, 0, energy_level(1.0)) / part - 1.0).abs() < 1e-6);
+        // A silent source, with and without bands that say otherwise.
+        assert_eq!(gap(0.0, 27, None), 0.0);
+        assert!(gap(1e-12, 0, None) > 1.0);
+    }
+}
