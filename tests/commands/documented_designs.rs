@@ -52,6 +52,8 @@ fn every_documented_design_ends_as_its_page_says() {
     std::fs::copy(root.join("designs/n80cb.toml"), folder.join("designs/n80cb.toml")).unwrap();
     // The design of the reader, as `nailnoise init` begins it.
     std::fs::write(folder.join("my-tool.toml"), "base = \"n80cb.toml\"\n").unwrap();
+    // The housing that a page tells its reader to draw: the cycle reads no mesh.
+    std::fs::write(folder.join("housing.step"), "").unwrap();
     let file = folder.join("example.toml");
     let mut computed = 0;
     for page in pages(root) {
