@@ -11,7 +11,9 @@ fn main() -> Result<(), nailnoise::Error> {
         .nth(1)
         .unwrap_or_else(|| "designs/n80cb.toml".to_owned());
     let design = Design::load(path)?;
-    let air = Air::at(design.ambient.temperature, design.ambient.pressure)?;
+    let ambient = &design.ambient;
+    let air = Air::at(ambient.temperature, ambient.pressure)?;
+    let air = air.of_gas(ambient.gas_constant, ambient.heat_capacity_ratio)?;
     let openings = chain::exhaust_openings(&design, &chain::cycle(&design)?)?;
     // No direction of the jets is published; here they blow to the front, 1.2 m above the floor.
     let outlet = Outlet {

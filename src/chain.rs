@@ -16,12 +16,12 @@ use nailnoise_acoustics::levels::SourceSpectrum;
 use nailnoise_acoustics::radiator::Loading;
 use nailnoise_dynamics::CycleRecord;
 
-use crate::design::{Design, inputs};
+use crate::design::{Design, MufflerKind, inputs};
 use crate::error::Error;
 use crate::graph::Graph;
 use crate::result::Starts;
 use crate::stages::cycle::{Cycle, Preset};
-use crate::stages::exhaust::{ExhaustSource, noise};
+use crate::stages::exhaust::{Cycles, ExhaustSource, noise};
 use crate::stages::levels::{Levels, ShotLevels};
 use crate::stages::requirements::Usable;
 use crate::stages::response::{CouplingReport, End, Reported, ResponseChecks, ResponseReport, Vibration};
@@ -141,12 +141,25 @@ impl Chain {
     pub fn new(graph: &Graph, design: &Design, options: Options) -> Result<Self, Error> {
         let (begin, air) = (Instant::now(), inputs::air(design)?);
         let lumped = graph.add(cycle_stage(design)?);
+        let bare = without_measured_muffler(design);
         let bodies = Bodies::add(graph, design)?;
         let radiators = Radiators::add(graph, design, &bodies, (air, options.shared))?;
 
         // Motion.
         let forced = (lumped.clone(), options.workpiece_force_scale);
         let motions = Motions::new(graph, design, (&bodies, &radiators), forced)?;
+        let unmuffled = match &bare {
+            Some(bare) => {
+                let forced = (graph.add(cycle_stage(bare)?), options.workpiece_force_scale);
+                Some(Motions::new(graph, bare, (&bodies, &radiators), forced)?)
+            }
+            None => None,
+        };
+        // The cycles of the exhaust of a shot, one way or two ways.
+        let cycles = |shot: &Stored<CycleRecord>, two_way: bool| Cycles {
+            shot: shot.clone(),
+            unmuffled: unmuffled.as_ref().map(|bare| bare.driven(0, two_way).cycle),
+        };
         let Driven {
             cycle,
             vibration: frozen,
@@ -172,7 +185,8 @@ impl Chain {
         let workpiece_sound = sources.workpiece_sound(&of_structure);
         let body_sound = sources.body_sound(&cycle, of_tool.clone());
         let workpiece = sources.workpiece(&workpiece_sound, (&cycle, &end));
-        let exhaust = sources.exhaust(&cycle, &end);
+        let of_exhaust = cycles(&cycle, motions.two_way);
+        let exhaust = sources.exhaust(&of_exhaust, &end);
         let body = sources.body(body_sound.clone(), &end);
         let sensors = Sensors {
             accelerometers: inputs::sensors::accelerometers(design)?,
@@ -184,7 +198,7 @@ impl Chain {
             workpiece: workpiece_sound,
             openings: sources.openings.clone(),
             body: body_sound,
-            cycle: cycle.clone(),
+            cycles: of_exhaust,
             end: end.clone(),
             range_hz: motions.range_hz,
             bodies: bodies.modal().cloned().collect(),
@@ -221,7 +235,7 @@ impl Chain {
         let one_way = coupled.map(|both| OneWay {
             report: graph.add(CouplingReport(both)),
             workpiece: sources.energy_without_sensors(&motions.driven(0, false).vibration),
-            exhaust: sources.exhaust(&lumped, &end),
+            exhaust: sources.exhaust(&cycles(&lumped, false), &end),
             body: sources.body_energy(&lumped, motions.tool(&lumped).map(|(_, motion)| motion)),
             cycle: lumped.clone(),
         });
@@ -328,6 +342,15 @@ pub fn cycle_as_published(design: &Design, preset: Preset) -> Result<CycleRecord
     cycle_stage(design)?.published(preset).compute(&Progress::silent())
 }
 
+/// The same design without the muffler behind its exhaust holes, if the insertion loss of that was measured.
+fn without_measured_muffler(design: &Design) -> Option<Design> {
+    (design.exhaust.muffler.kind == MufflerKind::InsertionLoss).then(|| {
+        let mut bare = design.clone();
+        bare.exhaust.muffler.kind = MufflerKind::None;
+        bare
+    })
+}
+
 fn cycle_stage(design: &Design) -> Result<Cycle, Error> {
     Ok(Cycle {
         parameters: inputs::cycle::parameters(design)?,
@@ -336,12 +359,15 @@ fn cycle_stage(design: &Design) -> Result<Cycle, Error> {
 }
 
 /// The noise of a cycle's openings one by one, from which the sound at any place follows
-/// ([`ExhaustNoise::at`]): exhaust holes, a muffler's outlet where there is one, trigger vent.
+/// ([`ExhaustNoise::at`]): exhaust holes, a muffler's outlet where there is one, trigger vent. For a muffler of measured
+/// insertion loss, the cycle without it is computed too, one way.
 ///
 /// # Errors
 /// Openings, plenum or muffler that cannot be, air that leaves against a higher pressure.
 pub fn exhaust_openings(design: &Design, record: &CycleRecord) -> Result<Vec<ExhaustNoise>, Error> {
-    Ok(noise(&inputs::exhaust::openings(design)?, record)?.2.openings)
+    let unmuffled = without_measured_muffler(design).as_ref().map(cycle).transpose()?;
+    let holes = unmuffled.as_ref().unwrap_or(record);
+    Ok(noise(&inputs::exhaust::openings(design)?, holes, record)?.2.openings)
 }
 
 #[cfg(test)]

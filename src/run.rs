@@ -210,7 +210,7 @@ impl Chain {
         checks.extend([&workpiece, &body].into_iter().filter_map(|source| source.check()));
         checks.extend(ranking::checks(&ranking, &total));
         checks.extend(interval_checks);
-        checks.push(exhaust.details.check());
+        checks.extend(exhaust.details.checks());
         if let Some(starts) = &starts {
             ranking::widen(&mut ranking, starts);
         }

@@ -1,9 +1,9 @@
 use crate::checks::{InputError, positive};
 use serde::{Deserialize, Serialize};
 
-/// Specific gas constant of dry air \[J/(kg K)\] (ISO 2533).
+/// Specific gas constant R of dry air \[J/(kg K)\] (ISO 2533).
 pub const GAS_CONSTANT: f64 = 287.052_874;
-/// Ratio of the specific heats of air.
+/// Ratio gamma of the specific heats of air.
 pub const HEAT_RATIO: f64 = 1.4;
 
 /// The air around the tool, a perfect gas at rest.
@@ -24,17 +24,44 @@ pub struct Air {
     pub density: f64,
     /// Speed of sound c0 \[m/s\].
     pub sound_speed: f64,
+    /// Specific gas constant R \[J/(kg K)\].
+    pub gas_constant: f64,
+    /// Ratio gamma of the specific heats.
+    pub heat_ratio: f64,
 }
 
 impl Air {
-    /// Air at `temperature` \[K\] and `pressure` \[Pa\].
+    /// Dry air at `temperature` \[K\] and `pressure` \[Pa\].
     ///
     /// # Errors
     /// [`InputError::NotPositive`] for a temperature or pressure that is not above zero.
     pub fn at(temperature: f64, pressure: f64) -> Result<Self, InputError> {
+        Self::default().in_state(temperature, pressure)
+    }
+
+    /// A perfect gas of specific gas constant R \[J/(kg K)\] and ratio gamma of the specific heats, in the same state.
+    ///
+    /// # Errors
+    /// [`InputError`] for a gas constant that is not above zero and for a ratio that is not above 1.
+    pub fn of_gas(self, gas_constant: f64, heat_ratio: f64) -> Result<Self, InputError> {
+        positive("specific gas constant [J/(kg K)]", gas_constant)?;
+        positive("ratio of the specific heats, less 1", heat_ratio - 1.0)?;
+        Ok(Self {
+            gas_constant,
+            heat_ratio,
+            ..self
+        }
+        .perfect_gas(self.temperature, self.pressure))
+    }
+
+    /// The same gas at another temperature \[K\] and pressure \[Pa\].
+    ///
+    /// # Errors
+    /// [`InputError::NotPositive`] for a temperature or pressure that is not above zero.
+    pub fn in_state(self, temperature: f64, pressure: f64) -> Result<Self, InputError> {
         positive("ambient temperature [K]", temperature)?;
         positive("ambient pressure [Pa]", pressure)?;
-        Ok(Self::perfect_gas(temperature, pressure))
+        Ok(self.perfect_gas(temperature, pressure))
     }
 
     /// Characteristic impedance rho0 c0 \[Pa s/m\].
@@ -42,12 +69,14 @@ impl Air {
         self.density * self.sound_speed
     }
 
-    pub(crate) fn perfect_gas(temperature: f64, pressure: f64) -> Self {
+    /// The same gas in a state that is known to exist.
+    pub(crate) fn perfect_gas(self, temperature: f64, pressure: f64) -> Self {
         Self {
             temperature,
             pressure,
-            density: pressure / (GAS_CONSTANT * temperature),
-            sound_speed: (HEAT_RATIO * GAS_CONSTANT * temperature).sqrt(),
+            density: pressure / (self.gas_constant * temperature),
+            sound_speed: (self.heat_ratio * self.gas_constant * temperature).sqrt(),
+            ..self
         }
     }
 }
@@ -55,6 +84,14 @@ impl Air {
 impl Default for Air {
     /// 20 °C and one standard atmosphere.
     fn default() -> Self {
-        Self::perfect_gas(293.15, 101_325.0)
+        Self {
+            temperature: 293.15,
+            pressure: 101_325.0,
+            density: 0.0,
+            sound_speed: 0.0,
+            gas_constant: GAS_CONSTANT,
+            heat_ratio: HEAT_RATIO,
+        }
+        .perfect_gas(293.15, 101_325.0)
     }
 }

@@ -11,7 +11,7 @@ use crate::design::{Design, inputs};
 use crate::error::Error;
 use crate::graph::Graph;
 use crate::stages::Stored;
-use crate::stages::exhaust::{Exhaust, ExhaustSource, Openings};
+use crate::stages::exhaust::{Cycles, Exhaust, ExhaustSource, Openings};
 use crate::stages::microphones::MicrophoneArray;
 use crate::stages::response::Vibration;
 use crate::stages::sources::{
@@ -104,12 +104,12 @@ impl<'a> Sources<'a> {
     }
 
     /// The exhaust as a source.
-    pub(super) fn exhaust(&self, cycle: &Stored<CycleRecord>, end: &Stored<f64>) -> Stored<ExhaustSource> {
+    pub(super) fn exhaust(&self, cycles: &Cycles, end: &Stored<f64>) -> Stored<ExhaustSource> {
         self.graph.add(Exhaust {
             openings: self.openings.clone(),
             outlet: inputs::exhaust::outlet(self.design),
             microphones: self.microphones.clone(),
-            cycle: cycle.clone(),
+            cycles: cycles.clone(),
             end: end.clone(),
             noise_seed: self.noise_seed,
         })

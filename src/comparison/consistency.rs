@@ -2,7 +2,7 @@
 
 use serde_json::Value;
 
-use nailnoise_acoustics::levels::REFERENCE_ENERGY;
+use nailnoise_acoustics::levels::{REFERENCE_ENERGY, SILENCE};
 
 use crate::result::{BandLevel, Component, IntervalLevel, RankedSource, Total};
 
@@ -152,13 +152,17 @@ fn sum_of_surfaces(at: &str, whole: Option<f64>, parts: &[f64], what: &str) -> R
     sum(at, whole, parts, what)
 }
 
-/// A level is that of the energies of its parts.
+/// A level is that of the energies of its parts, of which those without a level may have up to the energy of silence each.
 fn sum(at: &str, whole: Option<f64>, parts: &[f64], what: &str) -> Result<(), Fault> {
     let energy: f64 = parts.iter().sum();
-    let expected = (energy > 0.0).then(|| 10.0 * energy.log10());
-    let agrees = match (whole, expected) {
-        (Some(whole), Some(expected)) => (whole - expected).abs() <= ROUNDING_DB,
-        (whole, expected) => whole.is_none() && expected.is_none(),
+    let silent = parts.iter().filter(|part| **part == 0.0).count() as f64 * SILENCE / REFERENCE_ENERGY;
+    let decibels = |energy: f64| (energy > 0.0).then(|| 10.0 * energy.log10());
+    let expected = decibels(energy);
+    let agrees = match (whole, expected, decibels(energy + silent)) {
+        (Some(whole), least, Some(most)) => {
+            whole <= most + ROUNDING_DB && least.is_none_or(|least| whole >= least - ROUNDING_DB)
+        }
+        (whole, expected, _) => whole.is_none() && expected.is_none(),
     };
     if agrees {
         return Ok(());

@@ -2,6 +2,7 @@
 //!
 //! Each rule reads plain values, so that a design changed by a program can be checked as well as a file.
 
+use nailnoise_acoustics::levels::{Band, THIRD_OCTAVES};
 use nailnoise_acoustics::muffler::plane_wave_limit;
 
 use super::conflict::{Conflict, SAMPLES, SPRING_LIMIT};
@@ -127,9 +128,31 @@ fn exhaust(v: &Values) -> Result<(), Conflict> {
     let muffler = &v.exhaust.muffler;
     let both = v.exhaust.fitting.kind != FittingKind::None && muffler.kind != MufflerKind::None;
     refuse(both, Conflict::FittingAndMuffler)?;
-    if muffler.kind != MufflerKind::Chamber {
-        return Ok(());
+    match muffler.kind {
+        MufflerKind::None => Ok(()),
+        MufflerKind::InsertionLoss => insertion_loss(&v.analysis),
+        MufflerKind::Chamber => chamber(v),
     }
+}
+
+/// The octaves of a measured insertion loss cover the range of the exhaust.
+fn insertion_loss(analysis: &Analysis) -> Result<(), Conflict> {
+    // The octaves from 63 Hz to 16 kHz have the third octaves from 50 Hz to 20 kHz.
+    let (first, last) = THIRD_OCTAVES.into_inner();
+    let range = [Band::new(first).low, Band::new(last).high];
+    for (key, value) in [
+        ("analysis.range_low", analysis.range_low),
+        ("analysis.exhaust_top", analysis.exhaust_top),
+    ] {
+        let outside = Conflict::InsertionLossRange { key, value, range };
+        refuse(value < range[0] || value >= range[1], outside)?;
+    }
+    Ok(())
+}
+
+/// A chamber and its tail pipe are known over the range of the exhaust.
+fn chamber(v: &Values) -> Result<(), Conflict> {
+    let muffler = &v.exhaust.muffler;
     let (area, diameter) = (muffler.flow_area, muffler.tail_diameter);
     let bore = 0.25 * std::f64::consts::PI * diameter * diameter;
     refuse(area > bore, Conflict::MufflerArea { area, diameter, bore })?;
@@ -147,7 +170,9 @@ fn exhaust(v: &Values) -> Result<(), Conflict> {
         };
         refuse(highest < top, across)?;
     }
-    Ok(())
+    let resistivity = muffler.lining_resistivity;
+    let lined = muffler.lining_thickness > 0.0;
+    refuse(lined && resistivity < top, Conflict::LiningRange { resistivity, top })
 }
 
 fn sound_speed(v: &Values) -> f64 {

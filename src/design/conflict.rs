@@ -128,6 +128,26 @@ pub enum Conflict {
         /// Top of the analysis \[Hz\].
         top: f64,
     },
+    /// The exhaust is analysed where the insertion loss of its muffler was not measured.
+    #[error("`{key}` is {}, the octaves of the measured insertion loss cover {} to {}", show(*value, FREQUENCY),
+        show(range[0], FREQUENCY), show(range[1], FREQUENCY))]
+    InsertionLossRange {
+        /// Key of the end of the range.
+        key: &'static str,
+        /// Its value \[Hz\].
+        value: f64,
+        /// Range of the octaves \[Hz\].
+        range: [f64; 2],
+    },
+    /// The exhaust is analysed where the law of its muffler's lining is not known.
+    #[error("the law of a porous lining ends where the frequency in Hz is its flow resistivity in Pa s/m2, here at {}; the \
+         exhaust is analysed to {}", show(*resistivity, FREQUENCY), show(*top, FREQUENCY))]
+    LiningRange {
+        /// Flow resistivity \[Pa s/m2\].
+        resistivity: f64,
+        /// Top of the analysis \[Hz\].
+        top: f64,
+    },
     /// The muffler's tail pipe cannot have the flow area given.
     #[error("`exhaust.muffler.flow_area` ({}) is more than the tail pipe of {} has ({})",
         show(*area, AREA), mm(*diameter), show(*bore, AREA))]
@@ -249,6 +269,8 @@ impl Conflict {
             Self::Incompressible { key, .. } => vec![key],
             Self::SupplyBelowAmbient { .. } => vec!["supply.pressure", "ambient.pressure"],
             Self::NotPlaneWaves { key, .. } => vec![key, "exhaust.muffler.kind", "analysis.exhaust_top"],
+            Self::InsertionLossRange { key, .. } => vec![key, "exhaust.muffler.kind"],
+            Self::LiningRange { .. } => vec!["exhaust.muffler.lining_resistivity", "analysis.exhaust_top"],
             Self::NotCarried { key, .. } => vec![key],
             Self::MufflerArea { .. } => vec!["exhaust.muffler.flow_area", "exhaust.muffler.tail_diameter"],
             Self::MicrophonesInSand { .. } => vec!["support.sand.box_depth", "support.sand.measurement_plane"],
@@ -303,6 +325,19 @@ impl Conflict {
                 "narrow `{key}`, lower `analysis.exhaust_top` to {:.0} Hz and `analysis.range_high` with it, or give \
                  the measured insertion loss: `exhaust.muffler.kind = \"insertion_loss\"`",
                 highest.floor()
+            ),
+            Self::InsertionLossRange { key, value, range } => {
+                let (change, limit) = if *value < range[0] {
+                    ("raise", range[0].ceil())
+                } else {
+                    ("lower", range[1].floor())
+                };
+                format!("{change} `{key}` to {limit:.0} Hz")
+            }
+            Self::LiningRange { resistivity, .. } => format!(
+                "raise `exhaust.muffler.lining_resistivity`, lower `analysis.exhaust_top` to {:.0} Hz, or set \
+                 `exhaust.muffler.lining_thickness` to 0 for a bare pipe",
+                resistivity.floor()
             ),
             Self::MufflerArea { .. } => {
                 "lower `exhaust.muffler.flow_area` or widen `exhaust.muffler.tail_diameter`".to_owned()

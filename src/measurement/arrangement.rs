@@ -73,7 +73,8 @@ impl Arrangement {
             microphones: manifest.microphones.iter().map(|own| own.position.into()).collect(),
             microphone_names: manifest.microphones.iter().map(|own| own.name.clone()).collect(),
             plane: manifest.plane,
-            air: Air::at(manifest.temperature, manifest.static_pressure)?,
+            air: Air::at(manifest.temperature, manifest.static_pressure)?
+                .of_gas(manifest.gas_constant, manifest.heat_capacity_ratio)?,
             absorption: manifest.absorption,
             range_hz: RANGE,
             accelerometers: manifest.accelerometers.clone(),

@@ -3,6 +3,7 @@
 use std::fmt::Write as _;
 use std::path::PathBuf;
 
+use nailnoise_acoustics::Air;
 use nailnoise_meshes::uff::{History, Ordinate};
 
 use crate::design::Design;
@@ -97,6 +98,12 @@ pub fn manifest(
     let _ = writeln!(text, "plane = {}", arrangement.plane);
     let _ = writeln!(text, "temperature = \"{} K\"", air.temperature);
     let _ = writeln!(text, "static_pressure = \"{} Pa\"", air.pressure);
+    // Recordings of dry air need no gas; a rounded constant in a design is dry air too.
+    let standard = Air::default();
+    if (air.gas_constant / standard.gas_constant - 1.0).abs() > 1e-4 || air.heat_ratio != standard.heat_ratio {
+        let _ = writeln!(text, "gas_constant = \"{} J/(kg K)\"", air.gas_constant);
+        let _ = writeln!(text, "heat_capacity_ratio = {}", air.heat_ratio);
+    }
     if let Some(absorption) = arrangement.absorption {
         let _ = writeln!(text, "absorption = \"{absorption} m2\"");
     }

@@ -33,6 +33,24 @@ pub const COLUMNS: [&str; 18] = [
     "file",
 ];
 
+/// Domains of the numbers \[SI\]: lowest and highest value of each column, from a pin in balsa to a pile in stone, at speeds
+/// from creep to that of a bullet. A value outside is a slip of a unit.
+const DOMAINS: [(&str, [f64; 2]); 10] = [
+    ("length_m", [1e-3, 2.0]),
+    ("diameter_m", [1e-4, 0.1]),
+    ("nail_mass_kg", [1e-6, 100.0]),
+    ("hardness_modulus_n_m", [1e3, 1e9]),
+    ("density_kg_m3", [10.0, 5e3]),
+    ("moisture", [0.0, 1e3]),
+    ("speed_m_s", [1e-8, 1e3]),
+    ("projectile_mass_kg", [1e-4, 1e4]),
+    ("impact_speed_m_s", [1e-3, 1e3]),
+    ("mass_ahead_of_cell_kg", [0.0, 1e4]),
+];
+
+/// Forms of a shank.
+const SHANKS: [&str; 3] = ["smooth", "annular", "helical"];
+
 /// The most drives that are read.
 const MOST_DRIVES: usize = 100_000;
 
@@ -210,14 +228,14 @@ impl Fields<'_> {
         }
     }
 
-    /// A number that is given.
+    /// A number that is given, in its domain.
     fn number(&self, column: &str) -> Result<Option<f64>, PenetrationError> {
         let text = self.text(column);
         if text.is_empty() {
             return Ok(None);
         }
         match number(text) {
-            Some(number) => Ok(Some(number)),
+            Some(number) => self.within(column, number).map(Some),
             None => {
                 let shown: String = text.chars().take(40).collect();
                 Err(self.error(
@@ -228,15 +246,29 @@ impl Fields<'_> {
         }
     }
 
-    /// A number above 0.
-    fn positive(&self, column: &str) -> Result<Option<f64>, PenetrationError> {
-        match self.number(column)? {
-            Some(number) if number <= 0.0 => Err(self.error(
-                format!("{column} is {number}, and must be above 0"),
-                format!("correct {column}"),
+    /// The number, if it lies in the domain of its column.
+    fn within(&self, column: &str, number: f64) -> Result<f64, PenetrationError> {
+        let domain = DOMAINS.iter().find(|(name, _)| *name == column);
+        match domain {
+            Some((_, [low, high])) if !(*low..=*high).contains(&number) => Err(self.error(
+                format!("{column} is {number:?}, and must be from {low:?} to {high:?}"),
+                format!("correct {column}; its name ends with its unit"),
             )),
-            number => Ok(number),
+            _ => Ok(number),
         }
+    }
+
+    /// Form of the shank in lower case; may be empty.
+    fn shank(&self) -> Result<String, PenetrationError> {
+        let shank = self.text("shank").to_lowercase();
+        if shank.is_empty() || SHANKS.contains(&shank.as_str()) {
+            return Ok(shank);
+        }
+        let shown: String = shank.chars().take(40).collect();
+        Err(self.error(
+            format!("shank is \"{shown}\""),
+            format!("give one of {}, or leave it empty", SHANKS.join(", ")),
+        ))
     }
 
     fn row(&self) -> Result<Row, PenetrationError> {
@@ -255,13 +287,14 @@ impl Fields<'_> {
                 ));
             }
         };
-        let shank = self.text("shank").to_owned();
+        let shank = self.shank()?;
+        self.number("moisture")?;
         let (nail_name, wood_name) = (self.text("nail"), self.text("wood"));
-        let (given_length, given_diameter) = (self.positive("length_m")?, self.positive("diameter_m")?);
-        let (given_modulus, given_density) = (self.positive("hardness_modulus_n_m")?, self.positive("density_kg_m3")?);
+        let (given_length, given_diameter) = (self.number("length_m")?, self.number("diameter_m")?);
+        let (given_modulus, given_density) = (self.number("hardness_modulus_n_m")?, self.number("density_kg_m3")?);
         // Published sizes fill what the row leaves out.
         let published = nail(nail_name).ok();
-        let helical = shank.eq_ignore_ascii_case("helical");
+        let helical = shank == "helical";
         let diameter = given_diameter.or_else(|| {
             published.and_then(|nail| {
                 if helical {
@@ -289,9 +322,18 @@ impl Fields<'_> {
             hardness_modulus: modulus.ok_or_else(|| missing("the hardness modulus", "hardness_modulus_n_m"))?,
             density: density.ok_or_else(|| missing("the density of the wood", "density_kg_m3"))?,
         };
-        let speed = self.positive("speed_m_s")?;
-        let impact = (self.positive("projectile_mass_kg")?, self.positive("impact_speed_m_s")?);
-        let nail_mass = self.positive("nail_mass_kg")?;
+        if specimen.diameter >= specimen.length {
+            return Err(self.error(
+                format!(
+                    "the nail of drive \"{id}\" is {} m long and {} m thick",
+                    specimen.length, specimen.diameter
+                ),
+                "give a diameter_m below length_m",
+            ));
+        }
+        let speed = self.number("speed_m_s")?;
+        let impact = (self.number("projectile_mass_kg")?, self.number("impact_speed_m_s")?);
+        let nail_mass = self.number("nail_mass_kg")?;
         let ahead = self.number("mass_ahead_of_cell_kg")?.unwrap_or(0.0);
         let driving = match (speed, impact) {
             (Some(speed), (None, None)) => Driving::Constant { speed },

@@ -52,7 +52,8 @@ pub struct Openings {
 /// A muffler behind the exhaust holes.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub enum Muffler {
-    /// One of measured insertion loss, its own flow noise included.
+    /// One of measured insertion loss, its own flow noise included. It applies to the sound of the same shot without the
+    /// muffler.
     InsertionLoss(BandLosses),
     /// An expansion chamber with a tail pipe.
     Chamber {
@@ -76,6 +77,8 @@ pub struct ExhaustDetails {
     pub outside_range: f64,
     /// The single jet into which those of neighbouring holes merge, if they do.
     pub merged: Option<Opening>,
+    /// Checks of the cycle without a muffler whose insertion loss was measured.
+    pub unmuffled_checks: Vec<Check>,
     /// The noise of each opening: holes, muffler's outlet where there is one, trigger vent.
     pub openings: Vec<ExhaustNoise>,
     /// Screech frequency of the holes' jets at every sample of the cycle \[Hz\]; none while they are subsonic.
@@ -83,13 +86,14 @@ pub struct ExhaustDetails {
 }
 
 impl ExhaustDetails {
-    /// Check that cycle and acoustics see the same flow.
-    pub fn check(&self) -> Check {
-        Check::at_most(
+    /// Checks that cycle and acoustics see the same flow, and those of the cycle without the muffler.
+    pub fn checks(&self) -> impl Iterator<Item = Check> {
+        let mass = Check::at_most(
             "exhaust: relative difference between the air mass of the jets and that of the cycle",
             self.mass_gap,
             MASS_GAP,
-        )
+        );
+        std::iter::once(mass).chain(self.unmuffled_checks.iter().cloned())
     }
 
     /// How long the holes' jets are choked \[s\], and the lowest screech frequency meanwhile \[Hz\].
@@ -111,12 +115,51 @@ pub struct Exhaust {
     pub outlet: JetOutlet,
     /// The microphones.
     pub microphones: MicrophoneArray,
-    /// The cycle.
-    pub cycle: Stored<CycleRecord>,
+    /// The cycles of shot and holes.
+    pub cycles: Cycles,
     /// End of all records of the shot \[s\].
     pub end: Stored<f64>,
     /// Seed of the jets' noise in the signals at the microphones.
     pub noise_seed: u32,
+}
+
+/// The cycles from whose outflow the exhaust follows.
+#[derive(Clone, Serialize)]
+pub struct Cycles {
+    /// That of the shot.
+    pub shot: Stored<CycleRecord>,
+    /// That of the same shot without a muffler, where the insertion loss of the muffler was measured.
+    pub unmuffled: Option<Stored<CycleRecord>>,
+}
+
+impl Cycles {
+    /// The stages that they come from.
+    pub(super) fn inputs(&self) -> impl Iterator<Item = &dyn Input> {
+        let unmuffled = self.unmuffled.iter().map(|cycle| cycle as &dyn Input);
+        std::iter::once(&self.shot as &dyn Input).chain(unmuffled)
+    }
+
+    /// Checks of the cycle without the muffler, where there is one.
+    ///
+    /// # Errors
+    /// Those of the cycle.
+    pub fn checks(&self) -> Result<Vec<Check>, Error> {
+        let record = self.unmuffled.as_ref().map(Stored::get).transpose()?;
+        let own = record.iter().flat_map(|record| &record.checks);
+        Ok(own.map(|check| check.clone().of("without the muffler")).collect())
+    }
+
+    /// The noise of the openings from these cycles.
+    ///
+    /// # Errors
+    /// Those of the cycles and of [`noise`].
+    pub(super) fn noise(&self, openings: &Openings) -> Result<(Sound, Option<Sound>, ExhaustDetails), Error> {
+        let shot = self.shot.get()?;
+        match &self.unmuffled {
+            Some(cycle) => noise(openings, &*cycle.get()?, &shot),
+            None => noise(openings, &shot, &shot),
+        }
+    }
 }
 
 /// Output of [`Exhaust`].
@@ -147,59 +190,53 @@ impl Stage for Exhaust {
     );
 
     fn inputs(&self) -> Vec<&dyn Input> {
-        vec![&self.cycle, &self.end]
+        self.cycles.inputs().chain([&self.end as &dyn Input]).collect()
     }
 
     fn compute(&self, _: &Progress) -> Result<ExhaustSource, Error> {
-        exhaust(
-            &self.openings,
-            &self.outlet,
-            &self.microphones,
-            &*self.cycle.get()?,
-            *self.end.get()?,
-            self.noise_seed,
-        )
+        let end = *self.end.get()?;
+        let (sound, vent, mut details) = self.cycles.noise(&self.openings)?;
+        details.unmuffled_checks = self.cycles.checks()?;
+        let edges = EventEdges::new(&self.cycles.shot.get()?.events, end);
+        let analysed = |sound: Sound, first: usize, openings: &[ExhaustNoise]| {
+            let source = SoundSource::new(sound, &edges, self.microphones.range_hz);
+            let numbered = (first, openings, self.noise_seed);
+            let received = self
+                .microphones
+                .exhaust(&self.outlet, numbered, &source.spectrum, end)?;
+            Ok::<_, Error>(MovedPart { source, received })
+        };
+        let own = details.openings.len() - usize::from(vent.is_some());
+        let MovedPart { source, received } = analysed(sound, 0, &details.openings[..own])?;
+        let vent = vent
+            .map(|vent| analysed(vent, own, &details.openings[own..]))
+            .transpose()?;
+        Ok(ExhaustSource {
+            source,
+            details,
+            received,
+            vent,
+        })
     }
-}
-
-/// The exhaust of a shot whose records last until `end` \[s\].
-///
-/// # Errors
-/// Those of [`noise`] and of the microphones.
-pub fn exhaust(
-    openings: &Openings,
-    outlet: &JetOutlet,
-    microphones: &MicrophoneArray,
-    record: &CycleRecord,
-    end: f64,
-    noise_seed: u32,
-) -> Result<ExhaustSource, Error> {
-    let (sound, vent, details) = noise(openings, record)?;
-    let edges = EventEdges::new(&record.events, end);
-    let analysed = |sound: Sound, first: usize, openings: &[ExhaustNoise]| {
-        let source = SoundSource::new(sound, &edges, microphones.range_hz);
-        let received = microphones.exhaust(outlet, (first, openings, noise_seed), &source.spectrum, end)?;
-        Ok::<_, Error>(MovedPart { source, received })
-    };
-    let own = details.openings.len() - usize::from(vent.is_some());
-    let MovedPart { source, received } = analysed(sound, 0, &details.openings[..own])?;
-    let vent = vent
-        .map(|vent| analysed(vent, own, &details.openings[own..]))
-        .transpose()?;
-    Ok(ExhaustSource {
-        source,
-        details,
-        received,
-        vent,
-    })
 }
 
 /// The noise of exhaust holes, muffler and trigger vent from the cycle's flow, and that of the vent by itself where it is apart.
 ///
+/// The holes sound in the cycle `through_holes`, the vent in that of the shot; both are the same unless the insertion loss
+/// of a muffler was measured. Such a loss is the level without the muffler less that with it, so that it applies to the
+/// holes that open into the air, in the shot without the muffler's back pressure: what back pressure and gas inside the
+/// muffler do to the jets is in the measured loss. The holes before a chamber blow into it, against its pressure and into
+/// outflow of their own stagnation temperature.
+///
 /// # Errors
 /// Openings, plenum or muffler that cannot be, air that leaves against a higher pressure.
-pub fn noise(inputs: &Openings, record: &CycleRecord) -> Result<(Sound, Option<Sound>, ExhaustDetails), Error> {
+pub fn noise(
+    inputs: &Openings,
+    through_holes: &CycleRecord,
+    shot: &CycleRecord,
+) -> Result<(Sound, Option<Sound>, ExhaustDetails), Error> {
     let air = &inputs.air;
+    let chamber = matches!(inputs.muffler, Some(Muffler::Chamber { .. }));
     let bare = ExhaustSettings {
         transform: TransformSettings {
             range_hz: inputs.range_hz,
@@ -208,16 +245,16 @@ pub fn noise(inputs: &Openings, record: &CycleRecord) -> Result<(Sound, Option<S
         ..ExhaustSettings::default()
     };
     let through = |pressure: &[f64], behind: Option<&[f64]>, mass: &[f64], temperature: &[f64]| FlowHistory {
-        sample_interval: record.sample_interval,
+        sample_interval: shot.sample_interval,
         mass_flow: mass.to_vec(),
         pressure: pressure.to_vec(),
         temperature: temperature.to_vec(),
         back_pressure: behind.map(<[f64]>::to_vec),
     };
-    let holes = &record.exhaust;
+    let holes = &through_holes.exhaust;
     let flow = through(
         &holes.plenum_pressure,
-        inputs.muffler.as_ref().map(|_| holes.back_pressure.as_slice()),
+        chamber.then_some(holes.back_pressure.as_slice()),
         &holes.mass_flow,
         &holes.stagnation_temperature,
     );
@@ -228,7 +265,7 @@ pub fn noise(inputs: &Openings, record: &CycleRecord) -> Result<(Sound, Option<S
         muffler: inputs.muffler.as_ref().map(|muffler| match muffler {
             Muffler::InsertionLoss(losses) => muffler::Muffler::InsertionLoss(losses.clone()),
             Muffler::Chamber { chain, .. } => muffler::Muffler::Chain(MufflerChain {
-                outlet_mach: outlet_mach(record, air),
+                outlet_mach: outlet_mach(through_holes, air),
                 ..chain.clone()
             }),
         }),
@@ -264,7 +301,7 @@ pub fn noise(inputs: &Openings, record: &CycleRecord) -> Result<(Sound, Option<S
         parts.push(noise.spectrum.clone());
         openings.push(noise);
     }
-    let vent = &record.vent;
+    let vent = &shot.vent;
     let vent = through(&vent.pressure, None, &vent.mass_flow, &vent.temperature);
     let vent = exhaust_noise("trigger vent", &vent, &round(inputs.vent_area), air, &bare)?;
     let vent_alone = inputs.vent_apart.then(|| vent_alone(&vent));
@@ -306,6 +343,7 @@ pub fn noise(inputs: &Openings, record: &CycleRecord) -> Result<(Sound, Option<S
         mass_gap,
         outside_range,
         merged: (jets != inputs.holes).then_some(jets),
+        unmuffled_checks: Vec::new(),
         openings,
         screech: screech_track(&flow, &jets, air),
     };

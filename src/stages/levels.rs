@@ -1,12 +1,11 @@
 //! Levels of a shot alone, without its sound at microphones and histories: what a study keeps of a draw.
 
 use nailnoise_acoustics::radiator::Detail;
-use nailnoise_dynamics::CycleRecord;
 use serde::{Deserialize, Serialize};
 
 use super::bodies::Body;
 use super::convention::counted;
-use super::exhaust::{Openings, noise};
+use super::exhaust::{Cycles, Openings};
 use super::intervals::EventEdges;
 use super::ranking::rank;
 use super::response::Vibration;
@@ -25,8 +24,8 @@ pub struct ShotLevels {
     pub openings: Openings,
     /// The tool's body.
     pub body: BodySound,
-    /// The cycle, whose events separate the intervals.
-    pub cycle: Stored<CycleRecord>,
+    /// The cycles of shot and exhaust; the events of the former separate the intervals.
+    pub cycles: Cycles,
     /// End of all records \[s\].
     pub end: Stored<f64>,
     /// Range in which sources are compared \[Hz\].
@@ -96,7 +95,8 @@ impl Stage for ShotLevels {
     fn inputs(&self) -> Vec<&dyn Input> {
         let mut inputs = self.workpiece.inputs();
         inputs.extend(self.body.inputs());
-        inputs.extend([&self.cycle as &dyn Input, &self.end]);
+        inputs.extend(self.cycles.inputs());
+        inputs.push(&self.end);
         inputs.extend(self.bodies.iter().map(|body| body as &dyn Input));
         inputs.extend(self.responses.iter().map(|response| response as &dyn Input));
         inputs.extend(self.sensors.iter().flat_map(Stage::inputs));
@@ -104,10 +104,10 @@ impl Stage for ShotLevels {
     }
 
     fn compute(&self, _: &Progress) -> Result<Levels, Error> {
-        let record = self.cycle.get()?;
+        let record = self.cycles.shot.get()?;
         let edges = EventEdges::new(&record.events, *self.end.get()?);
         let analysed = |sound| SoundSource::new(sound, &edges, self.range_hz);
-        let (exhaust, vent, _) = noise(&self.openings, &record)?;
+        let (exhaust, vent, _) = self.cycles.noise(&self.openings)?;
         let (body, cap) = self.body.analysed(self.body.sound(Detail::Levels)?, &edges)?;
         let (exhaust, vent) = (analysed(exhaust), vent.map(analysed));
         let [exhaust, body] = counted([&exhaust, &body], [cap.as_ref(), vent.as_ref()], self.range_hz);
@@ -130,6 +130,7 @@ impl Stage for ShotLevels {
             })
         };
         let mut checks = record.checks.clone();
+        checks.extend(self.cycles.checks()?);
         for body in all(&self.bodies)? {
             checks.extend(body.checks());
         }

@@ -209,12 +209,19 @@ fn exhaust_notes(range_high: f64, record: &CycleRecord, openings: &Openings, exh
             fitting.plane_wave_limit(&openings.air)
         ));
     }
-    if matches!(openings.muffler, Some(Muffler::Chamber { .. })) {
-        notes.push(
-            "muffler: plane waves between a source of given volume flow and free space, damped by the jet at its outlet; \
-             the noise of that jet itself is counted, unmuffled"
+    match openings.muffler {
+        None => {}
+        Some(Muffler::InsertionLoss(_)) => notes.push(
+            "muffler: its measured insertion loss is subtracted from the sound of the same shot without it; its back \
+             pressure slows the cycle"
                 .to_owned(),
-        );
+        ),
+        Some(Muffler::Chamber { .. }) => notes.push(
+            "muffler: plane waves between a source of given volume flow and free space, damped by the jet at its outlet; \
+             the jets of the holes blow into the chamber, filled with outflow at its stagnation temperature; the noise of \
+             the jet at the outlet is counted, unmuffled"
+                .to_owned(),
+        ),
     }
     notes
 }

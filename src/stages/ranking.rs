@@ -1,7 +1,7 @@
 //! The ranking: levels, bands and intervals of every source over the common range, and its power over time.
 
 use nailnoise_acoustics::levels::{
-    self, BandLevel as Band, Level, PowerHistory, SourceSpectrum, Weighting, energy_level, level_energy,
+    self, BandLevel as Band, Level, PowerHistory, SILENCE, SourceSpectrum, Weighting, energy_level, level_energy,
 };
 
 use super::intervals::Interval;
@@ -109,12 +109,17 @@ pub fn powers(ranking: &[RankedSource], sources: &[&SoundSource], end: f64) -> V
     paired(ranking, sources).map(power).collect()
 }
 
+/// Difference between the sum of the parts of a source and the source, relative to the latter.
+///
+/// Parts below [`SILENCE`] have no level, so that they are absent from the sum: `silent` of them may make up that much each.
+fn gap(sum: f64, silent: usize, whole: Level) -> f64 {
+    let whole = level_energy(whole);
+    let difference = ((sum - whole).abs() - silent as f64 * SILENCE).max(0.0);
+    difference / whole.max(SILENCE)
+}
+
 /// Checks that bands sum to each source's level and sources to the total, as relative energy.
 pub fn checks(ranking: &[RankedSource], total: &Total) -> Vec<Check> {
-    let gap = |sum: f64, whole: Level| {
-        let whole = level_energy(whole);
-        if whole > 0.0 { (sum / whole - 1.0).abs() } else { sum }
-    };
     let mut checks: Vec<Check> = ranking
         .iter()
         .map(|source| {
@@ -122,14 +127,18 @@ pub fn checks(ranking: &[RankedSource], total: &Total) -> Vec<Check> {
                 let [own_plain, own_weighted] = band.energies();
                 [plain + own_plain, weighted + own_weighted]
             });
-            let worst = gap(weighted, source.lwa_db).max(gap(plain, source.lw_db));
+            let silent =
+                |level: fn(&BandLevel) -> Level| source.bands.iter().filter(|band| level(band).is_none()).count();
+            let plain = gap(plain, silent(|band| band.lw_db), source.lw_db);
+            let worst = gap(weighted, silent(|band| band.lwa_db), source.lwa_db).max(plain);
             Check::at_most(format!("{}: bands sum to the total", source.source), worst, ROUNDING)
         })
         .collect();
     let sum = ranking.iter().map(|source| level_energy(source.lwa_db)).sum();
+    let silent = ranking.iter().filter(|source| source.lwa_db.is_none()).count();
     checks.push(Check::at_most(
         "sources sum to the total",
-        gap(sum, total.lwa_db),
+        gap(sum, silent, total.lwa_db),
         ROUNDING,
     ));
     checks
@@ -140,11 +149,14 @@ pub fn checks(ranking: &[RankedSource], total: &Total) -> Vec<Check> {
 pub fn interval_checks(ranking: &[RankedSource], sources: &[&SoundSource], tolerance: f64) -> Vec<Check> {
     let mut checks = Vec::new();
     for (ranked, source) in paired(ranking, sources) {
-        let total = level_energy(ranked.lwa_db);
         let sum: f64 = ranked.intervals.iter().map(IntervalLevel::energy).sum();
-        let gap = if total > 0.0 { sum / total - 1.0 } else { sum };
+        let silent = ranked
+            .intervals
+            .iter()
+            .filter(|interval| interval.lwa_db.is_none())
+            .count();
         let name = format!("{}: intervals sum to the total", ranked.source);
-        checks.push(Check::at_most(name, gap, ROUNDING));
+        checks.push(Check::at_most(name, gap(sum, silent, ranked.lwa_db), ROUNDING));
         for (part, mismatch) in &source.mismatches {
             let name =
                 format!("{part}: relative difference between the energies of the interval signals and of the spectrum");
@@ -176,5 +188,26 @@ pub fn widen(ranking: &mut [RankedSource], starts: &Starts) {
             "; two standard deviations of {} starts, {spread:.1} dB, added as squares",
             starts.lwa_db.len()
         ));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn parts_too_faint_for_a_level_are_no_gap_and_absent_energy_is_one() {
+        // 0.1 fJ in one band, and 20 bands of half the energy of silence each, which have no level.
+        let loud = 1e-16;
+        let whole = energy_level(loud + 20.0 * 0.5 * SILENCE);
+        assert_eq!(gap(loud, 20, whole), 0.0);
+        assert!(gap(loud, 0, whole) > 1e-4);
+        // A part of a millionth that is not there.
+        let part = 1e-6;
+        assert!((gap(1.0 - part, 20, energy_level(1.0)) / part - 1.0).abs() < 1e-6);
+        assert!((gap(1.0 + part, 0, energy_level(1.0)) / part - 1.0).abs() < 1e-6);
+        // A silent source, with and without bands that say otherwise.
+        assert_eq!(gap(0.0, 27, None), 0.0);
+        assert!(gap(1e-12, 0, None) > 1.0);
     }
 }

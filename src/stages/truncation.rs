@@ -4,7 +4,7 @@
 
 use std::borrow::Cow;
 
-use nailnoise_acoustics::levels::{BandLevel, SourceSpectrum, Weighting, third_octaves};
+use nailnoise_acoustics::levels::{BandLevel, SourceSpectrum, Weighting, bands_of};
 use serde::{Deserialize, Serialize};
 
 use crate::result::Check;
@@ -120,7 +120,7 @@ fn extrapolated(spectrum: &SourceSpectrum, top: f64, high: f64) -> f64 {
     let slope = ((level(last[0]) - level(last[OCTAVE - 1])) / (OCTAVE - 1) as f64).min(0.0);
     let mean = last.iter().map(|b| level(b)).sum::<f64>() / OCTAVE as f64;
     let centre = f64::from(last[OCTAVE / 2].band.index);
-    third_octaves()
+    bands_of([top, high])
         .into_iter()
         .filter(|band| band.high > top && band.low < high)
         .map(|band| {

@@ -271,3 +271,80 @@ fn digits(run: &Run) -> (serde_json::Value, bool) {
     let timing = value["timing"].take();
     (value, timing.get("response of workpiece and support").is_some())
 }
+
+/// Levels of the parts of the exhaust.
+fn parts(run: &Run) -> Vec<(String, f64)> {
+    let of = |part: nailnoise::result::Component| Some((part.name, part.lw_db?));
+    ranked(run, "exhaust").components.into_iter().filter_map(of).collect()
+}
+
+/// A measured insertion loss is the level without the muffler less that with it: whatever back pressure the muffler has,
+/// every part behind it falls by the loss, and by nothing where the loss is nothing.
+#[test]
+fn every_part_behind_a_measured_muffler_falls_by_its_insertion_loss() {
+    let mut open = small();
+    open.support.kind = SupportKind::Floor;
+    let bare = parts(&scaled(&open, 1.0));
+    for (flow_area, loss) in [(100.0, 0.0), (1e-4, 0.0), (1e-4, 10.0)] {
+        let mut muffled = open.clone();
+        muffled.exhaust.muffler.flow_area = flow_area;
+        muffled
+            .set(&[("exhaust.muffler.kind", Value::Choice("insertion_loss"))])
+            .unwrap();
+        for entry in open
+            .entries()
+            .iter()
+            .filter(|own| own.key.starts_with("exhaust.muffler.octaves."))
+        {
+            muffled.set(&[(entry.key.as_str(), Value::Number(loss))]).unwrap();
+        }
+        let run = scaled(&muffled, 1.0);
+        for ((name, before), (_, after)) in bare.iter().zip(parts(&run)) {
+            // The vent does not pass the muffler; the time of its noise may change with the return of the piston.
+            let (lower, tolerance) = if name == "trigger vent" {
+                (0.0, 0.1)
+            } else {
+                (loss, 1e-6)
+            };
+            assert!(
+                (before - after - lower).abs() < tolerance,
+                "{flow_area} m2, {loss} dB, {name}: {before} {after}"
+            );
+        }
+        assert!(run.result.checks.iter().all(|check| check.ok));
+        assert!(
+            run.result
+                .checks
+                .iter()
+                .any(|check| check.name.starts_with("without the muffler: "))
+        );
+    }
+}
+
+#[test]
+fn a_range_beyond_the_usual_bands_has_bands_that_sum_to_its_levels() {
+    for (low, high, top) in [(40.0, 2e3, 1e4), (1.0, 2e3, 1e4), (50.0, 3e4, 4e4)] {
+        let mut design = small();
+        design.support.kind = SupportKind::Floor;
+        (
+            design.analysis.range_low,
+            design.analysis.range_high,
+            design.analysis.exhaust_top,
+        ) = (low, high, top);
+        let run = scaled(&design, 1.0);
+        let sums = run
+            .result
+            .checks
+            .iter()
+            .filter(|check| check.name.ends_with("sum to the total"));
+        assert!(
+            sums.clone().count() >= 6 && sums.clone().all(|check| check.ok),
+            "{low} {high}"
+        );
+        let bands = ranked(&run, "exhaust").bands;
+        assert!(
+            bands[0].hz <= 1.13 * low && bands[bands.len() - 1].hz >= high / 1.13,
+            "{low} {high}"
+        );
+    }
+}

@@ -7,6 +7,7 @@ mod common;
 mod cache;
 mod compare;
 mod cycle;
+mod documented_designs;
 mod examples;
 mod faults;
 mod installed;

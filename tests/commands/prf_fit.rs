@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::Path;
 
-use crate::common::{folder, messages, nailnoise};
+use crate::common::{folder, messages, nailnoise, over};
 
 /// Two conditions of two drives each by a testing machine, and one of two drives by a projectile.
 const DRIVES: &str = "\
@@ -167,7 +167,10 @@ fn damaged_lists_of_drives_are_refused() {
         (
             "speed-zero",
             [row, &of("8.333e-3", "0")],
-            ["line 3: speed_m_s is 0, and must be above 0", "correct speed_m_s"],
+            [
+                "line 3: speed_m_s is 0.0, and must be from 1e-8 to 1000.0",
+                "correct speed_m_s",
+            ],
         ),
         (
             "speed-negative",
@@ -198,6 +201,40 @@ fn damaged_lists_of_drives_are_refused() {
             "diameter",
             [row, &of("smooth,,", "smooth,,-3e-3")],
             ["line 3: diameter_m is -0.003", "correct diameter_m"],
+        ),
+        (
+            "hardness-tiny",
+            [row, &of("pine,", "pine,1e-300")],
+            [
+                "line 3: hardness_modulus_n_m is 1e-300, and must be from 1000.0 to",
+                "ends with its unit",
+            ],
+        ),
+        (
+            "length-huge",
+            [row, &of("smooth,", "smooth,1e9")],
+            [
+                "line 3: length_m is 1000000000.0, and must be from 0.001 to 2.0",
+                "correct length_m",
+            ],
+        ),
+        (
+            "thicker-than-long",
+            [row, &of("smooth,,", "smooth,0.003,0.004")],
+            [
+                "line 3: the nail of drive \"a2\" is 0.003 m long and 0.004 m thick",
+                "below length_m",
+            ],
+        ),
+        (
+            "density-huge",
+            [row, &of("pine,,", "pine,,1e9")],
+            ["line 3: density_kg_m3 is 1000000000.0", "correct density_kg_m3"],
+        ),
+        (
+            "shank",
+            [row, &of("smooth", "wavy")],
+            ["line 3: shank is \"wavy\"", "smooth, annular, helical"],
         ),
         (
             "nail",
@@ -552,4 +589,55 @@ fn a_universal_file_is_the_same_recording() {
     };
     assert!(!of("a").is_empty());
     assert_eq!(of("a"), of("b"));
+}
+
+/// A law written by the command, with one number of it replaced, ends the cycle of a design before it starts.
+#[test]
+fn a_law_of_impossible_numbers_is_refused_by_the_cycle() {
+    let folder = folder("prf-fit-impossible");
+    fs::write(folder.join("drives.csv"), DRIVES).unwrap();
+    for (place, id) in ["a1", "a2", "b1", "b2"].into_iter().enumerate() {
+        fs::write(folder.join(format!("{id}.csv")), recording(0.01 * place as f64)).unwrap();
+    }
+    let [drives, out] = ["drives.csv", "out"].map(|name| folder.join(name).to_str().unwrap().to_owned());
+    let made = nailnoise(&["prf", "fit", &drives, "--form", "poly(x,3)", "--out", &out]);
+    assert!(made.status.success(), "{}", messages(&made));
+    let law = fs::read_to_string(folder.join("out/fit.toml")).unwrap();
+    assert!(!law.contains("= inf") && !law.contains("= nan"), "{law}");
+    let cycle = |law: &str| {
+        fs::write(folder.join("fit.toml"), law).unwrap();
+        let design = over(
+            &folder,
+            "design",
+            "wood.penetration_law = \"fitted\"\nwood.penetration_fit = \"fit.toml\"\nnail.kind = \"6d smooth\"",
+        );
+        nailnoise(&["cycle", &design, "--json"])
+    };
+    let valid = cycle(&law);
+    assert!(valid.status.success(), "{}", messages(&valid));
+    for (key, number, expected) in [
+        ("coefficient", "1e308", "in the range of the data"),
+        ("coefficient", "-1e9", "in the range of the data"),
+        ("coefficient", "nan", "must be finite"),
+        ("standard_error", "inf", "standard_error of"),
+        ("vif", "nan", "vif of"),
+        ("sigma_between", "1e300", "sigma_between"),
+        ("sigma_within", "inf", "sigma_within"),
+        ("r_squared", "-inf", "quality.r_squared"),
+        ("x", "[0.0, 1e300]", "ranges.x"),
+        ("speed_m_s", "[0.0, 1e9]", "ranges.speed_m_s"),
+    ] {
+        let place = law.find(&format!("\n{key} = ")).unwrap() + 1;
+        let line = place + law[place..].find('\n').unwrap();
+        let changed = format!("{}{key} = {number}{}", &law[..place], &law[line..]);
+        let output = cycle(&changed);
+        let said = messages(&output);
+        let words = said.split_whitespace().filter(|word| !["|", "│"].contains(word));
+        let said = words.collect::<Vec<_>>().join(" ");
+        assert_eq!(output.status.code(), Some(2), "{key} = {number}: {said}");
+        assert!(
+            said.contains("fit.toml") && said.contains(expected),
+            "{key} = {number}: {said}"
+        );
+    }
 }

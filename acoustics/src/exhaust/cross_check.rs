@@ -1,6 +1,6 @@
 use super::jet::Jet;
 use super::opening::FlowHistory;
-use crate::air::{Air, GAS_CONSTANT, HEAT_RATIO};
+use crate::air::Air;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::SQRT_2;
 
@@ -37,7 +37,8 @@ pub fn valve_noise_energy(history: &FlowHistory, air: &Air, valve: &ValveNoise) 
         else {
             return 0.0;
         };
-        let sonic2 = 2.0 * HEAT_RATIO / (HEAT_RATIO + 1.0) * GAS_CONSTANT * temperature;
+        let g = air.heat_ratio;
+        let sonic2 = 2.0 * g / (g + 1.0) * air.gas_constant * temperature;
         let (speed2, eta) = match jet.mach {
             m if m <= 1.0 => (jet.velocity * jet.velocity, 1e-4 * m.powf(3.6)),
             m if m <= SQRT_2 => (sonic2, 1e-4 * m.powf(6.6 * fl2)),

@@ -1,4 +1,4 @@
-use crate::air::{Air, GAS_CONSTANT, HEAT_RATIO};
+use crate::air::Air;
 
 /// A jet fully expanded to ambient pressure.
 ///
@@ -8,7 +8,7 @@ use crate::air::{Air, GAS_CONSTANT, HEAT_RATIO};
 /// D_j/d = [(1 + (g-1)/2 M_j^2) / ((g+1)/2)]^((g+1)/(4(g-1))) M_j^{-1/2}     for M_j > 1, else 1
 /// ```
 ///
-/// Isentropic expansion of a perfect gas; D_j follows from mass conservation.
+/// Isentropic expansion of a perfect gas, that of the air around the tool; D_j follows from mass conservation.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Jet {
     /// Mach number M_j.
@@ -26,26 +26,24 @@ pub struct Jet {
 impl Jet {
     /// The jet from stagnation pressure \[Pa\] and temperature \[K\]; `None` unless it exceeds the ambient one.
     pub fn expand(pressure: f64, temperature: f64, air: &Air) -> Option<Self> {
-        const G: f64 = HEAT_RATIO;
         if pressure.is_nan() || pressure <= air.pressure {
             return None;
         }
+        let (g, gas_constant) = (air.heat_ratio, air.gas_constant);
         // 1 + (g-1)/2 M_j^2 is the ratio of stagnation to static temperature.
-        let ratio = (pressure / air.pressure).powf((G - 1.0) / G);
-        let mach = (2.0 / (G - 1.0) * (ratio - 1.0)).sqrt();
+        let ratio = (pressure / air.pressure).powf((g - 1.0) / g);
+        let mach = (2.0 / (g - 1.0) * (ratio - 1.0)).sqrt();
         let static_temperature = temperature / ratio;
         let diameter_ratio = if mach > 1.0 {
-            // (g+1)/(4(g-1)) is 3/2 for g = 7/5.
-            let x = ratio / (0.5 * (G + 1.0));
-            x * x.sqrt() / mach.sqrt()
+            (ratio / (0.5 * (g + 1.0))).powf(0.25 * (g + 1.0) / (g - 1.0)) / mach.sqrt()
         } else {
             1.0
         };
         Some(Self {
             mach,
             temperature: static_temperature,
-            velocity: mach * (G * GAS_CONSTANT * static_temperature).sqrt(),
-            density: air.pressure / (GAS_CONSTANT * static_temperature),
+            velocity: mach * (g * gas_constant * static_temperature).sqrt(),
+            density: air.pressure / (gas_constant * static_temperature),
             diameter_ratio,
         })
     }

@@ -1,5 +1,5 @@
 use super::opening::{FlowHistory, Opening};
-use crate::air::{Air, GAS_CONSTANT, HEAT_RATIO};
+use crate::air::Air;
 use crate::checks::{InputError, positive};
 use crate::fourier::FourierError;
 use crate::fourier::{Transform, TransformSettings};
@@ -23,9 +23,9 @@ pub struct PlenumResonance {
 }
 
 impl PlenumResonance {
-    /// Resonance frequency f_0 \[Hz\] with air of the given temperature \[K\] in the plenum.
-    pub fn frequency(&self, opening: &Opening, temperature: f64) -> f64 {
-        let c = (HEAT_RATIO * GAS_CONSTANT * temperature).sqrt();
+    /// Resonance frequency f_0 \[Hz\] with the gas of `air` at the given temperature \[K\] in the plenum.
+    pub fn frequency(&self, opening: &Opening, temperature: f64, air: &Air) -> f64 {
+        let c = (air.heat_ratio * air.gas_constant * temperature).sqrt();
         c / (2.0 * PI) * (opening.area() / (self.volume * self.neck_length)).sqrt()
     }
 

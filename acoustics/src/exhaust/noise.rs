@@ -160,7 +160,7 @@ pub fn exhaust_noise(
     let plenum = settings.plenum.as_ref();
     plenum.map_or(Ok(()), PlenumResonance::check)?;
     let temperature = outflow_temperature(history).unwrap_or(air.temperature);
-    let plenum = plenum.map(|plenum| (plenum, plenum.frequency(opening, temperature)));
+    let plenum = plenum.map(|plenum| (plenum, plenum.frequency(opening, temperature, air)));
     let (frequency, mut signal) = monopole(history, air, &settings.transform, plenum)?;
     if !settings.unsteady_flow {
         signal.fill(Complex::ZERO);
@@ -171,11 +171,14 @@ pub fn exhaust_noise(
             *x *= fitting.response(hz, air)?;
         }
     }
+    // The bins reach up to one resolution beyond the range; those outside serve the interpolation only, with the muffler
+    // at the end of the range, since it need not be known beyond.
+    let [low, high] = settings.transform.range_hz;
     let passed: Option<Vec<f64>> = match &settings.muffler {
         Some(muffler) => Some(
             frequency
                 .iter()
-                .map(|&hz| muffler.energy_factor(hz, air))
+                .map(|&hz| muffler.energy_factor(hz.clamp(low, high), air))
                 .collect::<Result<_, _>>()?,
         ),
         None => None,

@@ -15,15 +15,17 @@ pub struct FlowHistory {
     pub pressure: Vec<f64>,
     /// Stagnation temperature before the opening \[K\].
     pub temperature: Vec<f64>,
-    /// Absolute pressure behind the opening \[Pa\], that inside a muffler; `None` for ambient pressure.
+    /// Absolute pressure \[Pa\] inside the chamber behind the opening, which the outflow fills; `None` for an opening into
+    /// the air.
     pub back_pressure: Option<Vec<f64>>,
 }
 
 impl FlowHistory {
-    /// The gas into which the jets of a sample blow: the air, or the outflow that fills a muffler.
+    /// The gas into which the jets of a sample blow: the air, or the outflow that fills a chamber at its stagnation
+    /// temperature, because throttling conserves the enthalpy.
     pub(super) fn surroundings(&self, sample: usize, air: &Air) -> Air {
         match &self.back_pressure {
-            Some(behind) => Air::perfect_gas(self.temperature[sample], behind[sample]),
+            Some(behind) => air.perfect_gas(self.temperature[sample], behind[sample]),
             None => *air,
         }
     }

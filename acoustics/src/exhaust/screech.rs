@@ -1,6 +1,6 @@
 use super::jet::Jet;
 use super::opening::{FlowHistory, Opening};
-use crate::air::{Air, HEAT_RATIO};
+use crate::air::Air;
 
 /// Screech frequency of an underexpanded jet \[Hz\]; `None` below Mach 1. No level follows from it.
 ///
@@ -13,7 +13,7 @@ use crate::air::{Air, HEAT_RATIO};
 pub fn screech_frequency(jet: &Jet, diameter: f64, temperature: f64, air: &Air) -> Option<f64> {
     let beta2 = jet.beta_squared();
     (beta2 > 0.0).then(|| {
-        let expansion = (1.0 + 0.5 * (HEAT_RATIO - 1.0) * jet.mach * jet.mach).sqrt();
+        let expansion = (1.0 + 0.5 * (air.heat_ratio - 1.0) * jet.mach * jet.mach).sqrt();
         let convection = 1.0 + 0.7 * jet.mach / expansion / (air.temperature / temperature).sqrt();
         0.67 / (beta2.sqrt() * convection) * jet.velocity / (jet.diameter_ratio * diameter)
     })

@@ -1,7 +1,7 @@
 use serde::{Deserialize, Serialize};
 use std::ops::RangeInclusive;
 
-/// Band numbers k of the one-third-octave bands shown, 50 Hz to 20 kHz.
+/// Band numbers k of the usual one-third-octave bands, 50 Hz to 20 kHz.
 pub const THIRD_OCTAVES: RangeInclusive<i32> = -13..=13;
 
 /// Band numbers k of the octave bands shown, 63 Hz to 8 kHz.
@@ -57,6 +57,22 @@ pub(crate) fn edge(index: i32) -> f64 {
 /// The bands of [`THIRD_OCTAVES`].
 pub fn third_octaves() -> Vec<Band> {
     THIRD_OCTAVES.map(Band::new).collect()
+}
+
+/// The bands of a range \[Hz\]: those of [`THIRD_OCTAVES`], and those beyond them that the range reaches into. An end of the
+/// range that is not positive and finite adds none.
+pub fn bands_of(range_hz: [f64; 2]) -> Vec<Band> {
+    let [low, high] = range_hz;
+    let (mut first, mut last) = THIRD_OCTAVES.into_inner();
+    if low > 0.0 && low < f64::INFINITY {
+        first = first.min(band_containing(low).index);
+    }
+    if high > 0.0 && high < f64::INFINITY {
+        // An edge belongs to the band above it, into which a range that ends there does not reach.
+        let top = band_containing(high);
+        last = last.max(top.index - i32::from(high <= top.low));
+    }
+    (first..=last).map(Band::new).collect()
 }
 
 /// The octave bands from 63 Hz to 8 kHz: f_m = 1000 Hz G^k, f_1,2 = f_m G^{-1/2, +1/2}. Each has the number and the

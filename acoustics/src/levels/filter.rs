@@ -1,5 +1,5 @@
 use super::bands::Band;
-use super::{BandLevel, SourceSpectrum, Weighting, energy_level, energy_weights, third_octaves};
+use super::{BandLevel, SourceSpectrum, Weighting, bands_of, energy_level, energy_weights};
 
 /// Order n of the low-pass prototype; the band-pass has 2 n poles. Three is the least that meets class 1.
 const ORDER: i32 = 3;
@@ -33,7 +33,7 @@ impl BandFilter {
 }
 
 impl SourceSpectrum {
-    /// Levels measured by class 1 filters from 50 Hz to 20 kHz, for the part of the spectrum inside `range_hz`.
+    /// Levels measured by class 1 filters in the bands of the range, [`bands_of`], for the part of the spectrum inside it.
     ///
     /// The filter is taken at the spectrum's frequencies, which must be dense within the narrowest band.
     pub fn filter_levels(&self, range_hz: [f64; 2]) -> Vec<BandLevel> {
@@ -54,6 +54,6 @@ impl SourceSpectrum {
                 lwa: energy_level(a_energy),
             }
         };
-        third_octaves().into_iter().map(level_of).collect()
+        bands_of(range_hz).into_iter().map(level_of).collect()
     }
 }

@@ -12,7 +12,7 @@ mod signals;
 mod spectrum;
 mod weighting;
 
-pub use bands::{Band, THIRD_OCTAVES, band_containing, octaves, third_octaves};
+pub use bands::{Band, THIRD_OCTAVES, band_containing, bands_of, octaves, third_octaves};
 pub use error::LevelsError;
 pub use event::{REFERENCE_PRESSURE, exposure_level, peak_level};
 pub use filter::BandFilter;

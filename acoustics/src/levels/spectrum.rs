@@ -1,4 +1,4 @@
-use super::bands::{Band, band_containing, edge, third_octaves};
+use super::bands::{Band, band_containing, bands_of, edge};
 use super::error::LevelsError;
 use super::{Level, Weighting, energy_level};
 use crate::checks::{finite, same_length};
@@ -131,8 +131,8 @@ impl SourceSpectrum {
             .collect()
     }
 
-    /// The bands of 50 Hz to 20 kHz. A band cut by the ends of `range_hz` holds the energy of its part inside, so that
-    /// bands that cover the range add up to [`Self::energy`] to round-off.
+    /// The bands of the range, [`bands_of`]. A band cut by the ends of `range_hz` contains the energy of its part inside, so
+    /// that the bands add up to [`Self::energy`] to round-off.
     pub fn band_levels(&self, range_hz: [f64; 2]) -> Vec<BandLevel> {
         let level_of = |band: Band| {
             let cut = [band.low.max(range_hz[0]), band.high.min(range_hz[1])];
@@ -145,7 +145,7 @@ impl SourceSpectrum {
                 lwa: energy_level(a_energy),
             }
         };
-        third_octaves().into_iter().map(level_of).collect()
+        bands_of(range_hz).into_iter().map(level_of).collect()
     }
 
     /// Sum of the spectra of independent parts on the union of their frequencies, where the sum of piecewise linear

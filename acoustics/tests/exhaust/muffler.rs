@@ -318,3 +318,62 @@ fn a_muffler_lowers_every_component_and_every_interval() {
         Err(AcousticsError::Muffler(MufflerError::NotPlaneWaves { .. }))
     ));
 }
+
+/// The noise of a burst of a length \[samples\] behind a muffler, over the range \[Hz\].
+fn behind(muffler: Muffler, samples: usize, range_hz: [f64; 2]) -> Result<f64, AcousticsError> {
+    let flow = FlowHistory {
+        back_pressure: None,
+        sample_interval: 1e-5,
+        mass_flow: (0..samples).map(|i| 0.02 * (-(i as f64) * 1e-3).exp()).collect(),
+        pressure: vec![2.5e5; samples],
+        temperature: vec![290.0; samples],
+    };
+    let opening = Opening {
+        count: 7,
+        diameter: 5e-3,
+        discharge_coefficient: 0.82,
+        pitch: None,
+    };
+    let settings = ExhaustSettings {
+        transform: TransformSettings {
+            range_hz,
+            ..TransformSettings::default()
+        },
+        muffler: Some(muffler),
+        ..ExhaustSettings::default()
+    };
+    let noise = exhaust_noise("exhaust", &flow, &opening, &Air::default(), &settings)?;
+    Ok(noise.spectrum.energy(range_hz, Weighting::Z))
+}
+
+/// Whatever the length of a record, its bins reach beyond a range that begins or ends where the muffler is last known.
+#[test]
+fn a_muffler_is_asked_for_no_frequency_outside_the_range() {
+    let bands: Vec<(f64, f64)> = (-13..=13)
+        .map(|k| (1000.0 * 10f64.powf(0.1 * f64::from(k)), 10.0))
+        .collect();
+    let losses = BandLosses::new(&bands).unwrap();
+    let [low, high] = losses.range_hz();
+    let lined = Lining {
+        resistivity: 5000.0,
+        ..FELT
+    };
+    let chain = |elements| {
+        Muffler::Chain(MufflerChain {
+            elements,
+            outlet_diameter: 0.01,
+            outlet_mach: 0.3,
+        })
+    };
+    let highest = pipe(0.1, 0.03, None).highest_hz(&Air::default());
+    for samples in (3000..9000).step_by(371) {
+        for (muffler, range) in [
+            (Muffler::InsertionLoss(losses.clone()), [low, high.next_down()]),
+            (chain(vec![pipe(0.1, 0.03, None)]), [50.0, highest]),
+            (chain(vec![pipe(0.1, 0.01, Some(lined))]), [50.0, 5000.0]),
+        ] {
+            let found = behind(muffler, samples, range);
+            assert!(found.as_ref().is_ok_and(|energy| *energy > 0.0), "{samples}: {found:?}");
+        }
+    }
+}

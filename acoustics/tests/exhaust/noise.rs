@@ -289,7 +289,7 @@ fn the_plenum_filters_the_unsteady_flow_only() {
         .spectrum;
     let free = noise(&history, &HOLES).spectrum;
     assert_eq!(filtered.contributions[0], free.contributions[0]);
-    let f0 = plenum.frequency(&HOLES, air.temperature);
+    let f0 = plenum.frequency(&HOLES, air.temperature, &air);
     let at = (0..free.frequency.len()).min_by(|&i, &j| {
         (free.frequency[i] - f0)
             .abs()
@@ -391,4 +391,66 @@ fn impossible_openings_are_refused_by_name() {
         result,
         Err(AcousticsError::Exhaust(ExhaustError::Input(InputError::Length { .. })))
     ));
+}
+
+/// Only R T enters density and speed of sound: the same flow of a gas of twice the gas constant at half the temperature
+/// makes the same noise.
+#[test]
+fn a_gas_of_twice_the_constant_at_half_the_temperature_sounds_the_same() {
+    let air = Air::default();
+    let light = air.of_gas(2.0 * air.gas_constant, air.heat_ratio).unwrap();
+    let light = light.in_state(0.5 * air.temperature, air.pressure).unwrap();
+    let history = blow_down(1e-3, &HOLES, 7e5, 1e-5, 0.05);
+    let mut cold = history.clone();
+    cold.temperature.iter_mut().for_each(|temperature| *temperature *= 0.5);
+    let behind = |history: &FlowHistory| FlowHistory {
+        back_pressure: Some(vec![1.1e5; history.pressure.len()]),
+        ..history.clone()
+    };
+    let settings = ExhaustSettings {
+        plenum: Some(PlenumResonance {
+            volume: 5e-5,
+            neck_length: 8e-3,
+            quality: 5.0,
+        }),
+        ..ExhaustSettings::default()
+    };
+    for (history, cold) in [(history.clone(), cold.clone()), (behind(&history), behind(&cold))] {
+        let noise = |history, air| exhaust_noise("exhaust", history, &HOLES, air, &settings);
+        let (one, two) = (noise(&history, &air), noise(&cold, &light));
+        match (one, two) {
+            (Ok(one), Ok(two)) => {
+                for (a, b) in one.spectrum.contributions.iter().zip(&two.spectrum.contributions) {
+                    let largest = a.energy_density.iter().copied().fold(0.0, f64::max);
+                    for (x, y) in a.energy_density.iter().zip(&b.energy_density) {
+                        assert!((x - y).abs() < 1e-9 * largest, "{}", a.name);
+                    }
+                }
+            }
+            (one, two) => assert!(one.is_err() && two.is_err()),
+        }
+        let valve = |history, air| valve_noise_energy(history, air, &ValveNoise::default());
+        assert!((valve(&history, &air) / valve(&cold, &light) - 1.0).abs() < 1e-12);
+        let (one, two) = (
+            screech_track(&history, &HOLES, &air),
+            screech_track(&cold, &HOLES, &light),
+        );
+        for (one, two) in one.iter().zip(&two).filter_map(|(a, b)| a.zip(*b)) {
+            assert!((one / two - 1.0).abs() < 1e-12);
+        }
+    }
+}
+
+/// The mass flow of choked holes in closed form, P A sqrt(g/(R T)) (2/(g+1))^((g+1)/(2(g-1))), for helium, air, CO2.
+#[test]
+fn jets_of_any_gas_carry_the_choked_mass_flow() {
+    for (gas_constant, g) in [(2077.1, 1.667), (GAS_CONSTANT, HEAT_RATIO), (188.9, 1.289)] {
+        let air = Air::default().of_gas(gas_constant, g).unwrap();
+        let (p, t, area) = (6e5, 290.0, 1e-4);
+        let closed = p * area * (g / (gas_constant * t)).sqrt() * (2.0 / (g + 1.0)).powf((g + 1.0) / (2.0 * (g - 1.0)));
+        let found = Jet::expand(p, t, &air).unwrap().mass_flow(area);
+        assert!((found / closed - 1.0).abs() < 1e-12, "{gas_constant}: {found} {closed}");
+        assert!((air.sound_speed / (g * gas_constant * air.temperature).sqrt() - 1.0).abs() < 1e-15);
+    }
+    assert!(Air::default().of_gas(287.0, 1.0).is_err() && Air::default().of_gas(0.0, 1.4).is_err());
 }

@@ -3,7 +3,7 @@
 use nailnoise_acoustics::InputError;
 use nailnoise_acoustics::levels::LevelsError;
 use nailnoise_acoustics::levels::{
-    Band, SourceSpectrum, Weighting, band_containing, energy_level, level_energy, rank, third_octaves,
+    Band, SourceSpectrum, Weighting, band_containing, bands_of, energy_level, level_energy, rank, third_octaves,
 };
 use proptest::prelude::*;
 
@@ -239,4 +239,32 @@ fn a_sum_keeps_the_energy_of_parts_that_end_before_the_others() {
     }
     let beyond = [5001.0, 5009.0];
     assert_eq!(sum.energy(beyond, Weighting::Z), long.energy(beyond, Weighting::Z));
+}
+
+#[test]
+fn bands_of_every_range_sum_to_its_total() {
+    // 1 Hz to 100 kHz, E = 1/f.
+    let frequency: Vec<f64> = (0..=5000).map(|i| 10f64.powf(f64::from(i) * 1e-3)).collect();
+    let density = frequency.iter().map(|hz| 1.0 / hz).collect();
+    let spectrum = SourceSpectrum::new("s", "m", frequency, density, [1.0, 1e5]).unwrap();
+    for range in [[40.0, 10_000.0], [1.0, 1e5], [50.0, 30_000.0], [3.3, 7.7], [50e3, 90e3]] {
+        let bands = spectrum.band_levels(range);
+        let sum: f64 = bands.iter().map(|band| band.energy).sum();
+        assert!(
+            (sum / spectrum.energy(range, Weighting::Z) - 1.0).abs() < 1e-12,
+            "{range:?}"
+        );
+        // 1/f has the same energy in each whole band, that of a third octave: 0.1 ln 10.
+        let whole = bands
+            .iter()
+            .filter(|b| b.band.low >= range[0] && b.band.high <= range[1]);
+        for band in whole {
+            assert!((band.energy / (0.1 * 10f64.ln()) - 1.0).abs() < 1e-3, "{:?}", band.band);
+        }
+    }
+    // The usual bands are there in every case, and an end on an edge adds none.
+    assert_eq!(bands_of([50.0, 1000.0]).len(), 27);
+    assert_eq!(bands_of([Band::new(-13).low, Band::new(13).high]).len(), 27);
+    assert_eq!(bands_of([40.0, 25_000.0]).len(), 29);
+    assert_eq!(bands_of([0.0, f64::INFINITY]).len(), 27);
 }

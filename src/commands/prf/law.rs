@@ -9,6 +9,7 @@ use nailnoise_dynamics::prf::{
 };
 use serde::Serialize;
 
+use super::within;
 use crate::commands::progress::note;
 use crate::commands::table::{dash, fixed, table};
 use crate::commands::{print, print_json};
@@ -19,6 +20,9 @@ use crate::penetration::{self, PenetrationError};
 use crate::staging::Staging;
 use nailnoise_quantities::dimension::{FORCE, LENGTH, VELOCITY};
 use nailnoise_quantities::measure;
+
+/// Constant forces \[N\], far beyond what a nail bears; the curve refuses those below zero with a message of its own.
+const FORCES: [f64; 2] = [-1e6, 1e6];
 
 #[derive(Args)]
 #[command(after_help = examples!(
@@ -35,7 +39,7 @@ pub(super) struct Arguments {
     #[arg(required_unless_present_any = ["list", "constant", "table"])]
     law: Vec<String>,
     /// Constant forces, for example "1.2 kN,900 N"
-    #[arg(long, value_name = "FORCES", value_delimiter = ',', value_parser = |text: &str| measure(text, FORCE))]
+    #[arg(long, value_name = "FORCES", value_delimiter = ',', value_parser = |text: &str| within(text, FORCE, FORCES))]
     constant: Vec<f64>,
     /// CSV files of laws: depth in m and force in N per line
     #[arg(long, value_name = "FILES", value_delimiter = ',')]

@@ -11,11 +11,11 @@ use nailnoise_dynamics::machine::{
 use nailnoise_dynamics::prf::fit::{Conditions, Drive, Driving, FittedLaw, Form, Method, Point, Regression};
 use nailnoise_dynamics::prf::{NailSize, PenetrationLaw, REFERENCE_SPEED, ResistanceLaw, Specimen, WoodKind};
 use nailnoise_dynamics::{Ambient, Wood};
-use nailnoise_quantities::dimension::{ENERGY, MASS};
-use nailnoise_quantities::measure;
+use nailnoise_quantities::dimension::{ENERGY, MASS, NUMBER};
 use nalgebra::DMatrix;
 use serde::Serialize;
 
+use super::within;
 use crate::chain;
 use crate::commands::progress::note;
 use crate::commands::table::{fixed, table};
@@ -28,6 +28,9 @@ use crate::staging;
 
 /// Density of a nail's steel \[kg/m3\].
 const STEEL: f64 = 7850.0;
+/// Energies of a level \[J\] and masses of a projectile \[kg\]: from a tack to a pile driver.
+const ENERGIES: [f64; 2] = [1e-3, 1e6];
+const PROJECTILES: [f64; 2] = [1e-4, 1e4];
 /// Stations of depth at which a plan is tried.
 const STATIONS: u32 = 20;
 
@@ -41,7 +44,7 @@ pub(super) struct Arguments {
     #[arg(long, value_name = "SIZE")]
     nail: String,
     /// Energy of the middle level of every mass, for example 42.125J
-    #[arg(long, value_name = "ENERGY", value_parser = |text: &str| measure(text, ENERGY))]
+    #[arg(long, value_name = "ENERGY", value_parser = |text: &str| within(text, ENERGY, ENERGIES))]
     #[arg(required_unless_present = "from", conflicts_with = "from")]
     energy: Option<f64>,
     /// Take the energy from the piston of a design: its mass and its mean speed while it drives the nail
@@ -51,7 +54,7 @@ pub(super) struct Arguments {
     #[arg(long, value_name = "KEY=VALUE", requires = "from")]
     set: Vec<Assignment>,
     /// Masses of the projectiles, for example "0.131 kg,0.2 kg" [default: 0.131 0.2 0.3 0.4 0.5 kg]
-    #[arg(long, value_name = "MASSES", value_delimiter = ',', value_parser = |text: &str| measure(text, MASS))]
+    #[arg(long, value_name = "MASSES", value_delimiter = ',', value_parser = |text: &str| within(text, MASS, PROJECTILES))]
     mass: Vec<f64>,
     /// What the speeds of the plan are
     #[arg(long, value_name = "WHAT", value_enum, default_value_t = SpeedIs::Impact)]
@@ -69,10 +72,10 @@ pub(super) struct Arguments {
     #[arg(long, value_name = "TERMS", default_value = "poly(x,3) + decay + inertia + energy")]
     form: String,
     /// Scatter between specimens of s = sqrt(F_r/(H_M NL)), for the number of repeats
-    #[arg(long, value_name = "NUMBER", default_value_t = 0.01)]
+    #[arg(long, value_name = "NUMBER", default_value = "0.01", value_parser = |text: &str| within(text, NUMBER, [0.0, 100.0]))]
     sigma_between: f64,
     /// Wished standard error of the terms that are constant in a drive
-    #[arg(long, value_name = "NUMBER")]
+    #[arg(long, value_name = "NUMBER", value_parser = |text: &str| within(text, NUMBER, [1e-6, 100.0]))]
     standard_error: Option<f64>,
     /// Print exactly one JSON value instead of tables
     #[arg(long)]

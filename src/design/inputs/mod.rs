@@ -16,12 +16,14 @@ pub(crate) mod response;
 pub(crate) mod sensors;
 pub(crate) mod shape;
 
-/// The ambient air of a design.
+/// The ambient air of a design: one gas for cycle, jets, muffler and radiation.
 ///
 /// # Errors
 /// Air that cannot be.
 pub(crate) fn air(design: &Design) -> Result<Air, Error> {
-    Ok(Air::at(design.ambient.temperature, design.ambient.pressure)?)
+    let ambient = &design.ambient;
+    let air = Air::at(ambient.temperature, ambient.pressure)?;
+    Ok(air.of_gas(ambient.gas_constant, ambient.heat_capacity_ratio)?)
 }
 
 /// An error of a stage with its place in the design file, where it has one.

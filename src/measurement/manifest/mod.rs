@@ -21,8 +21,9 @@ mod reader;
 
 use std::path::{Path, PathBuf};
 
+use nailnoise_acoustics::{GAS_CONSTANT, HEAT_RATIO};
 use nailnoise_meshes::read_regular;
-use nailnoise_quantities::dimension::{AREA, LENGTH, PRESSURE, TEMPERATURE};
+use nailnoise_quantities::dimension::{self, AREA, LENGTH, NUMBER, PRESSURE, TEMPERATURE};
 use nailnoise_quantities::measure;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -44,6 +45,10 @@ const TEMPERATURES: [f64; 2] = [233.15, 333.15];
 
 /// Static pressures of the air where people work \[Pa\].
 const PRESSURES: [f64; 2] = [50e3, 110e3];
+
+/// Specific gas constants and ratios of specific heats of gases, those that a design may have \[J/(kg K), -\].
+const GAS_CONSTANTS: [f64; 2] = [50.0, 5000.0];
+const HEAT_RATIOS: [f64; 2] = [1.01, 1.7];
 
 /// Equivalent absorption areas of rooms \[m²\].
 const ABSORPTIONS: [f64; 2] = [0.1, 1e6];
@@ -142,6 +147,10 @@ pub struct Manifest {
     pub temperature: f64,
     /// Static pressure of the air \[Pa\]; the standard atmosphere unless stated.
     pub static_pressure: f64,
+    /// Specific gas constant of the air \[J/(kg K)\]; that of dry air unless stated.
+    pub gas_constant: f64,
+    /// Ratio of the specific heats of the air; that of dry air unless stated.
+    pub heat_capacity_ratio: f64,
     /// Equivalent absorption area of the room \[m²\]; none outdoors or in a semi-anechoic room.
     pub absorption: Option<f64>,
     /// The microphones by their numbers.
@@ -208,6 +217,8 @@ impl Manifest {
             "sand_height",
             "temperature",
             "static_pressure",
+            "gas_constant",
+            "heat_capacity_ratio",
             "absorption",
             "channels",
             "configurations",
@@ -240,6 +251,12 @@ impl Manifest {
             static_pressure: root
                 .quantity("static_pressure", PRESSURE, PRESSURES)?
                 .unwrap_or(STANDARD_PRESSURE),
+            gas_constant: root
+                .quantity("gas_constant", dimension::GAS_CONSTANT, GAS_CONSTANTS)?
+                .unwrap_or(GAS_CONSTANT),
+            heat_capacity_ratio: root
+                .quantity("heat_capacity_ratio", NUMBER, HEAT_RATIOS)?
+                .unwrap_or(HEAT_RATIO),
             absorption: root.quantity("absorption", AREA, ABSORPTIONS)?,
             microphones: microphones.collect(),
             accelerometers: names(Kind::Accelerometer),

@@ -2,6 +2,8 @@
 
 use thiserror::Error;
 
+use super::file::LawError;
+
 /// Why no law can be fitted to drives.
 #[derive(Debug, Clone, PartialEq, Error)]
 #[non_exhaustive]
@@ -63,6 +65,9 @@ pub enum FitError {
         /// The terms it is a combination of in these data; none where it is zero everywhere.
         partners: Vec<String>,
     },
+    /// A fit whose numbers no law may have.
+    #[error("the fit gives no law: {0}")]
+    NoLaw(LawError),
     /// A decomposition that did not converge.
     #[error("the covariance of the coefficients cannot be computed")]
     Covariance,
@@ -99,6 +104,10 @@ impl FitError {
                 ),
                 None => format!("drop {term} from --form"),
             },
+            Self::NoLaw(_) => {
+                "check the values of the drives: a length, a modulus, a speed or a force in another unit spoils a fit"
+                    .to_owned()
+            }
             Self::Covariance => "drop the terms with the largest VIF from --form".to_owned(),
             Self::OneFold { .. } => "leave out something that the drives differ in, with --leave".to_owned(),
         }

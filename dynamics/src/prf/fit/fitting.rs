@@ -8,7 +8,7 @@ use serde::Serialize;
 use super::distributions::probability_beyond;
 use super::drive::{Drive, Driving};
 use super::error::FitError;
-use super::file::{Counts, FIT_SCHEMA, FitFile, Quality, Ranges, TermFit};
+use super::file::{Counts, FIT_SCHEMA, FitFile, LawError, Quality, Ranges, TermFit};
 use super::form::{Form, Variable};
 use super::law::FittedLaw;
 use super::regression::{Method, Regression, Solution};
@@ -54,7 +54,10 @@ pub fn fit(form: &Form, drives: &[Drive], method: Method) -> Result<Fitted, FitE
         terms: terms(&regression, &solution),
     };
     // Covariances of a regression are symmetric to rounding and have no negative eigenvalue beyond it.
-    let law = FittedLaw::try_from(file).map_err(|_| FitError::Covariance)?;
+    let law = FittedLaw::try_from(file).map_err(|error| match error {
+        LawError::Covariance { .. } => FitError::Covariance,
+        error => FitError::NoLaw(error),
+    })?;
     Ok(Fitted {
         law,
         residuals: solution.residuals.as_slice().to_vec(),
