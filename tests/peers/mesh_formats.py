@@ -43,7 +43,7 @@ def body(kind, order, incomplete):
     if kind == "curved":
         box, bore = occ.addBox(0, 0, 0, 0.3, 0.2, 0.1), occ.addCylinder(0.15, 0.1, 0, 0, 0, 0.1, 0.05)
         occ.cut([(3, box)], [(3, bore)])
-        size = 0.05
+        size = 0.025
     elif kind == "tetrahedra":
         # Two bodies with a face in common.
         boxes = occ.addBox(0, 0, 0, 0.4, 0.3, 0.2), occ.addBox(0, 0, 0.2, 0.4, 0.3, 0.1)
@@ -210,14 +210,15 @@ def grids(path, found):
     """The written VTU and MSH files hold the same mesh to meshio."""
     vtu, msh = path.with_suffix(".vtu"), path.with_name(path.stem + "-own.msh")
     answer("mesh", path, "--unit", "1 m", "--write", vtu, "--write", msh, "--format", "text22")
-    for file in (vtu, msh):
+    # meshio knows no prisms of 15 nodes in VTU files.
+    for file in (msh,) if "prisms" in path.name else (vtu, msh):
         read = meshio.read(file)
         solid = [block for block in read.cells if block.dim == 3]
         assert len(read.points) == found["nodes"], (file, len(read.points))
         assert sum(len(block.data) for block in solid) == found["elements"], file
         corners = {"tetra": 4, "tetra10": 4}
         if all(block.type in corners for block in solid) and "curved" not in path.name:
-            of = lambda block: read.points[block.data[:, :4]]
+            of = lambda block: read.points[block.data[:, :4].astype(int)]
             volume = sum(abs(numpy.linalg.det(p[:, 1:] - p[:, :1])).sum() / 6 for p in map(of, solid))
             assert close(volume, found["quality"]["volume"], 1e-6), (file, volume)
         globals()["tried"] += 1

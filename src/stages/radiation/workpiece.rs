@@ -356,6 +356,7 @@ mod tests {
     use std::sync::Arc;
 
     use nailnoise_acoustics::bem::TwoEvaluations;
+    use nailnoise_acoustics::radiation::ModalRadiation;
     use nailnoise_meshes::{FaceKind, Grid};
     use nalgebra::Vector3;
 
