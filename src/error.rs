@@ -482,9 +482,45 @@ pub enum Error {
         "give the largest element side, as --size \"10 mm\", or name the file in a design (`body.mesh`)"
     ))]
     NoSize,
+    /// A unit for a file that states its own.
+    #[error(
+        "{} states the unit of its lengths, and {given_in} gives {given} for one unit", path.display()
+    )]
+    #[diagnostic(help(
+        "leave {given_in} out: STEP and IGES files, and meshes written by this program, are read in the unit that they state; a file \
+         that states a wrong one must be exported again"
+    ))]
+    StatedUnit {
+        /// The file.
+        path: PathBuf,
+        /// The unit given.
+        given: String,
+        /// The option or key that gives it.
+        given_in: &'static str,
+    },
+    /// A solid of a file that is not a solid geometry.
+    #[error("{} is no solid geometry, so that --solid has nothing to choose from", path.display())]
+    #[diagnostic(help(
+        "give a solid geometry (.step, .stp, .brep, .igs) in the place of a design or a mesh; `mesh FILE --solid NUMBER --write PART.msh` \
+         makes a mesh that a design can name"
+    ))]
+    NoSolids {
+        /// The file.
+        path: PathBuf,
+    },
     /// A universal file cannot be used.
     #[error("the measured modes cannot be used")]
     Uff(#[from] nailnoise_meshes::uff::UffError),
+    /// A universal file of measured modes has no coordinates.
+    #[error("{} has no coordinates: its modes (dataset 55) cannot be matched with a body by position", path.display())]
+    #[diagnostic(help(
+        "add the nodes (dataset 15 or 2411) from the file with the geometry; if the points have the numbers of a file that `modes --uff` \
+         wrote for this mesh, give --by-number"
+    ))]
+    NoCoordinates {
+        /// The universal file.
+        path: PathBuf,
+    },
     /// No measured point lies on the body.
     #[error("none of the measured points of {} lies on the body", path.display())]
     #[diagnostic(help("give coordinates in m in the axes of the body, or a larger --mac-reach"))]

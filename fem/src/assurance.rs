@@ -16,8 +16,8 @@ pub struct Correlation {
     pub matched: usize,
     /// Number of measured points that were not.
     pub unmatched: usize,
-    /// Largest distance between a measured point and its node \[m\]; 0 when matched by number.
-    pub farthest: f64,
+    /// Largest distance between a measured point and its node \[m\]; none where no point has coordinates.
+    pub farthest: Option<f64>,
     /// The best computed mode for each measured one.
     pub pairs: Vec<ModePair>,
     /// MAC, a row a measured mode, a column a computed one.
@@ -37,22 +37,32 @@ pub struct ModePair {
     pub mac: f64,
 }
 
+/// How measured points are matched with nodes.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Pairing {
+    /// A point with the nearest node of the surface.
+    Position {
+        /// Largest distance between them \[m\].
+        reach: f64,
+    },
+    /// Point n with node n - 1 of the mesh, as [`nailnoise_meshes::uff::text`] numbers them.
+    Number,
+}
+
 /// Compares measured modes with computed ones of frequencies `hz` \[Hz\], whose `shapes` are 3 nodes x modes or more:
 ///
 /// ```text
 /// MAC = |phi_m^H phi_c|^2 / ((phi_m^H phi_m) (phi_c^H phi_c))
 /// ```
 ///
-/// (Allemang and Brown, IMAC 1982) over the degrees of freedom that were measured: those that are not zero in all modes.
-/// A measured point is matched with the nearest node of the surface, at most `reach` \[m\] away; in a file without
-/// coordinates, point n is node n - 1. None when no point is matched.
+/// (Allemang and Brown, IMAC 1982) over the degrees of freedom that were measured: those that are not zero in all modes, along
+/// the axes of each measured point. None when no point is matched.
 pub fn correlate(
     (hz, shapes): (&[f64], &DMatrix<f64>),
     surface: &Surface,
     measurement: &Measurement,
-    reach: f64,
+    pairing: Pairing,
 ) -> Option<Correlation> {
-    let by_position = !measurement.nodes.is_empty();
     let nodes = shapes.nrows() / 3;
     let mut labels: Vec<u64> = measurement
         .modes
@@ -61,18 +71,23 @@ pub fn correlate(
         .collect();
     labels.sort_unstable();
     labels.dedup();
-    let mut farthest = 0.0_f64;
+    let mut farthest: Option<f64> = None;
     let mut node_of: HashMap<u64, usize> = HashMap::new();
     for &label in &labels {
-        if by_position {
-            let near = measurement.nodes.get(&label).and_then(|p| nearest(surface, p));
-            if let Some((node, distance)) = near.filter(|(_, distance)| *distance <= reach) {
-                farthest = farthest.max(distance);
-                node_of.insert(label, node);
-            }
-        } else if let Some(node) = usize::try_from(label).ok().and_then(|label| label.checked_sub(1))
-            && node < nodes
-        {
+        let place = measurement.nodes.get(&label);
+        let matched = match pairing {
+            Pairing::Position { reach } => place
+                .and_then(|place| nearest(surface, place))
+                .filter(|(_, distance)| *distance <= reach)
+                .map(|(node, distance)| (node, Some(distance))),
+            Pairing::Number => usize::try_from(label)
+                .ok()
+                .and_then(|label| label.checked_sub(1))
+                .filter(|node| *node < nodes)
+                .map(|node| (node, place.and_then(|place| distance_of(surface, node, place)))),
+        };
+        if let Some((node, distance)) = matched {
+            farthest = farthest.into_iter().chain(distance).reduce(f64::max);
             node_of.insert(label, node);
         }
     }
@@ -103,7 +118,11 @@ pub fn correlate(
                     let (mut cross, mut own, mut other) = (Complex::new(0.0, 0.0), 0.0, 0.0);
                     for dof @ (label, axis) in &dofs {
                         let a = mode.get(dof).copied().unwrap_or_default();
-                        let b = shapes[(3 * node_of[label] + axis, column)];
+                        let row = 3 * node_of[label];
+                        let b = match measurement.axes.get(label) {
+                            Some(axes) => (0..3).map(|k| axes[(*axis, k)] * shapes[(row + k, column)]).sum(),
+                            None => shapes[(row + axis, column)],
+                        };
                         cross += a.conj() * b;
                         own += a.norm_sqr();
                         other += b * b;
@@ -129,7 +148,7 @@ pub fn correlate(
         })
         .collect();
     Some(Correlation {
-        by_position,
+        by_position: matches!(pairing, Pairing::Position { .. }),
         matched: node_of.len(),
         unmatched: labels.len() - node_of.len(),
         farthest,
@@ -143,4 +162,10 @@ fn nearest(surface: &Surface, point: &Point3<f64>) -> Option<(usize, f64)> {
     let distances = surface.points.iter().map(|p| (p - point).norm());
     let (best, distance) = distances.enumerate().min_by(|a, b| a.1.total_cmp(&b.1))?;
     Some((surface.volume_nodes[best], distance))
+}
+
+/// Distance between a volume node of the surface and a point \[m\]; none for a node within the body.
+fn distance_of(surface: &Surface, node: usize, point: &Point3<f64>) -> Option<f64> {
+    let place = surface.volume_nodes.iter().position(|own| *own == node)?;
+    Some((surface.points[place] - point).norm())
 }

@@ -38,7 +38,7 @@ mod symmetry;
 pub mod transient;
 
 pub use assembly::{Equations, System, assemble, assemble_in_order, assemble_with, elimination_order};
-pub use assurance::{Correlation, ModePair, correlate};
+pub use assurance::{Correlation, ModePair, Pairing, correlate};
 pub use attachments::{Attachments, Coupling, GroundSpring, LumpedMass, Place, Tie};
 pub use constraints::Constraints;
 pub use cost::{ModalCost, ShortestWave, modes_below, wall_thicknesses};

@@ -413,7 +413,7 @@ fn basis(system: &System, pairs: Eigenpairs, sturm: Sturm, corrections: Correcti
         if pairs.rigid[i] {
             0.0
         } else {
-            pairs.lambda[i].sqrt() / TAU
+            pairs.lambda[i].max(0.0).sqrt() / TAU
         }
     };
     let modes = order.len();

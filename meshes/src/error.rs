@@ -116,6 +116,15 @@ pub enum MeshError {
         /// How many there are.
         of: usize,
     },
+    /// More than two elements share a face.
+    #[error(
+        "{edges} edges of the skin are open or wrongly oriented: elements overlap, so that more than two share a face; remove the \
+         elements that are there twice (gmsh: Coherence Mesh)"
+    )]
+    OpenSkin {
+        /// How many edges.
+        edges: usize,
+    },
     /// gmsh is not to be found.
     #[error(
         "new geometry needs gmsh, and {program} cannot be started ({reason}); install it with \
@@ -135,6 +144,55 @@ pub enum MeshError {
         what: String,
         /// Its own words.
         reason: String,
+    },
+    /// gmsh did not end in time.
+    #[error(
+        "gmsh could not mesh {what}: it had not ended after {seconds} s of processor time, several times what such a body takes: its \
+         dimensions do not go together, or its elements are too small for it; repair the geometry or change the element size"
+    )]
+    OutOfTime {
+        /// The geometry.
+        what: String,
+        /// Its limit of processor time \[s\].
+        seconds: u64,
+    },
+    /// A geometry consists of faces.
+    #[error(
+        "{what} contains {faces} faces and no solid, also after sewing faces with common edges; export a solid body (STEP: \"solid\", \
+         not \"surfaces\" or \"shells\")"
+    )]
+    Sheets {
+        /// The geometry.
+        what: String,
+        /// How many faces it has.
+        faces: usize,
+    },
+    /// A solid that is asked for does not exist.
+    #[error("{what} has no solid {asked}; there are {solids}")]
+    NoSolid {
+        /// The geometry.
+        what: String,
+        /// The number asked for, from 1.
+        asked: usize,
+        /// The solids that there are, in words.
+        solids: String,
+    },
+    /// A mesh would need more memory than is allowed.
+    #[error(
+        "{what} with element sides of at most {} mm would have about {elements:.1e} elements, for which gmsh needs {gigabytes:.1} GB; \
+         {allowed:.1} GB are allowed (--memory); allow longer elements, or check the size of the geometry", 1e3 * size
+    )]
+    TooFine {
+        /// The geometry.
+        what: String,
+        /// Longest element side asked for \[m\].
+        size: f64,
+        /// Estimated number of elements.
+        elements: f64,
+        /// Memory that they need \[GB\].
+        gigabytes: f64,
+        /// Memory that is allowed \[GB\].
+        allowed: f64,
     },
     /// A solid geometry is far larger or smaller than what it stands for.
     #[error("{what} is {extent:.4e} m long, expected are {:.4e} to {:.4e} m; give the unit of its lengths", expected[0], expected[1])]

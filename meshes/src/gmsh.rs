@@ -12,9 +12,6 @@ use crate::{FaceGroup, FaceRef, Mesh, MeshError, Surface};
 /// Name of the environment variable that names the program.
 const PROGRAM: &str = "NAILNOISE_GMSH";
 
-/// File in which a script leaves the longest side \[mm\] of a geometry that it does not mesh for its size.
-const EXTENT: &str = "extent";
-
 /// Beginning of the names of the folders in which gmsh works.
 const FOLDER: &str = "nailnoise-gmsh-";
 
@@ -29,6 +26,8 @@ pub(crate) struct Job<'a> {
     pub(crate) constants: Vec<(&'static str, f64)>,
     /// A geometry that the script opens, copied beside it under this name.
     pub(crate) beside: Option<(&'a Path, String)>,
+    /// Files that the script may write, which are read into [`Made::written`].
+    pub(crate) reports: &'static [&'static str],
     /// Processor time after which gmsh is ended if it mends folded elements by the elastic analogy \[s\], and of which an attempt
     /// without it has [`SHARE_WITHOUT_ANALOGY`]; no limit without it.
     pub(crate) seconds: Option<f64>,
@@ -42,7 +41,9 @@ const OPTIMISE: &str = "optimise";
 /// The elastic analogy deforms the whole mesh, and takes three quarters of gmsh's time, although some ten of 8 500 elements of half
 /// a tool are folded.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum HighOrderOptimization {
+pub(crate) enum HighOrderOptimization {
+    /// None: folded elements stay as they are.
+    None = 0,
     /// Optimisation of each folded element with those around it.
     Each = 1,
     /// The elastic analogy, then optimisation.
@@ -53,7 +54,7 @@ impl HighOrderOptimization {
     /// Whole seconds of processor time of a limit with the elastic analogy \[s\].
     fn limit(self, seconds: f64) -> u64 {
         let share = match self {
-            Self::Each => SHARE_WITHOUT_ANALOGY,
+            Self::None | Self::Each => SHARE_WITHOUT_ANALOGY,
             Self::Elastic => 1.0,
         };
         (share * seconds).ceil() as u64
@@ -61,93 +62,7 @@ impl HighOrderOptimization {
 }
 
 /// Share of a limit of processor time that gmsh has without the elastic analogy. The N80CB takes a quarter of the time without it.
-const SHARE_WITHOUT_ANALOGY: f64 = 1.0 / 3.0;
-
-/// Opens a solid geometry with the script below; lengths come in millimetres, whatever the file's own unit. A geometry whose
-/// longest side is not among the expected ones is measured and not meshed.
-const SOLID: &str = r#"
-SetFactory("OpenCASCADE");
-DefineConstant[ size = 10, least = 0, most = 1e22, optimise = 1 ];
-solids() = ShapeFromFile("GEOMETRY");
-solids() = Volume{:};
-If (#solids() > 1)
-  Coherence;
-EndIf
-solids() = Volume{:};
-low_() = {1e22, 1e22, 1e22};
-high_() = {-1e22, -1e22, -1e22};
-For k In {0 : #solids() - 1}
-  box() = BoundingBox Volume{solids(k)};
-  For axis In {0 : 2}
-    low_(axis) = (box(axis) < low_(axis)) ? box(axis) : low_(axis);
-    high_(axis) = (box(3 + axis) > high_(axis)) ? box(3 + axis) : high_(axis);
-  EndFor
-EndFor
-extent = Max(high_(0) - low_(0), Max(high_(1) - low_(1), high_(2) - low_(2)));
-If (#solids() > 0 && (extent < least || extent > most))
-  Printf("%.9g", extent) > "extent";
-  Exit;
-EndIf
-Physical Volume("body") = Volume{:};
-Mesh.CharacteristicLengthMax = size;
-Mesh.ElementOrder = 2;
-Mesh.HighOrderOptimize = optimise;
-Mesh.ScalingFactor = 0.001;
-"#;
-
-/// Longest side of gmsh's tetrahedra over the size asked of it, as found on plates and housings: 1.4 to 1.8.
-const LONGEST_OVER_TARGET: f64 = 1.5;
-
-/// How far below the longest side allowed another mesh aims.
-const MARGIN: f64 = 0.97;
-
-/// Meshes made before a geometry is given up.
-const MOST_MESHES: usize = 6;
-
-/// Meshes a solid geometry (STEP, BREP or IGES) with quadratic tetrahedra none of whose sides is longer than `size` \[m\].
-///
-/// gmsh takes a size as a target that its longest sides exceed by half. The mesh is measured, and made anew with a smaller
-/// target as long as a side is too long. All solids become the part `body`, touching ones joined. No surface has a name.
-///
-/// # Errors
-/// [`MeshError::Extent`] for a geometry whose longest side along an axis is not within `expected` \[m\], found before
-/// anything is meshed; [`MeshError::TooLong`], [`MeshError::NoGmsh`], [`MeshError::Gmsh`], or those of [`msh::read`].
-pub fn solid(path: &Path, size: f64, expected: [f64; 2]) -> Result<Imported, MeshError> {
-    let end = path
-        .extension()
-        .map_or_else(String::new, |end| end.to_string_lossy().to_lowercase());
-    let name = format!("geometry.{end}");
-    let script = SOLID.replace("GEOMETRY", &name);
-    let what = path.display().to_string();
-    let meshed = |target: f64| {
-        let job = Job {
-            what: what.clone(),
-            script: &script,
-            constants: vec![
-                ("size", target * 1e3),
-                ("least", expected[0] * 1e3),
-                ("most", (expected[1] * 1e3).min(1e22)),
-            ],
-            beside: Some((path, name.clone())),
-            seconds: None,
-        };
-        run(&job).map_err(|error| match error {
-            MeshError::Extent { what, extent, .. } => MeshError::Extent { what, extent, expected },
-            other => other,
-        })
-    };
-    let (mut target, mut longest) = (size / LONGEST_OVER_TARGET, f64::INFINITY);
-    for _ in 0..MOST_MESHES {
-        let mut built = meshed(target)?;
-        longest = built.mesh.longest_edges().into_iter().fold(0.0, f64::max);
-        if longest <= size {
-            built.mesh.straighten();
-            return Ok(built);
-        }
-        target *= MARGIN * size / longest;
-    }
-    Err(MeshError::TooLong { what, longest, size })
-}
+pub(crate) const SHARE_WITHOUT_ANALOGY: f64 = 1.0 / 3.0;
 
 /// The version of the gmsh that would be used.
 ///
@@ -202,8 +117,28 @@ fn with_fewest_inverted(
     Ok(elastic.filter(|mesh| mesh.mesh.inverted() < inverted).unwrap_or(quick))
 }
 
-/// Runs a script in a temporary folder and reads the mesh.
+/// What became of a script.
+#[derive(Debug)]
+pub(crate) struct Made {
+    /// The mesh; none where the script ended before it meshed anything and wrote a report.
+    pub(crate) mesh: Option<Imported>,
+    /// Content of each of [`Job::reports`] that was written.
+    pub(crate) written: Vec<(&'static str, String)>,
+    /// Time that gmsh took \[s\].
+    pub(crate) seconds: f64,
+}
+
+/// Runs a script that always makes a mesh.
 fn mesh_once(job: &Job<'_>, optimization: HighOrderOptimization) -> Result<Imported, MeshError> {
+    let made = made(job, optimization)?;
+    made.mesh.ok_or_else(|| MeshError::Gmsh {
+        what: job.what.clone(),
+        reason: "it wrote no mesh".to_owned(),
+    })
+}
+
+/// Runs a script in a temporary folder and reads the mesh.
+pub(crate) fn made(job: &Job<'_>, optimization: HighOrderOptimization) -> Result<Made, MeshError> {
     let temporary = std::env::temp_dir();
     let folder = TemporaryFolder::new(&temporary, FOLDER).map_err(|source| MeshError::Write {
         path: temporary,
@@ -245,14 +180,12 @@ fn mesh_once(job: &Job<'_>, optimization: HighOrderOptimization) -> Result<Impor
     if let Some(seconds) = seconds {
         child::limit(&mut command, seconds);
     }
+    let started = std::time::Instant::now();
     let output = start(&mut command, &program)?;
     if let Some(seconds) = seconds.filter(|_| child::ran_out(&output)) {
-        return Err(MeshError::Gmsh {
+        return Err(MeshError::OutOfTime {
             what: job.what.clone(),
-            reason: format!(
-                "it had not ended after {seconds} s of processor time, several times what such a body takes: its dimensions do not go \
-                 together, or its elements are too small for it"
-            ),
+            seconds,
         });
     }
     let said = String::from_utf8_lossy(&[output.stdout, output.stderr].concat()).into_owned();
@@ -260,18 +193,18 @@ fn mesh_once(job: &Job<'_>, optimization: HighOrderOptimization) -> Result<Impor
         what: job.what.clone(),
         reason,
     };
-    if let Some(extent) = std::fs::read_to_string(at(EXTENT))
-        .ok()
-        .and_then(|text| text.trim().parse::<f64>().ok())
-    {
-        return Err(MeshError::Extent {
-            what: job.what.clone(),
-            extent: extent * 1e-3,
-            expected: [0.0, f64::INFINITY],
-        });
-    }
+    let report = |name: &&'static str| Some((*name, std::fs::read_to_string(at(name)).ok()?));
+    let written: Vec<(&str, String)> = job.reports.iter().filter_map(report).collect();
     let result = at("mesh.msh");
     let fatal = fatal(&said);
+    let seconds = started.elapsed().as_secs_f64();
+    if fatal.is_none() && !result.exists() && !written.is_empty() {
+        return Ok(Made {
+            mesh: None,
+            written,
+            seconds,
+        });
+    }
     if fatal.is_some() || !result.exists() {
         let reason = match fatal {
             Some(first) => first.to_owned(),
@@ -281,7 +214,11 @@ fn mesh_once(job: &Job<'_>, optimization: HighOrderOptimization) -> Result<Impor
     }
     let mut built = msh::read(&result, 1.0).map_err(|error| failed(error.to_string()))?;
     built.mesh.nodes.iter_mut().for_each(|p| *p = p.map(rounded));
-    Ok(built)
+    Ok(Made {
+        mesh: Some(built),
+        written,
+        seconds,
+    })
 }
 
 /// The first error that gmsh reports, without frame and counts of its summary. A folded element that stays folded after its
@@ -349,11 +286,8 @@ mod tests {
             mesh.nodes.swap(mesh.connectivity[0], mesh.connectivity[1]);
         }
         Imported {
-            mesh,
-            element_numbers: vec![1],
-            node_numbers: (1..=8).collect(),
-            unused_nodes: 0,
             comment: format!("{optimization:?}"),
+            ..Imported::built(mesh)
         }
     }
 
@@ -371,9 +305,9 @@ mod tests {
 
     #[test]
     fn both_scripts_take_the_kind_of_optimization() {
-        let tool = include_str!("../geo/tool.geo");
-        for script in [SOLID, tool] {
-            assert!(script.contains(&format!("{OPTIMISE} = {}", HighOrderOptimization::Each as u8)));
+        let (solid, tool) = (include_str!("../geo/solid.geo"), include_str!("../geo/tool.geo"));
+        for script in [solid, tool] {
+            assert!(script.contains(&format!("{OPTIMISE} = ")));
             assert!(script.contains(&format!("Mesh.HighOrderOptimize = {OPTIMISE};")));
         }
     }

@@ -1,7 +1,7 @@
 //! Finite-element meshes: structured meshers, surfaces, quality checks and files.
 //!
 //! A [`Mesh`] holds nodes, elements with a part each, and named groups of element faces. [`block()`], [`worktable()`] and
-//! [`tool()`] build meshes of second order, [`gmsh`] meshes STEP files. [`Surface`] holds the outer faces with their
+//! [`tool()`] build meshes of second order, [`SolidGeometry`] meshes STEP files. [`Surface`] holds the outer faces with their
 //! normals; [`Mesh::locate`] finds the nodes and weights that carry a value to any point. [`msh`], [`vtu`] and [`uff`]
 //! exchange files with gmsh, ParaView and modal-test software. All lengths are in metres.
 #![forbid(unsafe_code)]
@@ -28,6 +28,7 @@ mod reflection;
 mod regular;
 mod size;
 mod smooth;
+mod solid;
 mod straighten;
 mod surface;
 pub mod temporary;
@@ -51,6 +52,7 @@ pub use quality::{Jacobian, POOR, Quality};
 pub use regular::read_regular;
 pub use size::{element_size, subdivide};
 pub use smooth::SmoothFace;
+pub use solid::{SolidGeometry, allow_memory};
 pub use surface::{QuadraturePoint, Surface, SurfaceFace};
 pub use tool::{Tool, ToolDimensions, tool, tool_ships};
 pub use tubes::tube_worktable;

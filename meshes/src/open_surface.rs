@@ -46,12 +46,14 @@ pub fn open_faces(surface: &Surface, floor: Option<f64>) -> Result<Vec<bool>, Me
     }
     let mut outline: Vec<bool> = volume.iter().map(|&v| v > 0.0).collect();
     for (inner, open) in outline.iter_mut().enumerate() {
-        let Some(at) = (0..piece.len()).find(|&f| piece[f] == inner) else {
-            continue;
-        };
-        let at = surface.points[surface.faces[at].nodes[0]];
+        let extremes = extremes(surface, &piece, inner);
+        // A piece that touches another one from outside has extreme points on both sides of the faces that they share.
         let within = |outer: usize| {
-            outer != inner && volume[outer] > 0.0 && solid_angle(surface, &piece, outer, at) > INSIDE * 4.0 * PI
+            outer != inner
+                && volume[outer] > 0.0
+                && extremes
+                    .iter()
+                    .all(|at| solid_angle(surface, &piece, outer, *at) > INSIDE * 4.0 * PI)
         };
         *open &= !(0..count).any(within);
     }
@@ -92,6 +94,22 @@ fn pieces(surface: &Surface, covered: &[bool]) -> Vec<usize> {
             }
             numbers[piece]
         })
+        .collect()
+}
+
+/// The points of a piece that are farthest along each axis, to either side.
+fn extremes(surface: &Surface, piece: &[usize], wanted: usize) -> Vec<Point3<f64>> {
+    let faces = surface.faces.iter().zip(piece).filter(|&(_, &p)| p == wanted);
+    let points: Vec<Point3<f64>> = faces
+        .flat_map(|(face, _)| face.nodes.iter().map(|&node| surface.points[node]))
+        .collect();
+    let along = |axis: usize, sign: f64| {
+        let farther = |a: &&Point3<f64>, b: &&Point3<f64>| (sign * a[axis]).total_cmp(&(sign * b[axis]));
+        points.iter().max_by(farther).copied()
+    };
+    (0..3)
+        .flat_map(|axis| [-1.0, 1.0].map(|sign| along(axis, sign)))
+        .flatten()
         .collect()
 }
 
@@ -151,6 +169,31 @@ mod tests {
         let area = open_area(&surface, None);
         assert!((area - (6.0 + 6.0 * 0.09)).abs() < 1e-12, "{area}");
         assert!((surface.area() - area - 6.0 * 0.04 - 6.0 * 0.01).abs() < 1e-12);
+    }
+
+    /// From a point of a plane face, the body behind it fills half of all directions, up to rounding.
+    #[test]
+    fn a_piece_that_touches_another_one_is_open() {
+        let mut mesh = cube(1.0, 0.0);
+        let mut board = block(&Block {
+            size: [0.5, 0.5, 0.1],
+            divisions: [1; 3],
+            origin: [-0.25, -0.25, 0.5],
+        })
+        .unwrap();
+        for turned in [false, true] {
+            if turned {
+                board.nodes.iter_mut().for_each(|p| p.z = 1.1 - p.z);
+                board.nodes.iter_mut().for_each(|p| p.x = -p.x);
+            }
+            let mut both = mesh.clone();
+            both.join(&board);
+            let area = open_area(&Surface::of(&both), None);
+            assert!((area - (6.0 + 0.5 + 0.2)).abs() < 1e-12, "{area}");
+        }
+        mesh.join(&cube(0.3, 0.65));
+        let area = open_area(&Surface::of(&mesh), None);
+        assert!((area - (6.0 + 6.0 * 0.09)).abs() < 1e-12, "{area}");
     }
 
     #[test]

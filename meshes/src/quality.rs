@@ -211,30 +211,35 @@ impl Mesh {
         found
     }
 
-    /// The elements of a damaged mesh are named before anything is computed with them.
+    /// Refuses a damaged mesh before anything is computed with it, named by the numbers of its file.
     ///
     /// # Errors
-    /// [`MeshError::Inverted`] for the worst element whose Jacobian is zero or negative at one of its nodes.
+    /// [`MeshError::Inverted`] for the worst element whose Jacobian is zero or negative at one of its nodes,
+    /// [`MeshError::OpenSkin`] for elements that overlap.
     pub fn validate(&self, number: impl Fn(usize) -> u64) -> Result<(), MeshError> {
         let mut inverted = 0;
         let mut worst = None::<Jacobian>;
         for element in 0..self.element_count() {
             let j = self.jacobian(element);
-            if j.determinant.is_nan() || j.determinant <= 0.0 {
+            if j.is_inverted() {
                 inverted += 1;
-                if worst.is_none_or(|w| j.determinant < w.determinant) {
+                if worst.is_none_or(|w| j.determinant.is_nan() || j.determinant < w.determinant) {
                     worst = Some(j);
                 }
             }
         }
-        worst.map_or(Ok(()), |j| {
-            Err(MeshError::Inverted {
+        if let Some(j) = worst {
+            return Err(MeshError::Inverted {
                 element: number(j.element),
                 determinant: j.determinant,
                 inverted,
                 of: self.element_count(),
-            })
-        })
+            });
+        }
+        match Surface::of(self).open_edges() {
+            0 => Ok(()),
+            edges => Err(MeshError::OpenSkin { edges }),
+        }
     }
 }
 

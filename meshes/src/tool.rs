@@ -179,6 +179,7 @@ pub fn tool(spec: &Tool, anew: bool) -> Result<Imported, MeshError> {
             .map(|(name, value)| (name, value * 1e3))
             .collect(),
         beside: None,
+        reports: &[],
         seconds: Some(spec.seconds()),
     })?;
     built.mesh.straighten();

@@ -16,7 +16,7 @@ use crate::cost::{self, MemoryLimit};
 use crate::design::inputs::{bodies as inputs, located};
 use crate::design::{Design, Values};
 use crate::error::Error;
-use crate::stages::bodies::{BodyKind, MeshFile, Meshed};
+use crate::stages::bodies::{BodyKind, FileUnit, MeshFile, Meshed, states_unit};
 
 /// A body by its name on the command line.
 #[derive(Clone, Copy, ValueEnum)]
@@ -49,20 +49,26 @@ pub(super) fn length(text: &str) -> Result<f64, String> {
     }
 }
 
+/// The option for the unit of a file.
+const UNIT: &str = "--unit";
+
 /// A file of the user that replaces a body of the design.
 #[derive(Args)]
 pub(super) struct Own {
     /// Mesh (.msh) or geometry (.step) that replaces the body, as if the design named it
     #[arg(long, value_name = "FILE")]
     mesh: Option<PathBuf>,
-    /// Length of one unit in a mesh file that does not state it [default: from the design, else 1 mm]
+    /// Length of one unit in a file that does not state it, as .msh and .brep [default: from the design, else 1 mm]
     #[arg(long, value_name = "LENGTH", value_parser = length)]
     unit: Option<f64>,
 }
 
 impl Own {
     /// Enters the file into the design.
-    pub(super) fn replace(&self, design: &mut Design, kind: BodyKind) {
+    ///
+    /// # Errors
+    /// [`Error::StatedUnit`] where a unit is given for a file that states its own.
+    pub(super) fn replace(&self, design: &mut Design, kind: BodyKind) -> Result<(), Error> {
         let values: &mut Values = design;
         let (mesh, unit) = match kind {
             BodyKind::Workpiece => (&mut values.workpiece.mesh, &mut values.workpiece.mesh_unit),
@@ -75,7 +81,19 @@ impl Own {
         if let Some(path) = &self.mesh {
             *mesh = path.to_string_lossy().into_owned();
         }
-        *unit = self.unit.unwrap_or(*unit);
+        if let (Some(given), true) = (self.unit, states_unit(Path::new(mesh))) {
+            return Err(Error::StatedUnit {
+                path: PathBuf::from(&*mesh),
+                given: format!("{} mm", 1e3 * given),
+                given_in: UNIT,
+            });
+        }
+        *unit = match &self.mesh {
+            // The unit of the design is that of the file that it names.
+            Some(path) if states_unit(path) => FileUnit::USUAL,
+            _ => self.unit.unwrap_or(*unit),
+        };
+        Ok(())
     }
 }
 
@@ -93,6 +111,9 @@ pub(super) struct Input {
     /// Largest element side for a geometry that gmsh meshes
     #[arg(long, value_name = "LENGTH", value_parser = length)]
     size: Option<f64>,
+    /// Number of the only solid that is meshed, in a geometry of several; without it, `mesh` lists them and meshes all
+    #[arg(long, value_name = "NUMBER", value_parser = clap::value_parser!(u16).range(1..))]
+    solid: Option<u16>,
     /// Let gmsh mesh the tool body even if a mesh of its dimensions is shipped
     #[arg(long)]
     remesh: bool,
@@ -126,8 +147,21 @@ impl Input {
                     path: self.path.clone(),
                 });
             }
-            let file = MeshFile::new(&self.path, self.own.unit.unwrap_or(1e-3), self.size, None)?;
+            nailnoise_meshes::allow_memory(self.memory.limit().gigabytes);
+            let unit = FileUnit::of_option(self.own.unit, UNIT);
+            let file = MeshFile::new(&self.path, unit, self.size, None)?.with_solid(self.solid.map(usize::from))?;
             let mut imported = file.import()?;
+            if let Some(given_in) = unit.given_in.filter(|_| imported.states_metres && unit.metres != 1.0) {
+                return Err(Error::StatedUnit {
+                    path: self.path.clone(),
+                    given: format!("{} mm", 1e3 * unit.metres),
+                    given_in,
+                });
+            }
+            // `check` lists the faults of a damaged mesh, everything else refuses it.
+            if !for_run {
+                imported.validate()?;
+            }
             if file.needs_gmsh() {
                 gmsh::name_by_height(&mut imported.mesh);
             }
@@ -144,7 +178,12 @@ impl Input {
         }
         let mut design = self.changes.load(&self.path)?;
         let kind = BodyKind::from(self.body.ok_or(Error::NoBody)?);
-        self.own.replace(&mut design, kind);
+        self.own.replace(&mut design, kind)?;
+        if self.solid.is_some() {
+            return Err(Error::NoSolids {
+                path: self.path.clone(),
+            });
+        }
         if let Some(size) = self.size {
             set_size(&mut design, kind, size);
         }

@@ -124,7 +124,7 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
         .collect();
     let ties = body.map_or(0, |(meshed, _)| meshed.attachments.ties.len());
     // Pieces of a body are checked with what else a run requires of it.
-    let (mut faults, warnings) = findings(
+    let (mut faults, mut warnings) = findings(
         mesh,
         &quality,
         worst_element,
@@ -133,6 +133,7 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
         ties > 0 || !loaded.problems.is_empty(),
     );
     faults.extend(loaded.problems.iter().map(Error::in_words));
+    warnings.extend(loaded.imported.notes.iter().cloned());
     let result = CheckResult {
         schema: "nailnoise-check/1",
         nodes: mesh.nodes.len(),

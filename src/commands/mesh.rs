@@ -17,6 +17,7 @@ use crate::staging;
 #[command(after_help = examples!(
     "nailnoise mesh my-tool.toml --body tool --write tool.vtu" => "the mesh of a body, for ParaView",
     "nailnoise mesh housing.step --size \"6 mm\" --write housing.msh" => "a geometry of your own, meshed by gmsh",
+    "nailnoise mesh assembly.step --size \"6 mm\" --solid 3 --write part.msh" => "the third of its solids",
 ))]
 pub(super) struct Arguments {
     #[command(flatten)]
@@ -69,6 +70,8 @@ struct MeshResult {
     /// Face groups with their numbers of faces.
     groups: Vec<(String, usize)>,
     longest_edge: f64,
+    /// What the user should know of how the mesh was made.
+    notes: Vec<String>,
     written: Vec<PathBuf>,
 }
 
@@ -100,6 +103,7 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
             .map(|group| (group.name.clone(), group.faces.len()))
             .collect(),
         longest_edge: mesh.longest_edges().into_iter().fold(0.0, f64::max),
+        notes: loaded.imported.notes.clone(),
         written: arguments.write.clone(),
     };
     if arguments.json {
@@ -138,6 +142,9 @@ fn text(name: &str, result: &MeshResult) -> String {
     }
     for (group, faces) in &result.groups {
         text.push_str(&format!("  faces {group}: {faces}\n"));
+    }
+    for note in &result.notes {
+        text.push_str(&format!("  note: {note}\n"));
     }
     for path in &result.written {
         text.push_str(&format!("  written to {}\n", path.display()));

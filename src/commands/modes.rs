@@ -5,7 +5,7 @@ use std::process::ExitCode;
 use std::sync::Arc;
 
 use clap::Args;
-use nailnoise_fem::{Correlation, ModalWork, Sturm, correlate};
+use nailnoise_fem::{Correlation, ModalWork, Pairing, Sturm, correlate};
 use nailnoise_meshes::uff;
 use serde::Serialize;
 
@@ -50,6 +50,9 @@ pub(super) struct Arguments {
     /// Largest distance between a measured point and the node that represents it
     #[arg(long, value_name = "LENGTH", default_value = "10 mm", value_parser = length)]
     mac_reach: f64,
+    /// Match measured point n with point n of a universal file of this body (--uff), not by position
+    #[arg(long, requires = "mac", conflicts_with = "mac_reach")]
+    by_number: bool,
 }
 
 /// Layout of `modes --json`.
@@ -77,10 +80,21 @@ struct Mode {
 pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
     let common = &arguments.common;
     let mut design = common.begin()?;
-    arguments.own.replace(&mut design, arguments.body.into());
+    arguments.own.replace(&mut design, arguments.body.into())?;
     let folder = common.out(&design)?;
     // A file that cannot be used is found before time is spent.
     let measurement = arguments.mac.as_deref().map(uff::read).transpose()?;
+    let pairing = match arguments.by_number {
+        true => Pairing::Number,
+        false => Pairing::Position {
+            reach: arguments.mac_reach,
+        },
+    };
+    if let (Some(measurement), Some(path), Pairing::Position { .. }) = (&measurement, &arguments.mac, pairing)
+        && measurement.nodes.is_empty()
+    {
+        return Err(Error::NoCoordinates { path: path.clone() });
+    }
     let kind = arguments.body.into();
     cost::refuse(&design, &[cost::of_body(&design, kind)?], common.memory.limit())?;
     let progress = progress();
@@ -93,12 +107,7 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
     let shapes = body.shapes(&modes)?;
     let correlation = match (&measurement, &arguments.mac) {
         (Some(measurement), Some(path)) => {
-            let found = correlate(
-                (&body.basis.hz, shapes),
-                &body.surface,
-                measurement,
-                arguments.mac_reach,
-            );
+            let found = correlate((&body.basis.hz, shapes), &body.surface, measurement, pairing);
             Some(found.ok_or_else(|| Error::NoPoint { path: path.clone() })?)
         }
         _ => None,
@@ -199,10 +208,13 @@ fn compared(correlation: &Correlation) -> String {
     let headings = ["measured", "Hz", "computed mode", "Hz", "%", "MAC"];
     let mut text = format!("\n{}", table(&headings, &rows));
     text.push_str(&format!(
-        "\n  {} measured points matched by {}, at most {:.1} mm off; {} not on the body\n",
+        "\n  {} measured points matched by {}, {}; {} not on the body\n",
         correlation.matched,
         if correlation.by_position { "position" } else { "number" },
-        correlation.farthest * 1e3,
+        correlation.farthest.map_or_else(
+            || "distance unknown without coordinates".to_owned(),
+            |farthest| format!("at most {:.1} mm off", farthest * 1e3)
+        ),
         correlation.unmatched
     ));
     text

@@ -238,11 +238,12 @@ fn of_equations(solver: BemEquations, unknowns: f64, parities: f64, dense: f64) 
     (1e-9 * 3.0 * (8.0 * entries + 16e3 * unknowns), time)
 }
 
-/// Refuses a design of which a stage needs more memory than allowed.
+/// Refuses a design of which a stage needs more memory than allowed, and allows gmsh as much for the meshes of this process.
 ///
 /// # Errors
 /// [`Error::Design`] with the stage, its counts, and the key to change.
 pub fn refuse(design: &Design, stages: &[StageCost], limit: MemoryLimit) -> Result<(), Error> {
+    nailnoise_meshes::allow_memory(limit.gigabytes);
     match stages.iter().find(|stage| !limit.allows(stage.gigabytes)) {
         Some(stage) => {
             let needs = format!("about {:.2e} GB: {}", stage.gigabytes, stage.counted());

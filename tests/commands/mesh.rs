@@ -76,8 +76,107 @@ fn new_geometry_without_gmsh_names_the_way_to_install_it() {
     let output = nailnoise(&["check", step.to_str().unwrap(), "--size", "5 mm"]);
     refused(&output, "no-such-gmsh cannot be started");
     let step = step.to_str().unwrap();
+    refused(
+        &nailnoise(&["mesh", "designs/n80cb.toml", "--body", "tool", "--solid", "2"]),
+        "--solid has nothing",
+    );
     let output = nailnoise(&["modes", "designs/n80cb.toml", "--body", "workpiece", "--mesh", step]);
     refused(&output, "no-such-gmsh cannot be started");
+}
+
+#[test]
+fn a_file_that_states_its_unit_takes_no_other() {
+    let folder = folder("stated-unit");
+    for name in ["part.step", "part.STP", "part.igs", "part.iges"] {
+        let path = folder.join(name);
+        std::fs::write(&path, "ISO-10303-21;\n").unwrap();
+        let file = path.to_str().unwrap();
+        let states = "states the unit of its lengths";
+        for command in ["mesh", "check"] {
+            let unit = nailnoise(&[command, file, "--size", "25 mm", "--unit", "1 m"]);
+            refused(&unit, states);
+            refused(&unit, "leave --unit out");
+        }
+        let base = Path::new(env!("CARGO_MANIFEST_DIR")).join("designs/n80cb.toml");
+        let design = folder.join("own.toml");
+        std::fs::write(
+            &design,
+            format!("base = {base:?}\nbody.mesh = {name:?}\nbody.mesh_unit = \"1 in\"\n"),
+        )
+        .unwrap();
+        let design = design.to_str().unwrap();
+        let keyed = nailnoise(&["modes", design, "--body", "tool"]);
+        refused(&keyed, states);
+        refused(&keyed, "leave body.mesh_unit out");
+        refused(
+            &nailnoise(&["check", design, "--body", "tool", "--unit", "1 m"]),
+            "leave --unit out",
+        );
+    }
+    // BREP files state none; neither do meshes of other programs.
+    let brep = folder.join("part.brep");
+    std::fs::write(&brep, "DBRep_DrawableShape\n").unwrap();
+    let output = nailnoise(&["mesh", brep.to_str().unwrap(), "--size", "5 mm", "--unit", "1 in"]);
+    refused(&output, "no-such-gmsh cannot be started");
+    let mesh = folder.join("own.msh");
+    let file = mesh.to_str().unwrap();
+    let make = ["mesh", "tests/data/small.toml", "--body", "workpiece", "--write", file];
+    assert!(nailnoise(&make).status.success());
+    refused(
+        &nailnoise(&["mesh", file, "--unit", "1 in"]),
+        "states the unit of its lengths",
+    );
+    for unit in [&[][..], &["--unit", "1 m"]] {
+        assert!(nailnoise(&[&["mesh", file][..], unit].concat()).status.success());
+    }
+}
+
+#[test]
+fn mesh_check_and_modes_refuse_the_same_damaged_meshes() {
+    let folder = folder("one-judgement");
+    let path = folder.join("own.msh");
+    let file = path.to_str().unwrap();
+    let out = folder.join("converted.msh");
+    let written = out.to_str().unwrap();
+    // Inverted; all inverted; a third element behind a face that two share.
+    let third = tetrahedron("$Elements\n3\n", "$Elements\n4\n20 4 2 7 1 2 3 4 6\n")
+        .replace("$Nodes\n5\n", "$Nodes\n6\n6 2 2 2\n");
+    for (text, expected) in [
+        (tetrahedron("17 4 2 7 1 1 2 3 4", "17 4 2 7 1 1 3 2 4"), "element 17"),
+        (
+            tetrahedron("17 4 2 7 1 1 2 3 4", "17 4 2 7 1 1 3 2 4").replace("18 4 2 7 1 2 3 4 5", "18 4 2 7 1 3 2 4 5"),
+            "2 inverted",
+        ),
+        (third, "edges of the skin are open"),
+    ] {
+        std::fs::write(&path, text).unwrap();
+        let mesh = nailnoise(&["mesh", file, "--unit", "0.3 m", "--write", written]);
+        refused(&mesh, expected);
+        assert!(!out.exists(), "{expected}");
+        let design = [
+            "modes",
+            "designs/n80cb.toml",
+            "--body",
+            "workpiece",
+            "--unit",
+            "0.3 m",
+            "--mesh",
+            file,
+        ];
+        refused(&nailnoise(&design), expected);
+        assert_eq!(
+            nailnoise(&["check", file, "--unit", "0.3 m"]).status.code(),
+            Some(2),
+            "{expected}"
+        );
+    }
+    std::fs::write(&path, tetrahedron("17", "17")).unwrap();
+    assert!(
+        nailnoise(&["mesh", file, "--unit", "0.3 m", "--write", written])
+            .status
+            .success()
+    );
+    assert!(nailnoise(&["check", file, "--unit", "0.3 m"]).status.success());
 }
 
 /// A tetrahedron with one line changed.
@@ -307,6 +406,28 @@ fn modes_match_themselves_in_a_universal_file() {
     }
     let absent = nailnoise(&[&base[..], &["--mac", "no-such.uff"]].concat());
     refused(&absent, "no-such.uff");
+    // The same modes without the nodes: no distance, and pairs by number only where that is asked for.
+    let text = std::fs::read_to_string(&file).unwrap();
+    let modes = folder.join("modes-only.uff");
+    let begin = text.find("    -1\n    55\n").unwrap();
+    std::fs::write(&modes, &text[begin..]).unwrap();
+    let modes = modes.to_str().unwrap();
+    let unpaired = nailnoise(&[&base[..], &["--mac", modes]].concat());
+    refused(&unpaired, "has no coordinates");
+    refused(&unpaired, "--by-number");
+    let numbered = json(&nailnoise(&[&base[..], &["--mac", modes, "--by-number"]].concat()));
+    let correlation = &numbered["correlation"];
+    assert_eq!(
+        (&correlation["by_position"], &correlation["farthest"]),
+        (&Value::from(false), &Value::Null)
+    );
+    assert!(correlation["mac"][6][6].as_f64().unwrap() > 0.9999);
+    let plain: Vec<&str> = base.iter().copied().filter(|word| *word != "--json").collect();
+    let shown = said(&nailnoise(&[&plain[..], &["--mac", modes, "--by-number"]].concat()));
+    assert!(
+        shown.contains("matched by number, distance unknown without coordinates"),
+        "{shown}"
+    );
 }
 
 /// A housing without a seat: what `check` says of it, `run` says before it solves a body.

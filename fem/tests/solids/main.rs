@@ -7,6 +7,7 @@ mod bodies;
 mod kinds;
 
 mod assembly;
+mod assurance;
 mod attachments;
 mod elements;
 mod elimination;

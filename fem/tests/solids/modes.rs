@@ -67,6 +67,49 @@ fn isotropic(size: [f64; 3], divisions: [usize; 3], e: f64, nu: f64, rho: f64) -
     assemble(&mesh, &[Material::isotropic(e, nu, rho).unwrap()], &Constraints::free()).unwrap()
 }
 
+/// A free square plate of thickness h and side L: omega L^2 sqrt(rho h / D) = 13.49 (twice skew to its sides), 19.79, 24.43 for
+/// nu = 0.3 (A. W. Leissa, *Vibration of Plates*, NASA SP-160, 1969, table 4.67).
+#[test]
+fn rigid_modes_of_thin_sheets_are_never_nan() {
+    let (e, nu, rho, side) = (210e9_f64, 0.3, 7850.0, 1.0_f64);
+    // The thinner a sheet, the larger its stiffness across the thickness, and the rounding of its rigid modes.
+    for (thickness, mirrors) in [
+        (1e-3_f64, true),
+        (1e-3, false),
+        (0.5e-3, true),
+        (0.5e-3, false),
+        (2e-3, true),
+    ] {
+        let system = isotropic([side, side, thickness], [16, 16, 1], e, nu, rho);
+        let scale = (e * thickness * thickness / (12.0 * (1.0 - nu * nu) * rho)).sqrt() / (TAU * side * side);
+        let settings = ModalSettings {
+            mirrors,
+            ..ModalSettings::below(30.0 * scale)
+        };
+        let basis = modes(&system, &settings, &|_, _| ()).unwrap();
+        assert_eq!(basis.sturm.count, basis.hz.len());
+        assert!(
+            basis.hz.iter().all(|hz| hz.is_finite()),
+            "{thickness} m: {:?}",
+            basis.hz
+        );
+        assert!(
+            basis
+                .rigid
+                .iter()
+                .zip(&basis.hz)
+                .all(|(rigid, hz)| *rigid == (*hz == 0.0))
+        );
+        assert_eq!(
+            basis.rigid.iter().filter(|r| **r).count(),
+            6,
+            "{thickness} m: {:?}",
+            basis.hz
+        );
+        assert_hz(elastic(&basis), &[13.49, 19.79, 24.43].map(|k| k * scale), 0.02);
+    }
+}
+
 #[test]
 fn free_beam_lies_just_below_euler() {
     // Euler-Bernoulli (beta L)^2 / (2 pi L^2) sqrt(EI / rho A); shear and rotary inertia lower it by 0.03 % at first.

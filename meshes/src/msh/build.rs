@@ -6,7 +6,7 @@ use nalgebra::Point3;
 
 use super::MshError;
 use super::raw::Raw;
-use crate::{ElementKind, FaceGroup, FaceRef, Mesh};
+use crate::{ElementKind, FaceGroup, FaceRef, Mesh, MeshError};
 
 /// Places in gmsh's order of the nodes of a VTK element after its corners.
 const HEX20: [usize; 12] = [8, 11, 13, 9, 16, 18, 19, 17, 10, 12, 14, 15];
@@ -43,9 +43,35 @@ pub struct Imported {
     pub unused_nodes: usize,
     /// First line of the comments of the file without the unit; empty if there is none.
     pub comment: String,
+    /// Whether the file states that its lengths are in metres, so that no unit is asked for.
+    pub states_metres: bool,
+    /// What the user should know of how the mesh was made.
+    pub notes: Vec<String>,
 }
 
 impl Imported {
+    /// A mesh that was not read from a file.
+    pub fn built(mesh: Mesh) -> Self {
+        Self {
+            mesh,
+            element_numbers: Vec::new(),
+            node_numbers: Vec::new(),
+            unused_nodes: 0,
+            comment: String::new(),
+            states_metres: false,
+            notes: Vec::new(),
+        }
+    }
+
+    /// Refuses a damaged mesh, see [`Mesh::validate`].
+    ///
+    /// # Errors
+    /// Those of [`Mesh::validate`].
+    pub fn validate(&self) -> Result<(), MeshError> {
+        let number = |element: usize| self.element_numbers.get(element).copied().unwrap_or(element as u64);
+        self.mesh.validate(number)
+    }
+
     /// Adds the image of the mesh in the plane y = 0, see [`Mesh::add_image`]; elements and nodes keep the numbers of those
     /// that they are images of.
     pub(crate) fn add_image(&mut self) {
@@ -58,9 +84,9 @@ impl Imported {
 impl Raw {
     /// Makes a mesh; lengths are multiplied by `scale` unless a comment of the file gives metres as the unit.
     pub(super) fn build(self, scale: f64) -> Result<Imported, MshError> {
-        let (scale, comment) = match self.comment.strip_suffix(super::IN_METRES) {
-            Some(rest) => (1.0, rest.trim_end_matches([';', ' ']).to_owned()),
-            None => (scale, self.comment.clone()),
+        let (scale, comment, states_metres) = match self.comment.strip_suffix(super::IN_METRES) {
+            Some(rest) => (1.0, rest.trim_end_matches([';', ' ']).to_owned(), true),
+            None => (scale, self.comment.clone(), false),
         };
         let place = self.places()?;
         let volumes: Vec<usize> = (0..self.len()).filter(|&e| self.kinds[e].dimension == 3).collect();
@@ -90,6 +116,8 @@ impl Raw {
             node_numbers: used.iter().map(|&old| self.nodes[old].0).collect(),
             unused_nodes: self.nodes.len() - used.len(),
             comment,
+            states_metres,
+            notes: Vec::new(),
         };
         self.volumes(&volumes, &place, &index, &mut built)?;
         self.faces(&place, &index, &mut built.mesh)?;
@@ -173,9 +201,9 @@ impl Raw {
         built: &mut Imported,
     ) -> Result<(), MshError> {
         let names = self.names_of(3);
-        let mut part_of: HashMap<&str, usize> = HashMap::new();
+        let mut part_of: HashMap<String, usize> = HashMap::new();
         let mut seen: HashMap<Vec<usize>, usize> = HashMap::with_capacity(volumes.len());
-        let mut by_number: HashMap<u64, usize> = HashMap::with_capacity(volumes.len());
+        let mut of_number: HashMap<u64, usize> = HashMap::with_capacity(volumes.len());
         // In version 2.2 an element of two groups is written twice under two numbers.
         for &element in volumes {
             let (number, kind) = (self.numbers[element], self.kinds[element]);
@@ -187,14 +215,24 @@ impl Raw {
                     name,
                 });
             };
-            let mut of_element = self.groups[self.group[element]]
-                .iter()
-                .filter_map(|group| names.get(&group.abs()).copied());
-            let Some(name) = of_element.next() else {
-                return Err(MshError::NoGroup {
-                    element: number,
-                    known: self.known(),
-                });
+            let groups = &self.groups[self.group[element]];
+            let mut of_element = groups.iter().filter_map(|group| names.get(&group.abs()).copied());
+            let by_number;
+            let name = match of_element.next() {
+                Some(name) => name,
+                None if self.names.is_empty() => {
+                    by_number = match groups.first() {
+                        Some(group) => format!("volume group {}", group.abs()),
+                        None => format!("volume {}", self.entity[element]),
+                    };
+                    by_number.as_str()
+                }
+                None => {
+                    return Err(MshError::NoGroup {
+                        element: number,
+                        known: self.known(),
+                    });
+                }
             };
             let two = |second: &str| MshError::TwoGroups {
                 element: number,
@@ -230,11 +268,12 @@ impl Raw {
                 });
             }
             seen.insert(sorted, next);
-            if by_number.insert(number, next).is_some() {
+            if of_number.insert(number, next).is_some() {
                 return Err(MshError::DuplicateNumber { element: number });
             }
-            let part = *part_of.entry(name).or_insert_with(|| {
+            let part = part_of.get(name).copied().unwrap_or_else(|| {
                 built.mesh.part_names.push(name.to_owned());
+                part_of.insert(name.to_owned(), built.mesh.part_names.len() - 1);
                 built.mesh.part_names.len() - 1
             });
             built.mesh.connectivity.extend(nodes);

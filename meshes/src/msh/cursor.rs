@@ -62,10 +62,16 @@ impl<'a> Cursor<'a> {
         Ok(Some(name.to_owned()))
     }
 
+    /// The word that ends the section; sections of version 1 are in capitals.
+    fn end(&self) -> String {
+        let of_version_1 = matches!(self.section.as_str(), "NOD" | "ELM");
+        format!("{}{}", if of_version_1 { "$END" } else { "$End" }, self.section)
+    }
+
     /// Expects the end of the section.
     pub(super) fn close(&mut self) -> Result<(), MshError> {
         self.skip_space();
-        let end = format!("$End{}", self.section);
+        let end = self.end();
         if self.bytes[self.at..].starts_with(end.as_bytes()) {
             self.at += end.len();
             return Ok(());
@@ -82,7 +88,7 @@ impl<'a> Cursor<'a> {
 
     /// Leaves out the rest of the section.
     pub(super) fn skip_section(&mut self) -> Result<(), MshError> {
-        let end = format!("$End{}", self.section).into_bytes();
+        let end = self.end().into_bytes();
         let found = self.bytes[self.at..]
             .windows(end.len().max(1))
             .position(|window| window == end.as_slice());

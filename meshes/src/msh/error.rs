@@ -9,7 +9,7 @@ pub enum MshError {
     NotMsh,
     /// A version that is not supported.
     #[error(
-        "it has format version {found}; versions 2.2 and 4.1 are read: convert it with \
+        "it has format version {found}; versions 1, 2, 4.0 and 4.1 are read: convert it with \
          gmsh FILE.msh -save -format msh41 -o NEW.msh"
     )]
     Version {

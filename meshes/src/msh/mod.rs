@@ -1,8 +1,9 @@
-//! `.msh` files of gmsh, versions 2.2 and 4.1, text and binary.
+//! `.msh` files of gmsh, versions 1, 2, 4.0 and 4.1, text and binary.
 //!
 //! Named volumes (`Physical Volume("housing")`) become the parts of the mesh, named surfaces its face groups; other
-//! groups are left out. Numbers in messages are those of the file. The formats are described in the gmsh reference
-//! manual (C. Geuzaine and J.-F. Remacle, version 4.8, chapter 9).
+//! groups are left out. In a file without any name, the parts are its volume groups by number, or where it has none
+//! its volumes. Numbers in messages are those of the file. The formats are described in the gmsh reference
+//! manual (C. Geuzaine and J.-F. Remacle, version 4.8, chapters 9 and 10).
 
 mod build;
 mod cursor;

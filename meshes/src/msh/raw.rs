@@ -17,6 +17,8 @@ pub(super) struct Raw {
     pub(super) kinds: Vec<&'static Kind>,
     /// Index into `groups` of each element.
     pub(super) group: Vec<usize>,
+    /// Number of the geometric entity of each element; 0 where there is none.
+    pub(super) entity: Vec<i64>,
     /// Sets of physical groups of the elements, each set once; `groups[0]` is the empty set.
     pub(super) groups: Vec<Vec<i64>>,
     /// Start of each element's nodes in `nodes_of`, and the end: one entry more than elements.
@@ -122,10 +124,11 @@ impl Raw {
     }
 
     /// Takes up an element whose nodes have just been appended to `nodes_of`.
-    pub(super) fn element(&mut self, number: u64, kind: &'static Kind, group: usize) {
+    pub(super) fn element(&mut self, number: u64, kind: &'static Kind, group: usize, entity: i64) {
         self.numbers.push(number);
         self.kinds.push(kind);
         self.group.push(group);
+        self.entity.push(entity);
         self.offsets.push(self.nodes_of.len());
     }
 }

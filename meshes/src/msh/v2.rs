@@ -1,4 +1,4 @@
-//! Nodes and elements of version 2.
+//! Nodes and elements of versions 1 and 2.
 
 use super::MshError;
 use super::cursor::{Cursor, Encoding};
@@ -15,6 +15,44 @@ pub(super) fn nodes(cursor: &mut Cursor<'_>, raw: &mut Raw) -> Result<(), MshErr
         let number = number(cursor)?;
         let position = [cursor.double()?, cursor.double()?, cursor.double()?];
         raw.node(number, position)?;
+    }
+    Ok(())
+}
+
+/// Nodes that gmsh saved with `Mesh.SaveParametric`: behind the coordinates stand dimension and number of the entity that the
+/// node is on, and its parameters there, one on a curve and two on a surface.
+pub(super) fn parametric_nodes(cursor: &mut Cursor<'_>, raw: &mut Raw) -> Result<(), MshError> {
+    let count = announced(cursor)?;
+    let count = cursor.count("nodes", count, 4 * cursor.least(7))?;
+    raw.nodes.reserve(count);
+    for _ in 0..count {
+        let number = number(cursor)?;
+        let position = [cursor.double()?, cursor.double()?, cursor.double()?];
+        let (dimension, _entity) = (cursor.int()?, cursor.int()?);
+        for _ in 0..if matches!(dimension, 1 | 2) { dimension } else { 0 } {
+            cursor.double()?;
+        }
+        raw.node(number, position)?;
+    }
+    Ok(())
+}
+
+/// Elements of version 1: number, type, physical group, entity, number of nodes, nodes.
+pub(super) fn elements_of_version_1(cursor: &mut Cursor<'_>, raw: &mut Raw) -> Result<(), MshError> {
+    let count = announced(cursor)?;
+    let count = cursor.count("elements", count, 2 * cursor.least(4))?;
+    for _ in 0..count {
+        let (element, code) = (number(cursor)?, cursor.int()?);
+        let kind = Kind::of(code, element)?;
+        let (physical, entity, nodes) = (cursor.int()?, cursor.int()?, cursor.int()?);
+        if usize::try_from(nodes) != Ok(kind.nodes) {
+            return Err(MshError::Header {
+                what: "of an element that the number of its nodes is",
+                found: nodes.to_string(),
+                expected: "it must be that of its type",
+            });
+        }
+        with_nodes(cursor, raw, (element, kind), (physical, entity))?;
     }
     Ok(())
 }
@@ -56,20 +94,32 @@ fn one(cursor: &mut Cursor<'_>, raw: &mut Raw, element: u64, kind: &'static Kind
             expected: "gmsh writes two",
         });
     }
-    let mut physical = 0;
+    let (mut physical, mut entity) = (0, 0);
     for tag in 0..tags {
         let value = cursor.int()?;
-        if tag == 0 {
-            physical = value;
+        match tag {
+            0 => physical = value,
+            1 => entity = value,
+            _ => {}
         }
     }
+    with_nodes(cursor, raw, (element, kind), (physical, entity))
+}
+
+/// Takes up an element, whose nodes follow.
+fn with_nodes(
+    cursor: &mut Cursor<'_>,
+    raw: &mut Raw,
+    (element, kind): (u64, &'static Kind),
+    (physical, entity): (i64, i64),
+) -> Result<(), MshError> {
     let set: &[i64] = if physical == 0 { &[] } else { &[physical] };
     let group = raw.group_set(set);
     for _ in 0..kind.nodes {
         let node = number(cursor)?;
         raw.nodes_of.push(node);
     }
-    raw.element(element, kind, group);
+    raw.element(element, kind, group, entity);
     Ok(())
 }
 

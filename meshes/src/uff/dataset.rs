@@ -66,6 +66,34 @@ pub enum UffError {
         /// What it is.
         value: f64,
     },
+    /// A node names a coordinate system that the file does not give.
+    #[error(
+        "{}, line {line}, dataset {dataset}: the node names coordinate system {system}, which the file does not give (known: \
+         {known}); export the coordinate systems as well (dataset 18 or 2420), or the nodes in global axes (system 0)", path.display()
+    )]
+    NoSystem {
+        /// The file.
+        path: PathBuf,
+        /// The line, from 1.
+        line: usize,
+        /// The dataset.
+        dataset: u64,
+        /// The label of the system.
+        system: u64,
+        /// The labels that there are, comma separated, or `none`.
+        known: String,
+    },
+    /// The reference systems of a coordinate system lead to no global one.
+    #[error(
+        "{}: coordinate system {system} has a reference system that leads back to itself or is cylindrical; give it in terms of a \
+         Cartesian one", path.display()
+    )]
+    Reference {
+        /// The file.
+        path: PathBuf,
+        /// The label of the system.
+        system: u64,
+    },
     /// There is no mode in it.
     #[error("{} has no mode shapes: no dataset 55 with normal modes (2) or complex ones (3, 7)", path.display())]
     NoModes {

@@ -1,5 +1,5 @@
 //! Universal files (SDRC-UFF) for modal-test software: nodes (datasets 15 and 2411), elements (2412), mode shapes (55),
-//! time histories (58).
+//! time histories (58); coordinate systems of nodes (18 and 2420) and the unit of length (164) are read.
 //!
 //! Formats: Structural Dynamics Research Laboratory, University of Cincinnati, *Universal File Formats for Modal Analysis
 //! Testing*. Lengths are in m, shapes in the unit of the caller. The skin is written, not the volume: it is what test
@@ -9,10 +9,12 @@ mod dataset;
 mod function;
 mod history;
 mod read;
+mod systems;
 mod write;
 
 pub use dataset::UffError;
 pub use function::{Function, functions, is_universal};
 pub use history::{History, Ordinate};
 pub use read::{MeasuredMode, Measurement, parse, read};
+pub use systems::Axes;
 pub use write::{Mode, text};

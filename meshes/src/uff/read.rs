@@ -6,12 +6,15 @@ use std::path::Path;
 use nalgebra::{Complex, Point3};
 
 use super::dataset::{Block, UffError, datasets};
+use super::systems::{Axes, LocalNode, Systems};
 
-/// What a universal file holds of a modal test.
+/// Nodes and modes of a modal test.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Measurement {
-    /// Position of each node by its label \[m\]; empty when the file has neither dataset 15 nor 2411.
+    /// Position of each node by its label \[m\], in global axes; empty when the file has none of datasets 15, 781 and 2411.
     pub nodes: HashMap<u64, Point3<f64>>,
+    /// Axes of the displacements of each node whose axes are not the global ones, by its label.
+    pub axes: HashMap<u64, Axes>,
     /// The modes, in the order of the file.
     pub modes: Vec<MeasuredMode>,
 }
@@ -21,14 +24,15 @@ pub struct Measurement {
 pub struct MeasuredMode {
     /// Natural frequency \[Hz\].
     pub hz: f64,
-    /// Complex displacement of each node along x, y and z, in any unit.
+    /// Complex displacement of each node along its axes, see [`Measurement::axes`], in any unit.
     pub shape: Vec<(u64, [Complex<f64>; 3])>,
 }
 
 /// The largest file that is read \[byte\].
 const LARGEST: u64 = 1 << 30;
 
-/// Reads datasets 15, 2411 and 55; others are left out.
+/// Reads datasets 15, 781 and 2411 (nodes), 18 and 2420 (their coordinate systems), 164 (units) and 55 (modes); others are left
+/// out.
 ///
 /// # Errors
 /// [`UffError`].
@@ -46,10 +50,15 @@ pub fn read(path: &Path) -> Result<Measurement, UffError> {
 /// As [`read`].
 pub fn parse(bytes: &[u8], path: &Path) -> Result<Measurement, UffError> {
     let mut measurement = Measurement::default();
+    let (mut nodes, mut systems, mut metres) = (HashMap::new(), Systems::default(), 1.0);
+    // Coordinate systems and units may follow the nodes that need them.
     for dataset in datasets(bytes) {
         match dataset.number {
-            15 => dataset.read(path, |block| block.nodes(1, &mut measurement))?,
-            2411 => dataset.read(path, |block| block.nodes(2, &mut measurement))?,
+            15 => dataset.read(path, |block| block.nodes(1, &mut nodes))?,
+            781 | 2411 => dataset.read(path, |block| block.nodes(2, &mut nodes))?,
+            18 => dataset.read(path, |block| systems.read_18(block))?,
+            2420 => dataset.read(path, |block| systems.read_2420(block))?,
+            164 => metres = dataset.read(path, |block| block.metres())?,
             55 => dataset.read(path, |block| block.mode(&mut measurement))?,
             _ => {}
         }
@@ -57,29 +66,56 @@ pub fn parse(bytes: &[u8], path: &Path) -> Result<Measurement, UffError> {
     if measurement.modes.is_empty() {
         return Err(UffError::NoModes { path: path.to_owned() });
     }
+    systems.scale(metres);
+    for (label, mut node) in nodes {
+        node.position *= metres;
+        let (position, axes) = systems.resolve(&node, path)?;
+        measurement.nodes.insert(label, position);
+        measurement.axes.extend(axes.map(|axes| (label, axes)));
+    }
     Ok(measurement)
 }
 
 impl Block<'_> {
-    fn nodes(&self, lines_each: usize, measurement: &mut Measurement) -> Result<(), UffError> {
+    fn nodes(&self, lines_each: usize, nodes: &mut HashMap<u64, LocalNode>) -> Result<(), UffError> {
         let expected = "a node: label, three numbers, three coordinates";
         for line in (0..self.lines.len()).step_by(lines_each) {
             let mut numbers = self.numbers(line, expected)?;
             if lines_each == 2 {
                 numbers.extend(self.numbers(line + 1, expected)?);
             }
-            let &[label, _, _, _, x, y, z] = numbers.as_slice() else {
+            let &[label, definition, displacement, _, x, y, z] = numbers.as_slice() else {
                 return Err(self.error(line, expected));
             };
-            // 2411 has more digits than 15 and stands.
-            let position = Point3::new(x, y, z);
+            let whole = |number: f64| number >= 0.0 && number.fract() == 0.0;
+            if ![label, definition, displacement].into_iter().all(whole) {
+                return Err(self.error(line, expected));
+            }
+            let node = LocalNode {
+                definition: definition as u64,
+                displacement: displacement as u64,
+                position: Point3::new(x, y, z),
+                dataset: self.dataset,
+                line: self.first + line,
+            };
+            // Datasets 781 and 2411 have more digits than 15 and take its place.
             if lines_each == 2 {
-                measurement.nodes.insert(label as u64, position);
+                nodes.insert(label as u64, node);
             } else {
-                measurement.nodes.entry(label as u64).or_insert(position);
+                nodes.entry(label as u64).or_insert(node);
             }
         }
         Ok(())
+    }
+
+    /// Length of one unit of the file \[m\], from dataset 164, which gives the factor by which a length in the file is divided
+    /// for one in metres.
+    fn metres(&self) -> Result<f64, UffError> {
+        let expected = "factors of the units of length, force and temperature";
+        match self.numbers(1, expected)?.first() {
+            Some(&factor) if factor > 0.0 => Ok(1.0 / factor),
+            _ => Err(self.error(1, expected)),
+        }
     }
 
     fn mode(&self, measurement: &mut Measurement) -> Result<(), UffError> {

@@ -276,12 +276,131 @@ fn a_file_without_elements_is_refused() {
 
 #[test]
 fn groups_without_a_name_are_listed() {
-    let error = text(|t| t.replace("$PhysicalNames\n2\n2 9 \"base\"\n3 7 \"one\"\n$EndPhysicalNames\n", ""));
+    let error = text(|t| {
+        t.replace("2 9 \"base\"", "2 8 \"base\"")
+            .replace("3 7 \"one\"", "3 8 \"one\"")
+    });
     let error = error.unwrap_err().to_string();
     assert!(
         error.contains("surface 9 without a name, volume 7 without a name"),
         "{error}"
     );
+}
+
+/// The nodes of [`text`] as lines.
+const NODES: &str = "1 0 0 0\n2 1 0 0\n3 0 1 0\n4 0 0 1\n5 1 1 1\n";
+
+/// The two tetrahedra and the triangle of [`text`] in blocks of version 4.1, by the numbers of their entities.
+fn blocks(first: u32, second: u32, surface: u32) -> String {
+    let numbers = "1\n2\n3\n4\n5\n";
+    let positions = "0 0 0\n1 0 0\n0 1 0\n0 0 1\n1 1 1\n";
+    format!(
+        "$Nodes\n1 5 1 5\n3 {first} 0 5\n{numbers}{positions}$EndNodes\n\
+         $Elements\n3 3 11 13\n3 {first} 4 1\n11 1 2 3 4\n3 {second} 4 1\n12 2 3 4 5\n2 {surface} 2 1\n13 1 3 2\n\
+         $EndElements\n"
+    )
+}
+
+const NAMES: &str = "$PhysicalNames\n2\n2 9 \"base\"\n3 7 \"one\"\n$EndPhysicalNames\n";
+
+/// Asserts that a file shows the two tetrahedra of [`text`], 1/6 and 1/3, with one part and, if it has names, the triangle.
+fn is_the_pair(what: &str, file: &str, part: &str) {
+    let read = parse(file.as_bytes()).unwrap_or_else(|error| panic!("{what}: {error}"));
+    let mesh = &read.mesh;
+    assert_eq!(
+        (mesh.nodes.len(), &read.element_numbers[..]),
+        (5, &[11, 12][..]),
+        "{what}"
+    );
+    assert_eq!(mesh.part_names, [part], "{what}");
+    assert!((mesh.part_volumes().unwrap()[0] - 0.5).abs() < 1e-15, "{what}");
+    let groups: Vec<&str> = mesh.groups.iter().map(|group| group.name.as_str()).collect();
+    assert_eq!(groups, if part == "one" { &["base"][..] } else { &[] }, "{what}");
+}
+
+#[test]
+fn partitions_have_the_groups_of_their_own_or_of_their_parent() {
+    // Volume 1 in pieces 2 and 3 with an interface between them, and a ghost entity; surface 1 in the piece 4.
+    let box_ = "0 0 0 1 1 1";
+    let pieces = |own: &str| {
+        format!(
+            "$PartitionedEntities\n2\n1\n5 1\n0 0 2 2\n4 2 1 1 1 {box_} {own} 0\n5 3 1 2 1 2 {box_} 0 0\n\
+             2 3 1 1 1 {box_} 1 7 0\n3 3 1 1 2 {box_} 0 0\n$EndPartitionedEntities\n"
+        )
+    };
+    let entities = format!("$Entities\n0 0 1 1\n1 {box_} 1 9 0\n1 {box_} 1 7 0\n$EndEntities\n");
+    for own in ["1 9", "0"] {
+        let file = format!(
+            "$MeshFormat\n4.1 0 8\n$EndMeshFormat\n{NAMES}{entities}{}{}",
+            pieces(own),
+            blocks(2, 3, 4)
+        );
+        is_the_pair("4.1 in partitions", &file, "one");
+    }
+    // Version 2.2 gives the partitions of each element as further tags.
+    let tags = "$Elements\n3\n11 4 4 7 1 1 1 1 2 3 4\n12 4 5 7 1 2 2 -1 2 3 4 5\n13 2 4 9 1 1 1 1 3 2\n$EndElements\n";
+    let file = format!("$MeshFormat\n2.2 0 8\n$EndMeshFormat\n{NAMES}$Nodes\n5\n{NODES}$EndNodes\n{tags}");
+    is_the_pair("2.2 in partitions", &file, "one");
+}
+
+#[test]
+fn nodes_with_the_parameters_of_their_entities_are_read() {
+    let nodes = "1 0 0 0 0 1\n2 1 0 0 1 3 0.5\n3 0 1 0 2 1 0.25 0.75\n4 0 0 1 3 1\n5 1 1 1 3 1\n";
+    let elements = "$Elements\n3\n11 4 2 7 1 1 2 3 4\n12 4 2 7 1 2 3 4 5\n13 2 2 9 1 1 3 2\n$EndElements\n";
+    let file = format!(
+        "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n{NAMES}$ParametricNodes\n5\n{nodes}$EndParametricNodes\n{elements}"
+    );
+    is_the_pair("2.2 with parameters", &file, "one");
+}
+
+#[test]
+fn versions_1_and_4_0_are_read() {
+    let elements = "3\n11 4 7 1 4 1 2 3 4\n12 4 7 1 4 2 3 4 5\n13 2 9 1 3 1 3 2\n";
+    let first = format!("$NOD\n5\n{NODES}$ENDNOD\n$ELM\n{elements}$ENDELM\n");
+    // Version 1 has no names.
+    is_the_pair("1", &first, "volume group 7");
+    let box_ = "0 0 0 1 1 1";
+    let fourth = format!(
+        "$MeshFormat\n4 0 8\n$EndMeshFormat\n{NAMES}$Entities\n0 0 1 1\n1 {box_} 1 9 0\n1 {box_} 1 7 0\n$EndEntities\n\
+         $Nodes\n1 5\n1 3 0 5\n{NODES}$EndNodes\n\
+         $Elements\n2 3\n1 3 4 2\n11 1 2 3 4\n12 2 3 4 5\n1 2 2 1\n13 1 3 2\n$EndElements\n"
+    );
+    is_the_pair("4.0", &fourth, "one");
+    let wrong = first.replace("11 4 7 1 4 ", "11 4 7 1 5 ");
+    let error = parse(wrong.as_bytes()).unwrap_err().to_string();
+    assert!(error.contains("number of its nodes is 5"), "{error}");
+    let cut = first.replace("$ENDELM", "");
+    assert!(
+        parse(cut.as_bytes())
+            .unwrap_err()
+            .to_string()
+            .contains("ends within $ELM")
+    );
+}
+
+#[test]
+fn a_file_without_any_name_has_its_volume_groups_or_its_volumes_as_parts() {
+    let header = "$MeshFormat\n4.1 0 8\n$EndMeshFormat\n";
+    is_the_pair("without $Entities", &format!("{header}{}", blocks(1, 1, 1)), "volume 1");
+    let box_ = "0 0 0 1 1 1";
+    let entities = format!("$Entities\n0 0 1 1\n1 {box_} 1 9 0\n1 {box_} 1 7 0\n$EndEntities\n");
+    let file = format!("{header}{entities}{}", blocks(1, 1, 1));
+    is_the_pair("without names", &file, "volume group 7");
+    let two = parse(format!("{header}{}", blocks(1, 2, 1)).as_bytes()).unwrap().mesh;
+    assert_eq!(two.part_names, ["volume 1", "volume 2"]);
+}
+
+#[test]
+fn elements_that_overlap_are_refused() {
+    // A third element behind the face that the first two share.
+    let three = text(|t| {
+        t.replace("$Nodes\n5\n", "$Nodes\n6\n6 2 2 2\n")
+            .replace("$Elements\n3\n", "$Elements\n4\n14 4 2 7 1 2 3 4 6\n")
+    })
+    .unwrap();
+    let error = three.validate().unwrap_err();
+    assert!(matches!(error, MeshError::OpenSkin { .. }), "{error}");
+    assert!(text(|t| t).unwrap().validate().is_ok());
 }
 
 #[test]

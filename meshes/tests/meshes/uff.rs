@@ -421,3 +421,123 @@ fn a_file_of_another_program_is_read() {
         }
     }
 }
+
+/// A file of one mode with nodes as given.
+fn with_nodes(nodes: &str) -> Result<uff::Measurement, UffError> {
+    let mode = "    -1\n    55\nNONE\nNONE\nNONE\nNONE\nNONE\n 1 2 2 8 2 3\n 2 4 1 1\n 100.0 1.0 0.0 0.02\n 7\n 1.0 2.0 3.0\n    -1\n";
+    uff::parse(format!("{nodes}{mode}").as_bytes(), std::path::Path::new("test.uff"))
+}
+
+fn dataset(number: u32, lines: &str) -> String {
+    format!("    -1\n{number:6}\n{lines}    -1\n")
+}
+
+/// System 3: origin (1, 2, 3), x along global z, z along global x, so that y = -global y.
+const SYSTEM_18: &str = " 3 0 0 8 1\nname\n 1.0 2.0 3.0 1.0 2.0 4.0\n 2.0 2.0 3.0\n";
+const SYSTEM_2420: &str = " 1\npart\n 3 0 8\nname\n 0.0 0.0 1.0\n 0.0 -1.0 0.0\n 1.0 0.0 0.0\n 1.0 2.0 3.0\n";
+
+#[test]
+fn coordinates_and_axes_of_nodes_in_local_systems_are_global() {
+    let turned = nalgebra::Matrix3::new(0.0, 0.0, 1.0, 0.0, -1.0, 0.0, 1.0, 0.0, 0.0);
+    for (systems, given) in [(18, SYSTEM_18), (2420, SYSTEM_2420)] {
+        for (nodes, lines) in [
+            (15, " 7 3 3 11 0.1 0.2 0.3\n"),
+            (2411, " 7 3 3 11\n 0.1 0.2 0.3\n"),
+            (781, " 7 3 3 11\n 1.0D-1 2.0D-1 3.0D-1\n"),
+        ] {
+            let (systems, nodes) = (dataset(systems, given), dataset(nodes, lines));
+            for text in [format!("{systems}{nodes}"), format!("{nodes}{systems}")] {
+                let read = with_nodes(&text).unwrap();
+                let expected = nalgebra::Point3::new(1.3, 1.8, 3.1);
+                assert!((read.nodes[&7] - expected).norm() < 1e-12, "{:?}", read.nodes);
+                assert!((read.axes[&7] - turned).amax() < 1e-12, "{:?}", read.axes);
+            }
+        }
+    }
+    let global = with_nodes(&dataset(15, " 7 0 0 11 0.1 0.2 0.3\n")).unwrap();
+    assert!(global.axes.is_empty());
+}
+
+#[test]
+fn a_system_in_terms_of_another_one_is_carried_on_to_the_global_one() {
+    // System 4 is turned by 90 degrees about the z of system 3 and shifted by 1 along its x.
+    let second = " 4 0 3 8 1\nname\n 1.0 0.0 0.0 1.0 1.0 0.0\n 1.0 0.0 1.0\n";
+    let read =
+        with_nodes(&(dataset(18, &format!("{second}{SYSTEM_18}")) + &dataset(15, " 7 4 4 11 1.0 0.0 0.0\n"))).unwrap();
+    // Local (1, 0, 0) is (1, 1, 0) in system 3: the origin (1, 2, 3), 1 along global z and 1 against global y.
+    assert!(
+        (read.nodes[&7] - nalgebra::Point3::new(1.0, 1.0, 4.0)).norm() < 1e-12,
+        "{:?}",
+        read.nodes
+    );
+    let x = read.axes[&7].row(0).transpose();
+    assert!((x - nalgebra::Vector3::new(0.0, -1.0, 0.0)).norm() < 1e-12, "{x}");
+}
+
+#[test]
+fn displacements_in_a_cylindrical_system_have_the_directions_at_their_node() {
+    let cylinder = " 3 1 0 8 1\nname\n 0.0 0.0 0.0 1.0 0.0 0.0\n 1.0 0.0 1.0\n";
+    let read = with_nodes(&(dataset(18, cylinder) + &dataset(15, " 7 0 3 11 0.0 2.0 1.0\n"))).unwrap();
+    // At 90 degrees the radius is along y and the angle against x.
+    let expected = nalgebra::Matrix3::new(0.0, 1.0, 0.0, -1.0, 0.0, 0.0, 0.0, 0.0, 1.0);
+    assert!((read.axes[&7] - expected).amax() < 1e-12, "{:?}", read.axes);
+    let error = with_nodes(&(dataset(18, cylinder) + &dataset(15, " 7 3 0 11 0.0 2.0 1.0\n"))).unwrap_err();
+    assert!(error.to_string().contains("cylindrical system"), "{error}");
+}
+
+#[test]
+fn a_file_in_millimetres_is_read_in_metres() {
+    let units = dataset(164, " 5mm (newton) 2\n 1.0D+03 1.0D+00 1.0D+00\n 2.7315D+02\n");
+    let read = with_nodes(&(dataset(15, " 7 0 0 11 100.0 200.0 300.0\n") + &units)).unwrap();
+    assert!(
+        (read.nodes[&7] - nalgebra::Point3::new(0.1, 0.2, 0.3)).norm() < 1e-12,
+        "{:?}",
+        read.nodes
+    );
+}
+
+#[test]
+fn a_system_that_cannot_be_used_is_refused() {
+    let node =
+        |definition: u32, displacement: u32| dataset(15, &format!(" 7 {definition} {displacement} 11 0.1 0.2 0.3\n"));
+    let second = |systems: &str| dataset(18, systems) + &node(0, 3);
+    for (text, expected) in [
+        (
+            node(0, 1),
+            "line 3, dataset 15: the node names coordinate system 1, which the file does not give (known: none)",
+        ),
+        (node(5, 0), "coordinate system 5"),
+        (dataset(2411, " 7 2 1 11\n 0.1 0.2 0.3\n"), "coordinate system 2"),
+        (dataset(18, SYSTEM_18) + &node(0, 4), "(known: 3)"),
+        (
+            second(&SYSTEM_18.replace(" 3 0 0 8 1", " 3 2 0 8 1")),
+            "a Cartesian (0) or cylindrical (1)",
+        ),
+        (second(&SYSTEM_18.replace(" 3 0 0 8 1", " 3 0 0 8 2")), "method 1"),
+        (
+            second(&SYSTEM_18.replace(" 3 0 0 8 1", " 3 0 3 8 1")),
+            "leads back to itself",
+        ),
+        (
+            second(&SYSTEM_18.replace(" 3 0 0 8 1", " 3 0 9 8 1")),
+            "coordinate system 9",
+        ),
+        (
+            second(&SYSTEM_18.replace(" 2.0 2.0 3.0", " 1.0 2.0 5.0")),
+            "not on one line",
+        ),
+        (
+            dataset(2420, &SYSTEM_2420.replace(" 0.0 -1.0 0.0", " 0.0 -2.0 0.0")) + &node(0, 3),
+            "unit vectors",
+        ),
+        (
+            dataset(2420, &SYSTEM_2420.replace(" 0.0 -1.0 0.0", " 0.0 1.0 0.0")) + &node(0, 3),
+            "right-handed",
+        ),
+    ] {
+        let error = with_nodes(&text).expect_err(expected).to_string();
+        assert!(error.contains(expected), "{error}");
+    }
+    // The label of the global system in the files of `modes --uff`.
+    assert!(with_nodes(&dataset(2411, " 7 1 1 11\n 0.1 0.2 0.3\n")).is_ok());
+}

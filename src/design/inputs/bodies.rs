@@ -13,8 +13,9 @@ use crate::design::{
 };
 use crate::error::Error;
 use crate::stages::bodies::{
-    AddedSand, BodyKind, ContactCells, Extent, Geometry, Joint, JointSpring, LoadPlaces, MeshFile, MeshSource,
-    NailPlace, Naming, PartMaterials, Properties, Remainder, SideSand, SpringFoot, SurfacePlace, ToolPlaces, ToolShape,
+    AddedSand, BodyKind, ContactCells, Extent, FileUnit, Geometry, Joint, JointSpring, LoadPlaces, MeshFile,
+    MeshSource, NailPlace, Naming, PartMaterials, Properties, Remainder, SideSand, SpringFoot, SurfacePlace,
+    ToolPlaces, ToolShape,
 };
 
 /// Inputs of a body's stages.
@@ -233,12 +234,9 @@ fn own_mesh(
     }
     let (_, largest) = limits(design, kind);
     let size = element_size(below_hz(design, kind), slowest, design.analysis.elements_per_wave)?;
-    let file = MeshFile::new(
-        Path::new(file),
-        unit,
-        Some(size.min(largest)),
-        Some(extent(design, kind)),
-    )?;
+    let extent = extent(design, kind);
+    let unit = FileUnit::of_key(unit, extent.key);
+    let file = MeshFile::new(Path::new(file), unit, Some(size.min(largest)), Some(extent))?;
     Ok(Some(MeshSource::File(file)))
 }
 

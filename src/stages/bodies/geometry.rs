@@ -130,13 +130,7 @@ impl MeshSource {
 
     /// The mesh; damaged elements are refused.
     pub(super) fn import(&self) -> Result<Imported, Error> {
-        let built_in = |mesh| Imported {
-            mesh,
-            element_numbers: Vec::new(),
-            node_numbers: Vec::new(),
-            unused_nodes: 0,
-            comment: String::new(),
-        };
+        let built_in = Imported::built;
         let imported = match self {
             &Self::Block { size, element, joint } => {
                 let origin = [-0.5 * size[0], -0.5 * size[1], 0.0];
@@ -150,7 +144,7 @@ impl MeshSource {
             Self::Tool(dimensions, remesh) => tool(dimensions, *remesh)?,
             Self::File(file) => file.import()?,
         };
-        imported.mesh.validate(|element| imported.element_numbers[element])?;
+        imported.validate()?;
         Ok(imported)
     }
 

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use nailnoise_meshes::msh::{self, Imported};
-use nailnoise_meshes::{MeshError, gmsh, read_regular};
+use nailnoise_meshes::{MeshError, SolidGeometry, read_regular};
 use serde::Serialize;
 use sha2::{Digest as _, Sha256};
 
@@ -20,8 +20,41 @@ pub struct MeshFile {
     unit: f64,
     /// Longest element side of a solid geometry \[m\]; none for a mesh.
     element: Option<f64>,
+    /// Number of the only solid of a solid geometry that is meshed; all without one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    solid: Option<usize>,
     /// What its longest side may be; none for a file that stands for no body.
     expected: Option<Extent>,
+}
+
+/// The length of one unit of a file.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FileUnit {
+    /// \[m\]
+    pub metres: f64,
+    /// The option or key in which the user gave it; none for the usual millimetre.
+    pub given_in: Option<&'static str>,
+}
+
+impl FileUnit {
+    /// What CAD programs write, where nothing else is said \[m\].
+    pub const USUAL: f64 = 1e-3;
+
+    /// The unit of a key of the design, which counts as given where it is not the usual one.
+    pub fn of_key(metres: f64, key: &'static str) -> Self {
+        Self {
+            metres,
+            given_in: (metres != Self::USUAL).then_some(key),
+        }
+    }
+
+    /// The unit of an option of the command line.
+    pub fn of_option(metres: Option<f64>, option: &'static str) -> Self {
+        Self {
+            metres: metres.unwrap_or(Self::USUAL),
+            given_in: metres.map(|_| option),
+        }
+    }
 }
 
 /// How long a body may be, to notice a file that is read in a wrong unit.
@@ -49,14 +82,18 @@ impl Extent {
         (self.longest[0]..=self.longest[1]).contains(&extent)
     }
 
-    /// The error that no such body has a longest side \[m\], for a file that is read in a unit \[m\] or states that it is in
-    /// metres (none).
+    /// The error that no such body has a longest side \[m\], for a file that is read in a unit \[m\] or states its own (none).
     fn refuse(&self, path: &Path, extent: f64, unit: Option<f64>) -> Error {
         let read_as = |other: f64| unit.map(|unit| extent / unit * other);
         let better = UNITS
             .iter()
             .find_map(|&(name, other)| Some((name, read_as(other)?)).filter(|(_, long)| self.fits(*long)));
         let remedy = match (unit, better) {
+            (None, None) if states_unit(path) => {
+                "the file states its unit, so that no key changes it; check which part it shows, or \
+                 export it again in its true size"
+                    .to_owned()
+            }
             (_, Some((name, long))) => {
                 let long = millimetres(long);
                 format!("give `{} = \"{name}\"`, with which it is {long} long", self.key)
@@ -71,9 +108,12 @@ impl Extent {
             path: path.to_owned(),
             what: self.what,
             found: format!(
-                "{} long with a unit of {}",
+                "{} long {}",
                 millimetres(extent),
-                millimetres(unit.unwrap_or(1.0))
+                match unit {
+                    None if states_unit(path) => "by the unit that it states".to_owned(),
+                    unit => format!("with a unit of {}", millimetres(unit.unwrap_or(1.0))),
+                }
             ),
             expected: self.longest.map(millimetres).join(" to "),
             remedy,
@@ -87,17 +127,24 @@ fn millimetres(length: f64) -> String {
 }
 
 impl MeshFile {
-    /// A file whose unit is `unit` \[m\]; a solid geometry is meshed with elements no longer than `element` \[m\].
+    /// A file in a unit; a solid geometry is meshed with elements no longer than `element` \[m\].
     ///
     /// # Errors
     /// [`MeshError::UnknownKind`] for another kind of file, [`MeshError::Read`], [`Error::NoSize`] for a solid geometry
-    /// without an element size.
-    pub fn new(path: &Path, unit: f64, element: Option<f64>, expected: Option<Extent>) -> Result<Self, Error> {
+    /// without an element size, [`Error::StatedUnit`] where a unit is given for a file that states its own.
+    pub fn new(path: &Path, unit: FileUnit, element: Option<f64>, expected: Option<Extent>) -> Result<Self, Error> {
         let element = if is_solid(path)? {
             Some(element.ok_or(Error::NoSize)?)
         } else {
             None
         };
+        if let Some(given_in) = unit.given_in.filter(|_| states_unit(path)) {
+            return Err(Error::StatedUnit {
+                path: path.to_owned(),
+                given: millimetres(unit.metres),
+                given_in,
+            });
+        }
         let bytes = read_regular(path, msh::LARGEST).map_err(|source| MeshError::Read {
             path: path.to_owned(),
             source,
@@ -105,10 +152,26 @@ impl MeshFile {
         Ok(Self {
             path: path.to_owned(),
             content: Sha256::digest(bytes).into(),
-            unit,
+            unit: if states_unit(path) {
+                FileUnit::USUAL
+            } else {
+                unit.metres
+            },
             element,
+            solid: None,
             expected,
         })
+    }
+
+    /// The same, of which one solid is meshed, by its number from 1.
+    ///
+    /// # Errors
+    /// [`Error::NoSolids`] for a file that is a mesh.
+    pub fn with_solid(self, solid: Option<usize>) -> Result<Self, Error> {
+        if solid.is_some() && !self.needs_gmsh() {
+            return Err(Error::NoSolids { path: self.path });
+        }
+        Ok(Self { solid, ..self })
     }
 
     /// Reads a mesh, or has gmsh mesh a solid geometry.
@@ -121,20 +184,24 @@ impl MeshFile {
             let extent = longest_side(&imported);
             return match &self.expected {
                 Some(expected) if !expected.fits(extent) => {
-                    // A file that states its unit has the same lengths in any unit asked for.
-                    let stated = longest_side(&msh::read(&self.path, 2.0 * self.unit)?) == extent;
-                    Err(expected.refuse(&self.path, extent, (!stated).then_some(self.unit)))
+                    Err(expected.refuse(&self.path, extent, (!imported.states_metres).then_some(self.unit)))
                 }
                 _ => Ok(imported),
             };
         };
-        // gmsh gives lengths in millimetres of whatever unit the file has; a unit of 1 mm leaves them.
-        let scale = self.unit / 1e-3;
+        // gmsh gives lengths in millimetres of whatever unit the file has; BREP files have none, and a unit of 1 mm leaves them.
+        let scale = self.unit / FileUnit::USUAL;
         let expected = self.expected.map_or([0.0, f64::INFINITY], |expected| expected.longest);
-        let solid = gmsh::solid(&self.path, element / scale, expected.map(|longest| longest / scale));
-        let mut imported = solid.map_err(|error| match (error, &self.expected) {
+        let solid = SolidGeometry {
+            path: &self.path,
+            size: element / scale,
+            expected: expected.map(|longest| longest / scale),
+            solid: self.solid,
+        };
+        let mut imported = solid.mesh().map_err(|error| match (error, &self.expected) {
             (MeshError::Extent { extent, .. }, Some(expected)) => {
-                expected.refuse(&self.path, extent * scale, Some(self.unit))
+                let unit = (!states_unit(&self.path)).then_some(self.unit);
+                expected.refuse(&self.path, extent * scale, unit)
             }
             (error, _) => error.into(),
         })?;
@@ -162,6 +229,12 @@ impl MeshFile {
 fn longest_side(imported: &Imported) -> f64 {
     let (low, high) = imported.mesh.bounds();
     (high - low).max()
+}
+
+/// Whether files of this kind state the unit of their lengths, by the end of its name: STEP and IGES do, BREP does not.
+pub fn states_unit(path: &Path) -> bool {
+    let name = path.to_string_lossy().to_lowercase();
+    [".step", ".stp", ".igs", ".iges"].iter().any(|end| name.ends_with(end))
 }
 
 /// Whether a file is a solid geometry rather than a mesh, by the end of its name.

@@ -34,8 +34,9 @@ impl Stage for Meshing {
     const NAME: &'static str = "mesh";
     const CODE: Code = code!(meshes, fem, stages_bodies);
 
-    fn compute(&self, _: &Progress) -> Result<NamedMesh, Error> {
+    fn compute(&self, progress: &Progress) -> Result<NamedMesh, Error> {
         let mut imported = self.source.import()?;
+        imported.notes.iter().for_each(|note| progress.note(note));
         let mesh = &mut imported.mesh;
         let mut surfaces = match self.source {
             MeshSource::File(_) => self.naming.apply(mesh)?,

@@ -30,7 +30,7 @@ pub use elimination::Elimination;
 pub use geometry::{AddedSand, BodyKind, Geometry, MeshSource, PartMaterials, Properties, Remainder};
 pub use joint::{Joint, JointSpring};
 pub use load_places::{Discretisation, LoadPlaces, Model, SideSand, SpringFoot};
-pub use mesh_file::{Extent, MeshFile};
+pub use mesh_file::{Extent, FileUnit, MeshFile, states_unit};
 pub use meshing::{Meshing, NamedMesh};
 pub use modes::{Modes, WholeModes};
 pub use nail_stations::NailPlace;

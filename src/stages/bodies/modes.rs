@@ -126,13 +126,7 @@ mod tests {
     /// Static swept volume of a free body under a unit of pressure on patches, from its modes and static corrections.
     fn swept(mesh: Mesh, attachments: Attachments, patches: &[&str]) -> f64 {
         let load = LoadVector::pressure(&Surface::of(&mesh), patches, |_| true).unwrap();
-        let imported = Imported {
-            mesh,
-            element_numbers: Vec::new(),
-            node_numbers: Vec::new(),
-            unused_nodes: 0,
-            comment: String::new(),
-        };
+        let imported = Imported::built(mesh);
         let model = Model {
             meshed: Arc::new(Meshed {
                 imported,

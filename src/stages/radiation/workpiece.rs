@@ -311,7 +311,8 @@ fn solves(levels: &[MeshRange], low: f64, bands: &MeanBands) -> Vec<f64> {
     solves
 }
 
-/// The faces from which no sound leaves, as those where the bodies touch each other or the floor.
+/// The faces from which no sound leaves: those where the bodies touch each other or the floor. The walls of cavities within a
+/// body do not radiate either.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Covered {
     /// Half the sides of the block's underside, which covers the table's top \[m\].
@@ -336,8 +337,12 @@ impl Covered {
         };
         let patches = &body.surface.patches;
         let shown = |patch: usize, point: &Point3<f64>| !hidden(&patches[patch], point);
+        // What a body stands on closes the bores and tubes that open downwards.
+        let clear = body.body == "workpiece" && self.underside_open;
+        let lowest = body.surface.points.iter().map(|p| p.z).fold(f64::INFINITY, f64::min);
+        let open = open_faces(body.surface, (!clear).then_some(lowest))?;
         let surface = RadiatingSurface::of_faces(body.surface, body.modes.as_view(), |point| {
-            shown(body.surface.faces[point.face].patch, &point.position)
+            open[point.face] && shown(body.surface.faces[point.face].patch, &point.position)
         })?;
         Ok(Erp::new(&surface, air))
     }
@@ -351,7 +356,8 @@ mod tests {
     use std::sync::Arc;
 
     use nailnoise_acoustics::bem::TwoEvaluations;
-    use nailnoise_meshes::FaceKind;
+    use nailnoise_acoustics::radiation::ModalRadiation;
+    use nailnoise_meshes::{FaceKind, Grid};
     use nalgebra::Vector3;
 
     use super::*;
@@ -414,6 +420,51 @@ mod tests {
             found.iter().map(|two| two.far_field[(0, 0)]).sum(),
             found.iter().map(surface).sum(),
         ]
+    }
+
+    /// Cubes of 3 x 3 x 3 m with some of 27 cells empty move upwards; R = rho c times the area of what is horizontal and in the
+    /// open air.
+    #[test]
+    fn only_surfaces_in_open_air_radiate_by_the_equivalent_radiated_power() {
+        let air = Air::default();
+        let lines = || vec![0.0, 1.0, 2.0, 3.0];
+        let resistance = |empty: &[[usize; 3]], clear: bool| {
+            let grid = Grid::new(lines(), lines(), lines()).unwrap();
+            let mesh = grid.mesh(
+                &["wood"],
+                |cell| (!empty.contains(&cell)).then_some(0),
+                |_, _, _, centre| if centre.z == 0.0 { "bottom" } else { "other" },
+            );
+            let surface = Surface::of(&mesh);
+            let modes = DMatrix::from_fn(3 * surface.points.len(), 1, |dof, _| f32::from(u8::from(dof % 3 == 2)));
+            let covered = Covered {
+                half_sides: [1.5; 2],
+                underside_open: clear,
+            };
+            let body = MovingSurface {
+                body: "workpiece",
+                surface: &surface,
+                modes: &modes,
+            };
+            covered.erp(&body, &air).unwrap().resistance(1000.0).real[(0, 0)] / air.impedance()
+        };
+        let (cavity, bore) = ([1, 1, 1], [1, 1, 0]);
+        // (empty cells, whether the underside is clear of the floor, horizontal area in the open air)
+        for (empty, clear, area) in [
+            (&[][..], true, 18.0),
+            (&[cavity], true, 18.0),
+            (&[cavity], false, 9.0),
+            (&[bore], true, 18.0),
+            (&[bore], false, 9.0),
+            (&[bore, cavity], false, 9.0),
+            (&[bore, cavity, [1, 1, 2]], true, 16.0),
+        ] {
+            let found = resistance(empty, clear);
+            assert!(
+                (found / area - 1.0).abs() < 1e-6,
+                "{empty:?} {clear}: {found} m2 for {area} m2"
+            );
+        }
     }
 
     #[test]
