@@ -66,9 +66,9 @@ pub(crate) enum Miss {
     HeadDepth,
     /// Speed at which the piston meets the bumper.
     BumperSpeed,
-    /// Lift that the head valve lacks to open the intake.
+    /// Missing lift of the head valve to open the intake.
     Lift,
-    /// Rise that the tool lacks to release the trigger valve.
+    /// Missing rise of the tool to release the trigger valve.
     Rise,
     /// Overpressure above the piston when the record ends.
     PressureLeft,
@@ -94,8 +94,8 @@ impl Miss {
             Self::Protrusion => ["protrusion of the nail", "m"],
             Self::HeadDepth => ["depth of the head below the surface", "m"],
             Self::BumperSpeed => ["speed of the piston at the bumper", "m/s"],
-            Self::Lift => ["lift that the head valve lacks", "m"],
-            Self::Rise => ["rise that the tool lacks", "m"],
+            Self::Lift => ["missing lift of the head valve", "m"],
+            Self::Rise => ["missing rise of the tool", "m"],
             Self::PressureLeft => ["overpressure left above the piston", "Pa"],
         }
     }
