@@ -19,8 +19,8 @@ const SAMPLES: f64 = 50e-6;
 
 /// The headline of a shot of a design; none where the nail is driven and the exhaust opens.
 ///
-/// Each input that has a range and takes part in the cycle is set to both ends of it, with a lumped workpiece whatever the
-/// coupling of the design. These cycles are computed only where there is a headline, and cached.
+/// Each input that has a range and takes part in the cycle is set to both ends of it, with a lumped workpiece whatever
+/// the coupling of the design. These cycles are computed only where there is a headline, and cached.
 ///
 /// # Errors
 /// Those of the cycle's parameters.
@@ -80,7 +80,7 @@ pub fn explain_first(
     Ok(())
 }
 
-/// What a reader must know before the levels of a sweep: that the shots do not end alike, and how the first ended that does not
+/// Lines that come before the levels of a sweep: that the shots do not end alike, and how the first ended that does not
 /// drive.
 pub fn alarms(points: &[SweptPoint]) -> Vec<String> {
     let computed: Vec<&SweptPoint> = points.iter().filter(|point| point.levels.is_some()).collect();

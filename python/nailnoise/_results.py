@@ -290,7 +290,8 @@ class Study(_Shown):
         return [*rows, row("total", self.data["total"], None)]
 
     def _shown(self) -> tuple[str, list[str], list[list[str]]]:
-        title = f"{self.data['design']['name']}: {self.data['draws']} draws, levels in dB re 1 pW s"
+        title = "".join(f"{line}\n" for line in _headline(self.data.get("headline")))
+        title += f"{self.data['design']['name']}: {self.data['draws']} draws, levels in dB re 1 pW s"
         headings = ["source", "design", "P5", "P50", "P95", "P(first)"]
 
         def cells(row: dict[str, Any]) -> list[str]:

@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
+use nailnoise::chain;
 use nailnoise::cost::{self, MemoryLimit};
 use nailnoise::figures;
 use nailnoise::graph::Graph;
@@ -57,7 +58,8 @@ pub(crate) fn study_of(
         let nominal = study::nominal(&graph, &design, &request)?;
         let result = StudyResult::new(&design, &request, &made, nominal.as_deref());
         study::keep(&cache, &design, &result)?;
-        let result = result.with_surrogates(&design, &made);
+        let mut result = result.with_surrogates(&design, &made);
+        result.headline = headline::headline(&graph, &design, &chain::cycle(&design)?)?;
         let charts = drawn(&figures::study(&result));
         Ok((result, study::csv(&made)?, charts))
     })?;

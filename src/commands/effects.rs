@@ -14,7 +14,7 @@ use crate::study::{self, Draws, OneAtATime, Request, StudyResult, Tally, taking_
 
 use super::intervals::Known;
 
-/// Interval of the samples of cycles whose depth alone is read \[s\].
+/// Interval of the samples of cycles of which only the depth is read \[s\].
 const SAMPLES: f64 = 1e-3;
 
 /// The inputs that change a figure, the largest effect first.

@@ -1,5 +1,5 @@
-//! `nailnoise check DESIGN`: whether a design can run and drives its nail, what is missing, which values are not plausible, what each
-//! input does, what to measure first, and what a run costs.
+//! `nailnoise check DESIGN`: whether a design can run and drives its nail, what is missing, which values are not plausible,
+//! the effect of each input, what to measure first, and what a run costs.
 
 use std::collections::BTreeMap;
 use std::process::ExitCode;
@@ -58,8 +58,8 @@ struct Explanation {
     measure_first: Vec<ToMeasure>,
     /// Estimates with their ranges, widest first; those that this design does not use are left out.
     estimates: Vec<Estimate>,
-    /// Estimates, and values without a source, that have no range: their uncertainty is unknown. Those that this design does not use
-    /// are left out.
+    /// Estimates, and values without a source, that have no range: their uncertainty is unknown. Those that this design
+    /// does not use are left out.
     unknowns: Vec<String>,
     bodies: Vec<BodyPlan>,
     /// Estimated cost of each stage that is not kept, from the design alone.
@@ -269,8 +269,8 @@ fn unknowns(design: &Design, entries: &[Entry]) -> Result<Vec<String>, Error> {
             _ => false,
         };
         let number = serde_json::to_value(&entry.value).is_ok_and(|value| value.is_number());
-        // The place of a surface names it and is no uncertain quantity.
-        let place = entry.key.starts_with("surfaces.");
+        // The place of a surface names it, and settings of the analysis are choices: neither is an uncertain quantity.
+        let place = entry.key.starts_with("surfaces.") || entry.key.starts_with("analysis.");
         unsure && number && !place && entry.range.is_none()
     };
     let open: Vec<String> = entries.iter().filter(open).map(|entry| entry.key.clone()).collect();

@@ -1,5 +1,5 @@
-//! What is known of keys apart from their declaration: plausible values for tools of this class, what a value outside means, and how
-//! the quantity is measured. The data are in `keys.toml`.
+//! Facts about keys apart from their declaration: plausible values for tools of this class, the consequence of a value
+//! outside, and how the quantity is measured. The data are in `keys.toml`.
 
 use std::collections::BTreeMap;
 use std::sync::LazyLock;

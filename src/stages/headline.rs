@@ -1,5 +1,5 @@
-//! What a reader must know before the levels of a shot that does not end as it should: how it ended, by which figure, and which
-//! inputs would change that most. Reports, tables, pages and Python all show this text.
+//! Headline of a shot that does not end as it should: how it ended, the figure by which it misses, and the inputs that
+//! would change that most. Reports, tables, pages and Python all show this text before the levels.
 
 use nailnoise_dynamics::{CycleRecord, Outcome, Parameters, simulate};
 use rayon::prelude::*;
@@ -25,9 +25,9 @@ pub struct Headline {
     pub text: String,
     /// Whether the exhaust opens; where it does not, the level of the exhaust is that of the trigger vent.
     pub exhaust_opens: bool,
-    /// The figure by which the shot misses: a length, speed or pressure that is zero or negative where nothing is missing.
+    /// The figure by which the shot misses: a length, speed or pressure, the smaller the better.
     pub figure: Figure,
-    /// The inputs that change the figure most towards a shot that drives, one at a time over their ranges, at most three.
+    /// At most three inputs that change the figure most for the better, one at a time over their ranges.
     pub inputs: Vec<Influence>,
 }
 
@@ -86,6 +86,13 @@ impl Miss {
             Outcome::DoesNotRelease => Some(Self::Rise),
             Outcome::DoesNotExhaust => Some(Self::PressureLeft),
         }
+    }
+
+    /// Whether an input that leads to this outcome helps: not where the shot misses in another way. A nail that is driven too
+    /// far at the end of a range is driven well within it.
+    fn reaches(self, outcome: Outcome) -> bool {
+        let depth = |miss| matches!(miss, Self::Protrusion | Self::HeadDepth);
+        Self::of(outcome).is_none_or(|other| other == self || depth(other) && depth(self))
     }
 
     /// Its name and SI unit.
@@ -344,7 +351,8 @@ impl Stage for Influences {
         let moved: Vec<_> = moved.collect();
         let moved = moved.into_iter().flatten();
         let better = moved.filter(|(_, (outcome, there))| {
-            *outcome == Outcome::Drives || here - there > NOTABLE * here.abs().max(f64::MIN_POSITIVE)
+            let gains = here - there > NOTABLE * here.abs().max(f64::MIN_POSITIVE);
+            *outcome == Outcome::Drives || gains && self.miss.reaches(*outcome)
         });
         let mut better: Vec<_> = better.collect();
         better.sort_by(|(_, a), (_, b)| {

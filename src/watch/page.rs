@@ -182,8 +182,10 @@ fn values(differences: &Differences) -> Markup {
 }
 
 #[cfg(test)]
+#[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
+    use crate::stages::headline::{Figure, Headline};
     use std::sync::Arc;
 
     fn shot(number: u32, total: f64, pressure: &str) -> Shot {
@@ -227,6 +229,40 @@ mod tests {
         last.failed = vec!["mass balance".to_owned()];
         state.last = Some(Arc::new(last));
         assert!(bar(&state).into_string().contains("check failed: mass balance"));
+    }
+
+    fn underdriven() -> Headline {
+        Headline {
+            outcome: "underdriven".to_owned(),
+            text: "the nail is not driven to its length: 23.3 mm of the nail protrude".to_owned(),
+            exhaust_opens: true,
+            figure: Figure {
+                name: "protrusion of the nail".to_owned(),
+                value: 0.0233,
+                unit: "m".to_owned(),
+            },
+            inputs: Vec::new(),
+        }
+    }
+
+    #[test]
+    fn a_shot_that_does_less_is_not_a_quieter_one() {
+        let mut state = state();
+        assert!(bar(&state).into_string().contains("quieter"));
+        let mut last = shot(2, 95.8, "400 kPa");
+        last.headline = Some(underdriven());
+        state.last = Some(Arc::new(last));
+        let text = bar(&state).into_string();
+        assert!(!text.contains("quieter"), "{text}");
+        let (alarm, level) = (
+            text.find("23.3 mm of the nail protrude").unwrap(),
+            text.find("95.8 dB").unwrap(),
+        );
+        assert!(alarm < level, "{text}");
+        assert!(
+            text.contains("The shots do not end alike (run 1 drives, run 2 is underdriven)"),
+            "{text}"
+        );
     }
 
     #[test]
