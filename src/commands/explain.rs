@@ -49,7 +49,8 @@ struct Explanation {
     runs: bool,
     /// How the shot ends, where the nail is not driven or the exhaust does not open; null otherwise.
     headline: Option<Headline>,
-    shot: Shot,
+    /// The shot; null where it cannot be computed.
+    shot: Option<Shot>,
     /// Values outside the ranges of such tools, or of the design.
     outside: Vec<OutsideValue>,
     /// What each input does, the largest effect first.
@@ -134,7 +135,8 @@ fn explain(design: &Design, mut stages: Vec<StageCost>, asked: &Asked) -> Result
     for entry in &entries {
         *provenance.entry(entry.provenance.as_str()).or_insert(0) += 1;
     }
-    let record = chain::cycle(design)?;
+    let own = parameters(design)?;
+    let record = chain::cycle(design);
     let kinds = chain::solved_bodies(design);
     let (mut bodies, mut obstacles) = (Vec::new(), Vec::new());
     let weight = |kind: &BodyKind| {
@@ -184,12 +186,23 @@ fn explain(design: &Design, mut stages: Vec<StageCost>, asked: &Asked) -> Result
         );
         bodies.push(plan);
     }
+    let record = match record {
+        Ok(record) => Some(record),
+        // As a dry fire: an obstacle like others, next to which all else is stated.
+        Err(error @ Error::Cycle(_)) => {
+            obstacles.push(format!("nailing cycle: {}", error.in_words()));
+            None
+        }
+        Err(error) => return Err(error),
+    };
     let progress = progress();
     let graph = Graph::quiet(&Store::of_user()?, progress.observer());
     let runs = obstacles.is_empty();
     let effects = Effects::of(&graph, design, asked.effects && runs, &progress)?;
-    let headline = headline(&graph, design, &record)?;
-    let own = parameters(design)?;
+    let headline = match &record {
+        Some(record) => headline(&graph, design, record)?,
+        None => None,
+    };
     progress.end();
     Ok(Explanation {
         schema: "nailnoise-check-design/1",
@@ -203,13 +216,13 @@ fn explain(design: &Design, mut stages: Vec<StageCost>, asked: &Asked) -> Result
         provenance,
         estimates: estimates(design, &entries)?,
         unknowns: unknowns(design, &entries)?,
-        shot: Shot {
+        shot: record.map(|record| Shot {
             outcome: record.outcome,
             text: sentence(&record, &own),
             mean_drive_speed: record.summary.mean_drive_speed,
             penetration: record.summary.penetration,
             exhaust_mass: record.summary.exhaust_mass,
-        },
+        }),
         bodies,
         stages,
         gap: gap(design)?,
@@ -329,14 +342,14 @@ fn can_it_run(e: &Explanation) -> String {
 }
 
 fn does_it_drive(e: &Explanation) -> String {
-    let speed = e.shot.mean_drive_speed;
+    let Some(shot) = &e.shot else {
+        return format!("\n{}\n", red("does it drive: no, its shot cannot be computed"));
+    };
+    let speed = shot.mean_drive_speed;
     let speed = speed.map_or_else(String::new, |speed| format!("mean drive speed {speed:.1} m/s, "));
-    let figures = format!(
-        "  {speed}{:.2} g of air through the exhaust\n",
-        1e3 * e.shot.exhaust_mass
-    );
+    let figures = format!("  {speed}{:.2} g of air through the exhaust\n", 1e3 * shot.exhaust_mass);
     match &e.headline {
-        None => format!("\ndoes it drive: yes, {}\n{figures}", e.shot.text),
+        None => format!("\ndoes it drive: yes, {}\n{figures}", shot.text),
         Some(headline) => {
             let advice = headline
                 .advice()

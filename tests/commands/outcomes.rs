@@ -282,3 +282,14 @@ fn a_check_leaves_out_what_the_design_does_not_use() {
         "{sand:?}"
     );
 }
+
+#[test]
+fn a_check_of_a_dry_fire_states_all_else() {
+    let folder = folder("outcome-dry");
+    let keys = "supply.pressure = \"1000 kPa\"\nnail.length = \"40 mm\"\npiston.rod_protrusion = \"1 mm\"";
+    let output = nailnoise(&["check", &over(&folder, "dry", keys)]);
+    assert_eq!(output.status.code(), Some(2));
+    let text = String::from_utf8(output.stdout).unwrap();
+    assert!(text.contains("dry fire"), "{text}");
+    assert!(SECTIONS.iter().all(|section| text.contains(section)), "{text}");
+}
