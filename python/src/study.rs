@@ -3,9 +3,11 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
+use nailnoise::chain;
 use nailnoise::cost::{self, MemoryLimit};
 use nailnoise::figures;
 use nailnoise::graph::Graph;
+use nailnoise::headline;
 use nailnoise::stages::Progress;
 use nailnoise::study::{self, Axis, Part, Request, StudyResult};
 use pyo3::prelude::*;
@@ -56,7 +58,8 @@ pub(crate) fn study_of(
         let nominal = study::nominal(&graph, &design, &request)?;
         let result = StudyResult::new(&design, &request, &made, nominal.as_deref());
         study::keep(&cache, &design, &result, &made)?;
-        let result = result.with_surrogates(&design, &made);
+        let mut result = result.with_surrogates(&design, &made);
+        result.headline = headline::headline(&graph, &design, &chain::cycle(&design)?)?;
         let charts = drawn(&figures::study(&result));
         Ok((result, study::csv(&made)?, charts))
     })?;
@@ -105,7 +108,8 @@ pub(crate) fn sweep(
         let graph = Graph::quiet(&store(cache, keep)?, observer);
         let base = (design.path(), &assignments[..]);
         let limit = MemoryLimit::default();
-        let points = study::sweep(&graph, base, &axes, request.as_ref(), limit, &progress)?;
+        let mut points = study::sweep(&graph, base, &axes, request.as_ref(), limit, &progress)?;
+        headline::explain_first(&graph, base, &axes, &mut points)?;
         let charts = drawn(&[figures::sweep(design.name(), &axes, &points)]);
         Ok((points, charts))
     })?;

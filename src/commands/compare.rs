@@ -119,9 +119,7 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
             paired: &paired,
         })?;
     } else {
-        if let Some(warning) = comparison.warning_of_ranges() {
-            print(&format!("{warning}\n\n"))?;
-        }
+        print(&super::alarm(&comparison.alarms()))?;
         print(&text(&comparison, arguments.bands, arguments.intervals))?;
         paired.iter().try_for_each(|paired| print(&changes(paired)))?;
         print(&format!("\n  as a page: {}\n", page.display()))?;

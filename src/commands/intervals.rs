@@ -121,6 +121,23 @@ pub(super) struct Known {
     shot: OwnShot,
 }
 
+/// The study that serves a design, and where it is from if it is not the user's own: the largest of those in the cache and in the
+/// program.
+///
+/// # Errors
+/// Those of reading them.
+pub(super) fn serving(store: &Store, design: &Design) -> Result<Option<(Found, String)>, Error> {
+    let cached = study::kept(store, design)?;
+    Ok(match (cached, ProvidedStudy::of(design)?) {
+        (Some(cached), Some(provided)) if cached.size() >= provided.found.size() => Some((cached, String::new())),
+        (_, Some(provided)) => {
+            let origin = origin(&provided.study);
+            Some((provided.found, origin))
+        }
+        (cached, None) => cached.map(|cached| (cached, String::new())),
+    })
+}
+
 impl Known {
     /// The study that serves a design and is kept, or that comes with the program if that is larger; none where there is neither.
     ///
@@ -130,19 +147,13 @@ impl Known {
         if let Some(contradiction) = shot.is_no_draw_of(design) {
             return Err(contradiction);
         }
-        let kept = study::kept(store, design)?;
-        let provided = ProvidedStudy::of(design)?;
-        let known = |found: Found, origin: String| Self {
+        let known = serving(store, design)?.map(|(found, origin)| Self {
             result: found.result,
             origin,
             weighting: found.weighting,
             shot: shot.clone(),
-        };
-        Ok(match (kept, provided) {
-            (Some(kept), Some(provided)) if kept.size() >= provided.found.size() => Some(known(kept, String::new())),
-            (_, Some(provided)) => Some(known(provided.found, origin(&provided.study))),
-            (kept, None) => kept.map(|kept| known(kept, String::new())),
-        })
+        });
+        Ok(known)
     }
 
     fn states_percentiles(&self) -> bool {

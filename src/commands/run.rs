@@ -231,8 +231,16 @@ fn with_intervals(text: &Text, study: Result<&Known, &NotKnown>) -> String {
     let failed = contradiction_of(study).map_or_else(String::new, |check| {
         format!("\n  check against the draws FAILED: {}\n", check.name)
     });
+    let (alarm, after) = match &text.headline {
+        None => (String::new(), after.clone()),
+        // The last line must not say less than the first.
+        Some(headline) => (
+            super::alarm(&headline.lines()),
+            format!("\n  {}\n{after}", super::red(&headline.text)),
+        ),
+    };
     format!(
-        "{before}{}{legend}{failed}{declared}{between}{notes}{after}",
+        "{alarm}{before}{}{legend}{failed}{declared}{between}{notes}{after}",
         table(&headings, &rows)
     )
 }
@@ -347,6 +355,7 @@ fn checked(result: &RunResult) -> String {
         .collect();
     let (total, checks) = (result.timing.whole(), result.checks.len());
     match failed.as_slice() {
+        [] if result.headline.is_some() => format!("\n  {checks} numerical checks ok; {total:.1} s\n"),
         [] => format!("\n  all {checks} checks ok; {total:.1} s\n"),
         failed => format!(
             "\n  {} of {checks} checks FAILED: {}; {total:.1} s\n",
@@ -397,6 +406,7 @@ pub(super) fn text(run: &Run) -> Text {
         text.push_str(&coupled(coupling));
     }
     Text {
+        headline: result.headline.clone(),
         before,
         headings: headings.map(str::to_owned).to_vec(),
         rows,

@@ -10,10 +10,12 @@ use serde::Serialize;
 use super::python::Cluster;
 use super::study_text::text;
 use super::{Common, Keeping, message, print, print_json, progress};
+use crate::chain;
 use crate::cost;
 use crate::design::Design;
 use crate::error::Error;
 use crate::graph::Graph;
+use crate::headline::{self, Headline};
 use crate::stages::Progress;
 use crate::staging::Staging;
 use crate::store::Store;
@@ -239,6 +241,8 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
     if arguments.store.is_some() || arguments.groups || arguments.one_at_a_time {
         study::keep(&cache, &design, &result, &made)?;
     }
+    let graph = Graph::quiet(&store, progress.observer());
+    result.headline = headline::headline(&graph, &design, &chain::cycle(&design)?)?;
     let within = arguments.until.iter().all(|own| own.is_met(&result));
     let json = serde_json::to_string_pretty(&result).map_err(Error::Json)? + "\n";
     progress.stage("writing files");
@@ -269,6 +273,8 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
     if common.json {
         print(&json)?;
     } else {
+        let lines = result.headline.as_ref().map(Headline::lines).unwrap_or_default();
+        print(&super::alarm(&lines))?;
         print(&text(&result))?;
         print(&format!(
             "\n  files in {}; open study.html for the charts\n",

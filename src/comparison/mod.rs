@@ -10,6 +10,7 @@ mod ranges;
 use serde::Serialize;
 
 use crate::result::RankedSource;
+use crate::stages::headline::{Headline, unlike};
 use crate::wording::{Placed, unit_of_figure};
 
 pub use finished::{Finished, Input};
@@ -31,6 +32,10 @@ pub struct Comparison {
     pub inputs: Vec<InputRow>,
     /// What the shots did.
     pub outcomes: Vec<String>,
+    /// Headline of each shot; null where the nail is driven and the exhaust opens.
+    pub headlines: Vec<Option<Headline>>,
+    /// Why the levels must not be compared, where the shots do not end alike; null where they do.
+    pub unlike: Option<String>,
     /// Sources in the order of the reference's ranking; sources that it lacks follow.
     pub sources: Vec<SourceRow>,
     /// A-weighted level of all sources together \[dB re 1 pW s\].
@@ -152,6 +157,16 @@ impl std::str::FromStr for Limit {
 }
 
 impl Comparison {
+    /// Warnings that precede the levels: unlike ranges of frequency, unlike outcomes, and how each shot ended that does not drive.
+    pub fn alarms(&self) -> Vec<String> {
+        let named = self.designs.iter().zip(&self.headlines);
+        let ends = named.filter_map(|(name, headline)| Some((name, headline.as_ref()?)));
+        let ends =
+            ends.flat_map(|(name, headline)| headline.lines().into_iter().map(move |line| format!("{name}: {line}")));
+        let ranges = self.unlike_ranges.as_ref().map(|own| ranges::warning(&self.designs, own));
+        ranges.into_iter().chain(self.unlike.clone()).chain(ends).collect()
+    }
+
     /// The sources of a design in the order of its ranking, with levels and bands.
     pub(crate) fn placed(&self, design: usize) -> Vec<Placed<'_>> {
         let of_source = |name: &'_ String| {
@@ -165,18 +180,15 @@ impl Comparison {
         self.rankings[design].iter().filter_map(of_source).collect()
     }
 
-    /// That the levels are sums over unlike ranges of frequency, if they are.
-    pub fn warning_of_ranges(&self) -> Option<String> {
-        let ranges = self.unlike_ranges.as_ref()?;
-        Some(ranges::warning(&self.designs, ranges))
-    }
-
     /// Lays results side by side.
     pub fn new(results: &[Finished]) -> Self {
         let each = |f: &dyn Fn(&Finished) -> Option<f64>| results.iter().map(f).collect::<Vec<_>>();
         let sources = in_order(results, |r| r.ranking.iter().map(|s| s.source.clone()).collect());
         let cycle = in_order(results, |r| r.cycle.iter().map(|(name, _)| name.clone()).collect());
         let mut events = in_order(results, |r| r.events.keys().cloned().collect());
+        let headlines: Vec<Option<Headline>> = results.iter().map(Finished::headline).collect();
+        let ends = results.iter().zip(&headlines);
+        let unlike = unlike(ends.map(|(result, headline)| (result.name(), headline.as_ref())));
         events.sort_by_key(|name| name.trim_start_matches('t').parse::<u32>().unwrap_or(u32::MAX));
         Self {
             schema: SCHEMA,
@@ -184,6 +196,8 @@ impl Comparison {
             unlike_ranges: ranges::unlike(results),
             inputs: inputs(results),
             outcomes: results.iter().map(|r| r.outcome.clone()).collect(),
+            headlines,
+            unlike,
             sources: sources.iter().map(|source| source_row(source, results)).collect(),
             total: Levels::new(each(&|r| r.total.lwa_db)),
             rankings: results

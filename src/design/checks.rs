@@ -435,5 +435,13 @@ fn analysis(v: &Values) -> Result<(), Conflict> {
         long: "analysis.duration",
         limit: a.duration,
     };
-    refuse(a.cycle_tail >= a.duration, tail)
+    refuse(a.cycle_tail >= a.duration, tail)?;
+    let release = v.trigger.release_after;
+    let never = Conflict::Duration {
+        short: "trigger.release_after",
+        value: release,
+        long: "analysis.cycle_end",
+        limit: a.cycle_end,
+    };
+    refuse(release >= a.cycle_end, never)
 }

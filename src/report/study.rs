@@ -3,6 +3,7 @@
 use maud::{Markup, html};
 
 use super::chart::markup;
+use super::head::missed;
 use super::page::{Page, Section};
 use super::tables::{decibels, with_code};
 use crate::figures::Chart;
@@ -54,6 +55,7 @@ fn lead(result: &StudyResult) -> Markup {
         count => format!("{count} structures"),
     };
     html! {
+        (missed(result.headline.as_ref()))
         p { (result.draws) " draws, " (structures) ", seed " (result.seed)
             ". Beside each estimate: half of its 90 % interval over resampled draws." }
         ul { @for note in &result.notes { li { (with_code(note)) } } }

@@ -20,6 +20,7 @@ use super::tolerance::STATED_FROM;
 use super::variable_report::{VariableReport, variable_reports};
 use crate::design::Design;
 use crate::result::{DesignId, schema_of};
+use crate::stages::headline::Headline;
 use crate::stages::levels::Levels;
 
 /// Version of the layout of [`StudyResult`].
@@ -37,6 +38,9 @@ pub struct StudyResult {
     pub design: DesignId,
     /// Seed of the draws.
     pub seed: u64,
+    /// How the shot of the design itself ends, where it does not drive; null otherwise.
+    #[serde(default)]
+    pub headline: Option<Headline>,
     /// Draws that count.
     pub draws: usize,
     /// Structures that were drawn; 0 where those of the design were held.
@@ -266,6 +270,7 @@ impl StudyResult {
             schema: SCHEMA.to_owned(),
             design: DesignId::from(design),
             seed: request.seed,
+            headline: None,
             draws: draws.len(),
             structures: made.structures,
             require: design.study().require.iter().map(|word| (*word).to_owned()).collect(),

@@ -5,6 +5,7 @@ use serde_json::json;
 
 use super::board::{Board, State};
 use super::shot::{Differences, Shot};
+use crate::report::{capitalised, missed_shot};
 use crate::wording;
 
 pub(super) const STYLE: &str = include_str!("watch.css");
@@ -46,7 +47,11 @@ pub(super) fn page(board: &Board) -> String {
 /// What the script puts in its places, as one line of JSON.
 pub(super) fn event(name: &str, state: &State) -> String {
     let level = state.last.as_ref().and_then(|last| last.level("total"));
-    let title = level.map_or_else(String::new, |level| format!("{level:.1} dB "));
+    let missed = state.last.as_ref().and_then(|last| last.headline.as_ref());
+    let missed = missed.map_or_else(String::new, |headline| {
+        format!("{}, ", headline.outcome.replace('_', " "))
+    });
+    let title = level.map_or_else(String::new, |level| format!("{missed}{level:.1} dB "));
     json!({
         "title": format!("{title}{name}: watched"),
         "status": status(state),
@@ -78,7 +83,10 @@ fn bar(state: &State) -> Markup {
     // The pinned run may be the one before, or this one.
     let pinned = pinned.filter(|pinned| pinned.from != last.number);
     let before = before.filter(|before| pinned.as_ref().is_none_or(|pinned| pinned.from != before.from));
+    let compared = [before.as_ref(), pinned.as_ref()];
     html! {
+        (missed_shot(last.headline.as_ref()))
+        @for unlike in compared.into_iter().flatten().filter_map(|own| own.unlike.as_ref()) { p.alarm role="alert" { (capitalised(unlike)) "." } }
         div.scroll tabindex="0" role="region" aria-label="levels and changes" { table {
             thead { tr {
                 th scope="col" { "L" sub { "WA,1s" } }
@@ -143,7 +151,8 @@ fn row(what: &str, differences: &Differences, behind: &str, names: &[&str]) -> M
             |db| wording::change(db).replace('-', "\u{2212}"),
         )
     };
-    let sign = |name: &str| match change(name).chars().next() {
+    // A difference of shots that end differently is neither better nor worse.
+    let sign = |name: &str| match change(name).chars().next().filter(|_| differences.unlike.is_none()) {
         Some('+') => "n louder",
         Some('\u{2212}') => "n quieter",
         _ => "n",
@@ -152,7 +161,10 @@ fn row(what: &str, differences: &Differences, behind: &str, names: &[&str]) -> M
         tr {
             th scope="row" { (what) " " (differences.from) (behind) }
             @for name in names { td class=(sign(name)) { (change(name)) } }
-            td { (values(differences)) }
+            td {
+                @if differences.unlike.is_some() { strong.alarm { "not comparable" } "; " }
+                (values(differences))
+            }
         }
     }
 }
@@ -170,8 +182,10 @@ fn values(differences: &Differences) -> Markup {
 }
 
 #[cfg(test)]
+#[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
+    use crate::stages::headline::{Figure, Headline};
     use std::sync::Arc;
 
     fn shot(number: u32, total: f64, pressure: &str) -> Shot {
@@ -182,6 +196,7 @@ mod tests {
             values: vec![("supply.pressure".to_owned(), pressure.to_owned())],
             levels: levels.map(|(name, level)| (name.to_owned(), Some(level))).to_vec(),
             failed: Vec::new(),
+            headline: None,
         }
     }
 
@@ -214,6 +229,40 @@ mod tests {
         last.failed = vec!["mass balance".to_owned()];
         state.last = Some(Arc::new(last));
         assert!(bar(&state).into_string().contains("check failed: mass balance"));
+    }
+
+    fn underdriven() -> Headline {
+        Headline {
+            outcome: "underdriven".to_owned(),
+            text: "the nail is not driven to its length: 23.3 mm of the nail protrude".to_owned(),
+            exhaust_opens: true,
+            figure: Figure {
+                name: "protrusion of the nail".to_owned(),
+                value: 0.0233,
+                unit: "m".to_owned(),
+            },
+            inputs: Vec::new(),
+        }
+    }
+
+    #[test]
+    fn a_shot_that_does_less_is_not_a_quieter_one() {
+        let mut state = state();
+        assert!(bar(&state).into_string().contains("quieter"));
+        let mut last = shot(2, 95.8, "400 kPa");
+        last.headline = Some(underdriven());
+        state.last = Some(Arc::new(last));
+        let text = bar(&state).into_string();
+        assert!(!text.contains("quieter"), "{text}");
+        let (alarm, level) = (
+            text.find("23.3 mm of the nail protrude").unwrap(),
+            text.find("95.8 dB").unwrap(),
+        );
+        assert!(alarm < level, "{text}");
+        assert!(
+            text.contains("The shots do not end alike (run 1 drives, run 2 is underdriven)"),
+            "{text}"
+        );
     }
 
     #[test]

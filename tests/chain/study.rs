@@ -56,7 +56,7 @@ fn parameters(design: &Design, study: &Shots, draw: &DrawnShot) -> Parameters {
 
 /// What the reference says became of a shot.
 fn outcome(p: &Parameters, shot: &reference::Shot) -> &'static str {
-    let [t3, t9, t12] = [3, 9, 12].map(|i| shot.events[i]);
+    let [t3, t9, t12, t13] = [3, 9, 12, 13].map(|i| shot.events[i]);
     if shot.dry {
         "dry_fire"
     } else if t3.is_none() {
@@ -69,6 +69,8 @@ fn outcome(p: &Parameters, shot: &reference::Shot) -> &'static str {
         "underdriven"
     } else if t12.is_none() {
         "does_not_release"
+    } else if t13.is_none() {
+        "does_not_exhaust"
     } else {
         "drives"
     }

@@ -13,6 +13,7 @@ mod faults;
 mod installed;
 mod measure;
 mod mesh;
+mod outcomes;
 mod prf;
 mod prf_fit;
 mod prf_tables;

@@ -536,6 +536,7 @@ const CONFLICTS: &[(&str, &str)] = &[
     ("analysis.range_low = \"10 kHz\"", "range of the ranking"),
     ("analysis.time_step = \"20 us\"", "time step of 20 us"),
     ("analysis.cycle_tail = \"0.3 s\"", "analysis.cycle_tail"),
+    ("trigger.release_after = \"0.2 s\"", "trigger.release_after"),
 ];
 
 #[test]
