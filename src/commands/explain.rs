@@ -197,7 +197,7 @@ fn origin(source: &MeshSource, gmsh: bool) -> String {
 fn estimates(entries: &[Entry]) -> Vec<Estimate> {
     let mut estimates: Vec<Estimate> = entries
         .iter()
-        .filter(|entry| entry.provenance == Provenance::Estimated)
+        .filter(|entry| matches!(entry.provenance, Provenance::Estimated | Provenance::Scaled))
         .filter_map(|entry| {
             let (value, range) = (serde_json::to_value(&entry.value).ok()?.as_f64()?, entry.range?);
             Some(Estimate {
@@ -218,7 +218,7 @@ fn estimates(entries: &[Entry]) -> Vec<Estimate> {
 fn unknowns(entries: &[Entry]) -> Vec<String> {
     let open = |entry: &&Entry| {
         let unsure = match entry.provenance {
-            Provenance::Estimated => true,
+            Provenance::Estimated | Provenance::Scaled => true,
             Provenance::Design => entry.source.is_empty(),
             _ => false,
         };
