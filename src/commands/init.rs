@@ -190,7 +190,8 @@ fn told(scaled: &Scaled) -> String {
         text.push_str(&format!("; depth adjustment at {:.0} %", 100.0 * settled.setting.depth));
     }
     text.push_str(&format!(
-        "\n  energy: the nail takes {}, its penetration law {} over the full length; a stroke without a nail ends with {} at 100 psig\n",
+        "\n  energy of the shot: {} on the nail, whose penetration law takes {} over its full length\n  \
+         energy of the piston at the end of a stroke without a nail, at 100 psig: {}\n",
         joules(shot.energy_at_nail),
         joules(settled.needed),
         joules(settled.free_energy)
@@ -201,14 +202,15 @@ fn told(scaled: &Scaled) -> String {
     });
     match shot.outcome {
         Outcome::StrikesBumper => text.push_str(
-            "  the energy that the nail does not take ends in the bumper, as in a tool with its depth adjustment at flush\n",
+            "  the bumper takes the energy that the nail does not, as in a tool whose depth adjustment is set to flush\n",
         ),
         Outcome::DoesNotRelease => text.push_str(
-            "  the recoil does not lift the tool far enough to release the trigger: the shot has no return stroke and no exhaust\n",
+            "  the recoil does not lift the tool far enough to release the trigger valve:\n  \
+             without a release the shot has no return stroke and no exhaust\n",
         ),
         _ => {}
     }
-    text.push_str("  the housing has other dimensions than the mesh that comes with the program: a run needs gmsh\n");
+    text.push_str("  a run needs gmsh: the housing differs from the one whose mesh comes with the program\n");
     text
 }
 

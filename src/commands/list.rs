@@ -254,8 +254,8 @@ fn of_nails(nails: &[Named]) -> String {
     ];
     format!(
         "{}\n  * estimated or nominal, the others published; mass of steel of 7850 kg/m3, computed\n  \
-         a head that is not round is given as a circle of its area; slender shanks and staples are thinner than those of the\n  \
-         published tests, and the penetration law is extended to them (`docs/own-wood.md`)\n  \
+         a head that is not round is given as a circle of its area\n  \
+         slender shanks and staples are thinner than those tested: docs/own-wood.md has their law\n  \
          `nailnoise list nails NAME` prints ranges and sources\n",
         table(&headings, &rows.collect::<Vec<_>>())
     )

@@ -111,3 +111,64 @@ impl Rule {
         parts.collect::<Vec<_>>().join(" ")
     }
 }
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+
+    use std::collections::BTreeSet;
+    use std::fmt::Write as _;
+
+    use super::*;
+    use crate::design::{Design, Value};
+
+    #[test]
+    fn every_key_of_a_rule_is_a_number_of_the_base_and_has_one_rule() {
+        let rules = Rules::load().unwrap();
+        let entries = Design::shipped(super::super::BASE).unwrap().entries();
+        let mut seen = BTreeSet::new();
+        for key in rules.rules.iter().flat_map(|rule| &rule.keys) {
+            let entry = entries.iter().find(|entry| entry.key == *key);
+            assert!(
+                entry.is_some_and(|entry| matches!(entry.value, Value::Number(_))),
+                "{key}"
+            );
+            assert!(seen.insert(key.clone()), "{key} has two rules");
+        }
+    }
+
+    /// Classes and rules as the tables of the documentation.
+    fn tables(rules: &Rules) -> String {
+        let mut text = "| class | drives | bore | stroke | mass | fastener | source of the defaults |\n".to_owned();
+        text.push_str("|---|---|---|---|---|---|---|\n");
+        for (name, own) in &rules.classes {
+            let _ = writeln!(
+                text,
+                "| `{name}` | {} | {} | {} | {} | `{}` | {} |",
+                own.what, own.bore, own.stroke, own.mass, own.nail, own.source
+            );
+        }
+        text.push_str("\n| what | factor | keys |\n|---|---|---|\n");
+        for rule in &rules.rules {
+            let keys: Vec<String> = rule.keys.iter().map(|key| format!("`{key}`")).collect();
+            let _ = writeln!(text, "| {} | `{}` | {} |", rule.what, rule.law(), keys.join(", "));
+        }
+        text
+    }
+
+    /// `NAILNOISE_UPDATE_DOCS=1` writes the tables.
+    #[test]
+    fn the_documentation_states_the_rules() {
+        let path = concat!(env!("CARGO_MANIFEST_DIR"), "/docs/own-tool.md");
+        let page = std::fs::read_to_string(path).unwrap();
+        let [start, end] = ["<!-- rules of scaling -->\n", "<!-- end of the rules -->"];
+        let (head, rest) = page.split_once(start).unwrap();
+        let (_, tail) = rest.split_once(end).unwrap();
+        let expected = format!("{head}{start}{}{end}{tail}", tables(&Rules::load().unwrap()));
+        if std::env::var_os("NAILNOISE_UPDATE_DOCS").is_some() {
+            std::fs::write(path, &expected).unwrap();
+        } else {
+            assert_eq!(page, expected, "NAILNOISE_UPDATE_DOCS=1 writes the tables");
+        }
+    }
+}

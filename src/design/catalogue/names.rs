@@ -11,6 +11,8 @@ choice! {
         Pine = "pine",
         /// Douglas-fir of the published tests.
         DouglasFir = "Douglas-fir",
+        /// Douglas-fir at 15 % moisture, as lumber is built in.
+        DouglasFirLumber = "Douglas-fir lumber",
         /// Poplar of the published tests.
         Poplar = "poplar",
         /// Sitka spruce.
