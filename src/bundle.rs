@@ -18,6 +18,7 @@ use crate::output::{BodyFields, Exports, Fields, File};
 use crate::report::{self, BodyPictures, Pictures, Recording};
 use crate::result::{Check, Declaration, EarReport};
 use crate::run::Run;
+use crate::stages::headline::Headline;
 use crate::stages::{Digest, Postcard, Progress, Stage, Stored};
 use crate::staging::{self, Staging};
 use crate::store::{Checksum, Key, Store, checksum};
@@ -49,6 +50,8 @@ pub struct Bundle {
 /// A result as a person reads it: a table of sources between two texts, to which columns may be added.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Text {
+    /// The headline of a shot that does not drive.
+    pub headline: Option<Headline>,
     /// What stands before the table.
     pub before: String,
     /// Headings of its columns; the first are source and level.

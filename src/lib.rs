@@ -18,6 +18,7 @@ pub mod design;
 mod error;
 pub mod figures;
 pub mod graph;
+pub mod headline;
 mod interrupt;
 pub mod measurement;
 pub mod output;

@@ -19,6 +19,7 @@ use serde::{Deserialize, Serialize, Serializer};
 use serde_json::Value;
 
 use crate::design::Design;
+use crate::stages::headline::Headline;
 
 /// Version of the layout of [`RunResult`]; it changes when a reader of the old layout would misread the new one.
 pub const SCHEMA: &str = "nailnoise-run/1";
@@ -39,8 +40,13 @@ pub struct RunResult {
     pub ranking: Vec<RankedSource>,
     /// All sources together.
     pub total: Total,
-    /// What the shot did: `drives`, `strikes_bumper`, `underdriven`, `overdriven`, `does_not_open` or `does_not_release`.
+    /// What the shot did: `drives`, `strikes_bumper`, `underdriven`, `overdriven`, `does_not_open`, `does_not_release` or
+    /// `does_not_exhaust`.
     pub outcome: Outcome,
+    /// Where the nail is not driven or the exhaust does not open: how the shot ended, its figure, and the inputs that would change
+    /// that most. Absent for a shot that drives.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub headline: Option<Headline>,
     /// Figures of the shot.
     pub cycle: Summary,
     /// Event times t0..t18 \[s\]; null where one does not occur.

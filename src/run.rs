@@ -11,6 +11,7 @@ use crate::design::inputs::{self, located};
 use crate::design::{Design, SupportKind};
 use crate::error::Error;
 use crate::graph::Graph;
+use crate::headline::{headline, sentence};
 use crate::result::{DesignId, FluidLoadingChange, RunResult, SCHEMA};
 use crate::stages::bodies::{FoundSurface, Origin};
 use crate::stages::convention::{counted, received, spectrum_with};
@@ -140,8 +141,13 @@ impl Chain {
         let fluid_loading_changes =
             self.fluid_loading_changes([design.analysis.range_low, design.analysis.range_high])?;
         let truncations: Vec<&Truncation> = workpiece.truncations.iter().chain(&body.truncations).collect();
+        let parameters = inputs::cycle::parameters(design)?;
+        let headline = headline(&self.graph, design, &record)?;
         let notes = notes::notes(
             &notes::NoteInputs {
+                shot: headline
+                    .as_ref()
+                    .map_or_else(|| sentence(&record, &parameters), |own| own.text.clone()),
                 support: &inputs::notes::support(design),
                 in_sand: design.support.kind == SupportKind::Sandbox,
                 range_high: design.analysis.range_high,
@@ -223,6 +229,7 @@ impl Chain {
             ranking,
             total,
             outcome: record.outcome,
+            headline,
             cycle: record.summary.clone(),
             events: record.events,
             coupling,

@@ -36,7 +36,7 @@ pub enum Crossing {
     RestSpeed,
     /// Piston faster than 0.05 m/s against the tool (t14).
     StillSpeed,
-    /// Guard spring reaches the wood; its fall releases the trigger valve (t12).
+    /// Guard spring reaches the wood; its fall releases the trigger valve (t12, unless the operator has released it before).
     Guard,
     /// Nose level below the wood's surface; its rise after t12 is the landing.
     Landing,
@@ -76,7 +76,7 @@ pub enum Crossing {
     Penetration,
     /// Rod presses on the nail in the wood.
     NailContact,
-    /// Trigger pulled (t0); its fall is the release by the guard.
+    /// Trigger pulled (t0); its fall is the release by the guard or the operator.
     Trigger,
     /// Channel vents the volume above the head valve.
     Vent,

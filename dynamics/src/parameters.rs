@@ -213,6 +213,9 @@ group! {
         vent_area: f64 = positive(AREA), "C A_tv";
         /// Effective area, C_d included, of the fill from the supply side.
         fill_area: f64 = positive(AREA), "C A_tvin";
+        /// Time from the trigger pull at which the operator releases the trigger valve, if the rising tool has not done so
+        /// before; 0 where the rise of the tool by `contacts.guard_travel` is the only release.
+        release_after: f64 = nonnegative(TIME), "";
     }
 }
 

@@ -16,8 +16,8 @@ impl Parameters {
         self
     }
 
-    /// The same design with every form as published: no leak, no damping of valve and wood contacts, and the seat
-    /// diameter that the published force balance needs.
+    /// The same design with every form as published: no leak, no damping of valve and wood contacts, no release of the
+    /// trigger but by the rising tool, and the seat diameter that the published force balance needs.
     #[must_use]
     pub fn published_all(mut self) -> Self {
         let published = Form::Published;
@@ -34,6 +34,7 @@ impl Parameters {
             ..self.model
         };
         self.chambers.leak_area = 0.0;
+        self.trigger.release_after = 0.0;
         self.contacts.valve_damping_ratio = 0.0;
         self.contacts.nose_damping_ratio = 0.0;
         self.support.damping = SupportDamping::Ratio(0.0);

@@ -218,7 +218,7 @@ pub struct Events {
     pub t10: Option<f64>,
     /// Piston at rest after t10 (below 0.1 m/s for 2 ms).
     pub t11: Option<f64>,
-    /// Trigger valve released by the rising tool.
+    /// Trigger valve released, by the rising tool or by the operator.
     pub t12: Option<f64>,
     /// Exhaust opens.
     pub t13: Option<f64>,
@@ -260,17 +260,20 @@ pub enum Outcome {
     DoesNotOpen,
     /// The tool does not rise far enough to release the trigger valve.
     DoesNotRelease,
+    /// The trigger valve is released, but the exhaust does not open before the record ends.
+    DoesNotExhaust,
 }
 
 impl Outcome {
     /// All outcomes.
-    pub const ALL: [Self; 6] = [
+    pub const ALL: [Self; 7] = [
         Self::Drives,
         Self::StrikesBumper,
         Self::Underdriven,
         Self::Overdriven,
         Self::DoesNotOpen,
         Self::DoesNotRelease,
+        Self::DoesNotExhaust,
     ];
 
     /// The name under which it is serialised.
@@ -282,6 +285,7 @@ impl Outcome {
             Self::Overdriven => "overdriven",
             Self::DoesNotOpen => "does_not_open",
             Self::DoesNotRelease => "does_not_release",
+            Self::DoesNotExhaust => "does_not_exhaust",
         }
     }
 }

@@ -43,6 +43,15 @@ class _Shown:
         return as_html(*self._shown()) + as_figures(self.charts)
 
 
+def _headline(found: dict[str, Any] | None) -> list[str]:
+    """The sentence of a headline, marked as an alarm, and its inputs."""
+    if found is None:
+        return []
+    inputs = [f"{own['key']} {own['from']} -> {own['to']} ({own['outcome'].replace('_', ' ')})" for own in found["inputs"]]
+    advice = [f"inputs that would change it most: {'; '.join(inputs)}"] if inputs else []
+    return [f"ATTENTION: {found['text']}", *advice]
+
+
 class Run(_Shown):
     """The ranked sources of a design. ``data`` is result.json as a dictionary, ``json`` its text."""
 
@@ -112,12 +121,23 @@ class Run(_Shown):
         return dict(self.data["events"])
 
     @property
+    def outcome(self) -> str:
+        """What the shot did: ``drives``, ``underdriven`` and so on."""
+        return str(self.data["outcome"])
+
+    @property
+    def headline(self) -> list[str]:
+        """How a shot ended that does not drive, and which inputs would change that most; empty for one that drives."""
+        return _headline(self.data.get("headline"))
+
+    @property
     def failed_checks(self) -> list[str]:
         """Names of checks that do not hold: with one, do not rely on the result."""
         return [check["name"] for check in self.data["checks"] if not check["ok"]]
 
     def _shown(self) -> tuple[str, list[str], list[list[str]]]:
-        title = f"{self.name}: single-event sound power levels re 1 pW s, one shot"
+        title = "".join(f"{line}\n" for line in self.headline)
+        title += f"{self.name}: single-event sound power levels re 1 pW s, one shot"
         if self.failed_checks:
             title += f"; do not rely on them, because checks failed: {', '.join(self.failed_checks)}"
         rows = [
@@ -215,7 +235,11 @@ class Comparison(_Shown):
     def _shown(self) -> tuple[str, list[str], list[list[str]]]:
         rows = self._rows()
         headings = list(rows[0])
-        return "levels, dB re 1 pW s", headings, [[str(row["source"]), *(decibels(row[name]) for name in headings[1:])] for row in rows]
+        alarms = [f"ATTENTION: {self.data['unlike']}"] if self.data.get("unlike") else []
+        for name, found in zip(self.data["designs"], self.data.get("headlines") or []):
+            alarms += [f"{name}: {line}" for line in _headline(found)]
+        title = "".join(f"{line}\n" for line in alarms) + "levels, dB re 1 pW s"
+        return title, headings, [[str(row["source"]), *(decibels(row[name]) for name in headings[1:])] for row in rows]
 
 
 class Study(_Shown):
@@ -342,4 +366,11 @@ class Sweep(_Shown):
         def cell(name: str, value: Any) -> str:
             return decibels(value) if isinstance(value, float) and name not in self.keys else str(value if value is not None else "-")
 
-        return "levels, dB re 1 pW s", headings, [[cell(name, row.get(name)) for name in headings] for row in rows]
+        missed = next((point for point in self.points if point.get("headline")), None)
+        lines = _headline(missed["headline"]) if missed else []
+        ends = {point["levels"]["outcome"] for point in self.points if point["levels"]}
+        if len(ends) > 1:
+            words = ", ".join(sorted(own.replace("_", " ") for own in ends))
+            lines.insert(0, f"ATTENTION: the shots do not end alike ({words}): do not compare their levels")
+        title = "".join(f"{line}\n" for line in lines) + "levels, dB re 1 pW s"
+        return title, headings, [[cell(name, row.get(name)) for name in headings] for row in rows]

@@ -26,8 +26,13 @@ def as_html(title: str, headings: Sequence[str], rows: Sequence[Sequence[str]]) 
         name, *numbers = (html.escape(cell) for cell in row)
         return f"<th style='text-align:left'>{name}</th>" + "".join(f"<td>{number}</td>" for number in numbers)
 
+    def caption(line: str) -> str:
+        alarm = " style='color:#c0392b;font-weight:bold'" if "ATTENTION" in line else ""
+        return f"<div{alarm}>{html.escape(line)}</div>"
+
     body = "".join(f"<tr>{cells(row)}</tr>" for row in rows)
-    return f"<table><caption>{html.escape(title)}</caption><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>"
+    lines = "".join(caption(line) for line in title.split("\n"))
+    return f"<table><caption>{lines}</caption><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>"
 
 
 def as_figures(charts: Mapping[str, str]) -> str:

@@ -6,6 +6,7 @@ use std::sync::Arc;
 use nailnoise::cost::{self, MemoryLimit};
 use nailnoise::figures;
 use nailnoise::graph::Graph;
+use nailnoise::headline;
 use nailnoise::stages::Progress;
 use nailnoise::study::{self, Axis, Part, Request, StudyResult};
 use pyo3::prelude::*;
@@ -105,7 +106,8 @@ pub(crate) fn sweep(
         let graph = Graph::quiet(&store(cache, keep)?, observer);
         let base = (design.path(), &assignments[..]);
         let limit = MemoryLimit::default();
-        let points = study::sweep(&graph, base, &axes, request.as_ref(), limit, &progress)?;
+        let mut points = study::sweep(&graph, base, &axes, request.as_ref(), limit, &progress)?;
+        headline::explain_first(&graph, base, &axes, &mut points)?;
         let charts = drawn(&[figures::sweep(design.name(), &axes, &points)]);
         Ok((points, charts))
     })?;

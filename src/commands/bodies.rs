@@ -171,7 +171,7 @@ impl Input {
     pub(super) fn whole_design(&self) -> Result<Option<Design>, Error> {
         let is_design = self.path.extension().is_some_and(|end| end == "toml");
         (is_design && self.body.is_none())
-            .then(|| self.changes.load(&self.path))
+            .then(|| self.changes.load_without_ranges(&self.path))
             .transpose()
     }
 

@@ -16,7 +16,7 @@ use crate::stages::bodies::{Meshed, Origin, SIDES_PER_WAVE as FEWEST};
 
 #[derive(Args)]
 #[command(after_help = examples!(
-    "nailnoise check my-tool.toml" => "what the design rests on, and what a run costs",
+    "nailnoise check my-tool.toml" => "whether it runs and drives, what is missing, and what to measure first",
     "nailnoise check my-tool.toml --body tool" => "the mesh of a body: quality, surfaces, what a run lacks",
     "nailnoise check housing.msh" => "a mesh of your own",
 ))]
@@ -26,6 +26,9 @@ pub(super) struct Arguments {
     /// Print exactly one JSON value instead of text
     #[arg(long)]
     json: bool,
+    /// Compute what each input does to the total level, one at a time over its range, where no study states it: minutes
+    #[arg(long, conflicts_with = "body")]
+    effects: bool,
 }
 
 /// Layout of `check --json`.
@@ -75,7 +78,12 @@ struct Group {
 pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
     arguments.input.start_threads()?;
     if let Some(design) = arguments.input.whole_design()? {
-        return super::explain::execute(&design, arguments.input.memory(), arguments.json);
+        let asked = super::explain::Asked {
+            memory: arguments.input.memory(),
+            json: arguments.json,
+            effects: arguments.effects,
+        };
+        return super::explain::execute(&design, &asked);
     }
     let loaded = arguments.input.load(true)?;
     let mesh = &loaded.imported.mesh;

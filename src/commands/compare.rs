@@ -119,6 +119,7 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
             paired: &paired,
         })?;
     } else {
+        print(&super::alarm(&comparison.alarms()))?;
         print(&text(&comparison, arguments.bands, arguments.intervals))?;
         paired.iter().try_for_each(|paired| print(&changes(paired)))?;
         print(&format!("\n  as a page: {}\n", page.display()))?;

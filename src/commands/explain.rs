@@ -1,4 +1,5 @@
-//! `nailnoise check DESIGN`: what a design rests on and what it will cost, before it is run.
+//! `nailnoise check DESIGN`: whether a design can run and drives its nail, what is missing, which values are not plausible, what each
+//! input does, what to measure first, and what a run costs.
 
 use std::collections::BTreeMap;
 use std::process::ExitCode;
@@ -7,20 +8,28 @@ use nailnoise_fem::ModalCost;
 use serde::Serialize;
 
 use super::check::modal_cost;
-use super::table::table;
-use super::{print, print_json};
+use super::effects::{Effect, Effects, ToMeasure};
+use super::table::{table, texts};
+use super::{outside_table, print, print_json, progress, red};
 use crate::chain;
 use crate::cost::{self, MemoryLimit, StageCost};
 use crate::design::inputs::bodies as inputs;
+use crate::design::inputs::cycle::parameters;
 use crate::design::inputs::radiation::workpiece;
-use crate::design::{Design, Entry, Provenance};
+use crate::design::{Design, Entry, OutsideValue, Provenance};
 use crate::error::Error;
+use crate::graph::Graph;
+use crate::headline::{Headline, headline, sentence};
 use crate::stages::bodies::{BodyKind, MeshSource};
 use crate::stages::radiation::{WorkpieceRadiation, describe_gap};
-use crate::wording::rounded;
+use crate::store::Store;
+use crate::study::{in_force, variables};
 
-/// Estimates in the table.
-const LISTED: usize = 20;
+/// Inputs in the table of effects.
+const LISTED: usize = 12;
+
+/// Quantities to measure in their table.
+const MEASURED: usize = 8;
 
 /// Degrees of freedom up to which the bodies are meshed and checked here \[-\]: a million take 7 s and 1.6 GB.
 const MESHED: f64 = 1e6;
@@ -36,11 +45,22 @@ struct Explanation {
     digest: String,
     /// Number of values of each provenance.
     provenance: BTreeMap<&'static str, usize>,
-    /// Estimates with their ranges, widest first.
-    estimates: Vec<Estimate>,
-    /// Estimates, and values without a source, that have no range: their uncertainty is unknown.
-    unknowns: Vec<String>,
+    /// Whether a run is possible: there are no obstacles.
+    runs: bool,
+    /// How the shot ends, where the nail is not driven or the exhaust does not open; null otherwise.
+    headline: Option<Headline>,
     shot: Shot,
+    /// Values outside the ranges of such tools, or of the design.
+    outside: Vec<OutsideValue>,
+    /// What each input does, the largest effect first.
+    effects: Effects,
+    /// What to measure, the largest effect first.
+    measure_first: Vec<ToMeasure>,
+    /// Estimates with their ranges, widest first; those that this design does not use are left out.
+    estimates: Vec<Estimate>,
+    /// Estimates, and values without a source, that have no range: their uncertainty is unknown. Those that this design does not use
+    /// are left out.
+    unknowns: Vec<String>,
     bodies: Vec<BodyPlan>,
     /// Estimated cost of each stage that is not kept, from the design alone.
     stages: Vec<StageCost>,
@@ -65,6 +85,8 @@ struct Estimate {
 #[derive(Serialize)]
 struct Shot {
     outcome: nailnoise_dynamics::Outcome,
+    /// In a sentence.
+    text: String,
     mean_drive_speed: Option<f64>,
     penetration: f64,
     exhaust_mass: f64,
@@ -82,21 +104,31 @@ struct BodyPlan {
     checked: bool,
 }
 
-pub(super) fn execute(design: &Design, memory: MemoryLimit, json: bool) -> Result<ExitCode, Error> {
+/// What is asked of a design.
+pub(super) struct Asked {
+    /// Memory that a stage may need.
+    pub(super) memory: MemoryLimit,
+    /// Whether JSON is printed.
+    pub(super) json: bool,
+    /// Whether the effects of all inputs on the total are computed.
+    pub(super) effects: bool,
+}
+
+pub(super) fn execute(design: &Design, asked: &Asked) -> Result<ExitCode, Error> {
     let stages = cost::of_run(design)?;
-    cost::refuse(design, &stages, memory)?;
-    let explanation = explain(design, stages)?;
+    cost::refuse(design, &stages, asked.memory)?;
+    let explanation = explain(design, stages, asked)?;
     // Meshes change the costs of their modes.
-    cost::refuse(design, &explanation.stages, memory)?;
-    if json {
+    cost::refuse(design, &explanation.stages, asked.memory)?;
+    if asked.json {
         print_json(&explanation)?;
     } else {
         print(&text(&explanation))?;
     }
-    Ok(ExitCode::from(if explanation.obstacles.is_empty() { 0 } else { 2 }))
+    Ok(ExitCode::from(if explanation.runs { 0 } else { 2 }))
 }
 
-fn explain(design: &Design, mut stages: Vec<StageCost>) -> Result<Explanation, Error> {
+fn explain(design: &Design, mut stages: Vec<StageCost>, asked: &Asked) -> Result<Explanation, Error> {
     let entries = design.entries();
     let mut provenance = BTreeMap::new();
     for entry in &entries {
@@ -152,15 +184,28 @@ fn explain(design: &Design, mut stages: Vec<StageCost>) -> Result<Explanation, E
         );
         bodies.push(plan);
     }
+    let progress = progress();
+    let graph = Graph::quiet(&Store::of_user()?, progress.observer());
+    let runs = obstacles.is_empty();
+    let effects = Effects::of(&graph, design, asked.effects && runs, &progress)?;
+    let headline = headline(&graph, design, &record)?;
+    let own = parameters(design)?;
+    progress.end();
     Ok(Explanation {
         schema: "nailnoise-check-design/1",
+        runs,
+        headline,
+        outside: design.outside_values(),
+        measure_first: effects.to_measure(design),
+        effects,
         design: design.name().to_owned(),
         digest: design.digest(),
         provenance,
-        estimates: estimates(&entries),
-        unknowns: unknowns(&entries),
+        estimates: estimates(design, &entries)?,
+        unknowns: unknowns(design, &entries)?,
         shot: Shot {
             outcome: record.outcome,
+            text: sentence(&record, &own),
             mean_drive_speed: record.summary.mean_drive_speed,
             penetration: record.summary.penetration,
             exhaust_mass: record.summary.exhaust_mass,
@@ -194,10 +239,12 @@ fn origin(source: &MeshSource, gmsh: bool) -> String {
     }
 }
 
-fn estimates(entries: &[Entry]) -> Vec<Estimate> {
+fn estimates(design: &Design, entries: &[Entry]) -> Result<Vec<Estimate>, Error> {
+    let used = variables(design)?;
     let mut estimates: Vec<Estimate> = entries
         .iter()
         .filter(|entry| matches!(entry.provenance, Provenance::Estimated | Provenance::Scaled))
+        .filter(|entry| used.iter().any(|own| own.name == entry.key))
         .filter_map(|entry| {
             let (value, range) = (serde_json::to_value(&entry.value).ok()?.as_f64()?, entry.range?);
             Some(Estimate {
@@ -212,10 +259,10 @@ fn estimates(entries: &[Entry]) -> Vec<Estimate> {
         .collect();
     let width = |estimate: &Estimate| estimate.relative.unwrap_or(f64::INFINITY);
     estimates.sort_by(|a, b| width(b).total_cmp(&width(a)));
-    estimates
+    Ok(estimates)
 }
 
-fn unknowns(entries: &[Entry]) -> Vec<String> {
+fn unknowns(design: &Design, entries: &[Entry]) -> Result<Vec<String>, Error> {
     let open = |entry: &&Entry| {
         let unsure = match entry.provenance {
             Provenance::Estimated | Provenance::Scaled => true,
@@ -227,27 +274,39 @@ fn unknowns(entries: &[Entry]) -> Vec<String> {
         let place = entry.key.starts_with("surfaces.");
         unsure && number && !place && entry.range.is_none()
     };
-    entries.iter().filter(open).map(|entry| entry.key.clone()).collect()
+    let open: Vec<String> = entries.iter().filter(open).map(|entry| entry.key.clone()).collect();
+    let used = in_force(design, &open)?;
+    Ok(open
+        .into_iter()
+        .zip(used)
+        .filter_map(|(key, used)| used.then_some(key))
+        .collect())
 }
 
 fn text(e: &Explanation) -> String {
-    let number = |value: f64| rounded(value, 4, 1e6);
+    [
+        can_it_run(e),
+        does_it_drive(e),
+        missing(e),
+        outside(e),
+        effects(e),
+        to_measure(e),
+        costs(e),
+    ]
+    .concat()
+}
+
+fn can_it_run(e: &Explanation) -> String {
     let mut text = format!("{}\n\n", e.design);
-    let standing: Vec<String> = e
-        .provenance
-        .iter()
-        .map(|(word, count)| format!("{count} {word}"))
-        .collect();
-    text.push_str(&format!("  values: {}\n", standing.join(", ")));
-    text.push_str(&format!(
-        "  the shot: {}, {}penetration {:.1} mm, {:.2} g of air through the exhaust\n\n",
-        e.shot.outcome.name().replace('_', " "),
-        e.shot
-            .mean_drive_speed
-            .map_or_else(String::new, |speed| format!("mean drive speed {speed:.1} m/s, ")),
-        1e3 * e.shot.penetration,
-        1e3 * e.shot.exhaust_mass,
-    ));
+    if e.runs {
+        text.push_str("can it run: yes\n\n");
+    } else {
+        text.push_str(&format!("{}\n", red("can it run: no")));
+        for obstacle in &e.obstacles {
+            text.push_str(&format!("  obstacle: {obstacle}\n"));
+        }
+        text.push('\n');
+    }
     let rows: Vec<Vec<String>> = e
         .bodies
         .iter()
@@ -264,6 +323,115 @@ fn text(e: &Explanation) -> String {
     if e.bodies.iter().any(|body| !body.checked) {
         text.push_str("  not meshed here, because that would take long; `check --body NAME` meshes one\n");
     }
+    if let Some(gap) = &e.gap {
+        text.push_str(&format!("  workpiece: {gap}\n"));
+    }
+    text
+}
+
+fn does_it_drive(e: &Explanation) -> String {
+    let speed = e.shot.mean_drive_speed;
+    let speed = speed.map_or_else(String::new, |speed| format!("mean drive speed {speed:.1} m/s, "));
+    let figures = format!(
+        "  {speed}{:.2} g of air through the exhaust\n",
+        1e3 * e.shot.exhaust_mass
+    );
+    match &e.headline {
+        None => format!("\ndoes it drive: yes, {}\n{figures}", e.shot.text),
+        Some(headline) => {
+            let advice = headline
+                .advice()
+                .map_or_else(String::new, |advice| format!("  {advice}\n"));
+            format!(
+                "\n{}\n{figures}{advice}",
+                red(&format!("does it drive: no, {}", headline.text))
+            )
+        }
+    }
+}
+
+fn missing(e: &Explanation) -> String {
+    let standing: Vec<String> = e
+        .provenance
+        .iter()
+        .map(|(word, count)| format!("{count} {word}"))
+        .collect();
+    let mut text = String::from("\nwhat is missing: ");
+    match e.unknowns.as_slice() {
+        [] => text.push_str("nothing; every uncertain value that is used has a range\n"),
+        unknowns => text.push_str(&format!(
+            "a range of {} uncertain values, without which no study draws them:\n  {}\n",
+            unknowns.len(),
+            unknowns.join(", ")
+        )),
+    }
+    text.push_str(&format!("  values: {}\n", standing.join(", ")));
+    text
+}
+
+fn outside(e: &Explanation) -> String {
+    match e.outside.as_slice() {
+        [] => "\nvalues outside plausible ranges: none\n".to_owned(),
+        values => format!(
+            "\nvalues outside plausible ranges: {}\n\n{}",
+            values.len(),
+            outside_table(values)
+        ),
+    }
+}
+
+fn effects(e: &Explanation) -> String {
+    let own = &e.effects;
+    let row = |input: &Effect| {
+        vec![
+            input.key.clone(),
+            format!("{:.1}", input.effect),
+            input.value.clone(),
+            input.range.clone(),
+        ]
+    };
+    let notable: Vec<&Effect> = own.inputs.iter().filter(|input| input.effect >= 0.05).collect();
+    let rows: Vec<Vec<String>> = notable.iter().take(LISTED).map(|input| row(input)).collect();
+    let mut text = format!("\ninputs by their effect: {}\n\n", own.basis);
+    let unit = own.unit;
+    text.push_str(&texts(&["input", &format!("effect {unit}"), "value", "range"], &rows));
+    match notable.len().saturating_sub(LISTED) {
+        0 => {}
+        more => text.push_str(&format!("  and {more} more; --json lists all\n")),
+    }
+    text
+}
+
+fn to_measure(e: &Explanation) -> String {
+    let unit = e.effects.unit;
+    let row = |own: &ToMeasure| {
+        let measurement = &own.measurement;
+        vec![
+            own.key.clone(),
+            format!("{:.1}", own.effect),
+            measurement.minutes.to_string(),
+            measurement.instrument.to_owned(),
+            measurement.accuracy.to_owned(),
+            measurement.how.to_owned(),
+        ]
+    };
+    let listed = e.measure_first.iter().filter(|own| own.effect >= 0.05).take(MEASURED);
+    let rows: Vec<Vec<String>> = listed.map(row).collect();
+    if rows.is_empty() {
+        return "\nwhat to measure first: nothing that simple means would improve\n".to_owned();
+    }
+    let headings = [
+        "key",
+        &format!("effect {unit}"),
+        "minutes",
+        "instrument",
+        "accuracy",
+        "how",
+    ];
+    format!("\nwhat to measure first\n\n{}", texts(&headings, &rows))
+}
+
+fn costs(e: &Explanation) -> String {
     let rows: Vec<Vec<String>> = e
         .stages
         .iter()
@@ -276,44 +444,8 @@ fn text(e: &Explanation) -> String {
             ]
         })
         .collect();
-    text.push_str("\n  cost of each stage, estimated within a factor of about two\n\n");
-    text.push_str(&table(&["stage", "counts", "GB", "CPU s"], &rows));
-    text.push_str("  costs apply to what is not in the cache\n");
-    if !e.estimates.is_empty() {
-        text.push_str("\n  estimates, the least certain first (SI)\n\n");
-        let rows: Vec<Vec<String>> = e
-            .estimates
-            .iter()
-            .take(LISTED)
-            .map(|estimate| {
-                vec![
-                    estimate.key.clone(),
-                    format!("{} {}", number(estimate.value), estimate.unit),
-                    format!("{} .. {}", number(estimate.range[0]), number(estimate.range[1])),
-                    estimate.source.clone(),
-                ]
-            })
-            .collect();
-        text.push_str(&table(&["key", "value", "range", "source"], &rows));
-        if e.estimates.len() > LISTED {
-            text.push_str(&format!(
-                "  and {} more; --json lists all\n",
-                e.estimates.len() - LISTED
-            ));
-        }
-    }
-    if !e.unknowns.is_empty() {
-        text.push_str(&format!(
-            "\n  unknown uncertainty: {} have no range: {}\n",
-            e.unknowns.len(),
-            e.unknowns.join(", ")
-        ));
-    }
-    if let Some(gap) = &e.gap {
-        text.push_str(&format!("\n  workpiece: {gap}\n"));
-    }
-    for obstacle in &e.obstacles {
-        text.push_str(&format!("\n  obstacle: {obstacle}\n"));
-    }
-    text
+    format!(
+        "\ncost of each stage that is not in the cache, estimated within a factor of about two\n\n{}",
+        table(&["stage", "counts", "GB", "CPU s"], &rows)
+    )
 }

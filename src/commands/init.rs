@@ -204,11 +204,12 @@ fn told(scaled: &Scaled) -> String {
         Outcome::StrikesBumper => text.push_str(
             "  the bumper takes the energy that the nail does not, as in a tool whose depth adjustment is set to flush\n",
         ),
-        Outcome::DoesNotRelease => text.push_str(
-            "  the recoil does not lift the tool far enough to release the trigger valve:\n  \
-             without a release the shot has no return stroke and no exhaust\n",
-        ),
         _ => {}
+    }
+    if settled.setting.by_hand {
+        text.push_str(
+            "  the recoil does not lift the tool far enough: a finger releases the trigger, trigger.release_after\n",
+        );
     }
     text.push_str("  a run needs gmsh: the housing differs from the one whose mesh comes with the program\n");
     text

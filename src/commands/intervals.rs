@@ -43,6 +43,11 @@ impl Known {
         Ok(kept.map(Self::own))
     }
 
+    /// What it states.
+    pub(super) fn result(&self) -> &StudyResult {
+        &self.result
+    }
+
     /// A study of the user's own.
     fn own(result: StudyResult) -> Self {
         Self {

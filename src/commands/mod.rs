@@ -20,6 +20,7 @@ mod comparison_sounds;
 mod completions;
 mod cycle;
 mod draw;
+mod effects;
 mod explain;
 mod faults;
 mod init;
@@ -51,12 +52,13 @@ use std::process::ExitCode;
 use clap::{Args, Parser, Subcommand};
 
 use crate::cost::MemoryLimit;
-use crate::design::{Assignment, Design};
+use crate::design::{Assignment, Design, OutsideValue, Warning};
 use crate::error::Error;
 use crate::result::Check;
 use crate::staging::is_file_name;
 use crate::store::Store;
 use progress::progress;
+use table::texts;
 
 /// What `--version` says.
 const BUILD: &str = concat!(
@@ -225,12 +227,53 @@ struct Changes {
 impl Changes {
     /// Reads a design with these values and prints its warnings.
     fn load(&self, path: &Path) -> Result<Design, Error> {
-        let design = Design::load_with(path, &self.set)?;
-        for warning in design.warnings() {
-            report(warning.clone());
+        let design = self.load_without_ranges(path)?;
+        let outside: Vec<&Warning> = design.warnings().iter().filter(|own| is_outside(own)).collect();
+        if outside.len() <= AT_THEIR_PLACE {
+            outside.into_iter().for_each(|warning| report(warning.clone()));
+        } else {
+            message(&format!(
+                "warning: {} values are outside the ranges that the design gives:\n\n{}\n  give each its own range if it is meant; \
+                 `nailnoise check` states the consequences",
+                outside.len(),
+                outside_table(&design.outside_values())
+            ));
         }
         Ok(design)
     }
+
+    /// The same, without warnings of values outside their ranges: the command shows them itself.
+    fn load_without_ranges(&self, path: &Path) -> Result<Design, Error> {
+        let design = Design::load_with(path, &self.set)?;
+        let warnings = design.warnings().iter().filter(|own| !is_outside(own));
+        warnings.for_each(|warning| report(warning.clone()));
+        Ok(design)
+    }
+}
+
+/// Values outside their ranges up to which each is shown at its place in the file; more are shown as a table.
+const AT_THEIR_PLACE: usize = 3;
+
+/// Whether a warning is of a value outside its range.
+fn is_outside(warning: &Warning) -> bool {
+    matches!(warning, Warning::OutsideRange { .. })
+}
+
+/// Values outside their ranges: key, value, range, consequence.
+fn outside_table(values: &[OutsideValue]) -> String {
+    let row = |own: &OutsideValue| {
+        let [low, high] = &own.range;
+        let of = if own.of == "class" { "such tools" } else { "the design" };
+        vec![
+            own.key.clone(),
+            own.value.clone(),
+            format!("{low} .. {high}"),
+            of.to_owned(),
+            own.consequence.clone(),
+        ]
+    };
+    let rows: Vec<Vec<String>> = values.iter().map(row).collect();
+    texts(&["key", "value", "range", "of", "consequence"], &rows)
 }
 
 /// Threads that a command may use.
@@ -346,6 +389,27 @@ fn message(text: &str) {
 /// Shows an error or a warning with its place and remedy on standard error.
 fn report(diagnostic: impl miette::Diagnostic + Send + Sync + 'static) {
     message(format!("{:?}", miette::Report::new(diagnostic)).trim_end_matches('\n'));
+}
+
+/// Text for standard output in red; as it is where standard output is no terminal, or NO_COLOR is set.
+fn red(text: &str) -> String {
+    let colour = std::io::stdout().is_terminal() && std::env::var_os("NO_COLOR").is_none_or(|value| value.is_empty());
+    if colour {
+        format!("\u{1b}[1;31m{text}\u{1b}[0m")
+    } else {
+        text.to_owned()
+    }
+}
+
+/// The headline of a shot for standard output, the sentence in red; empty for a shot that drives.
+fn alarm(lines: &[String]) -> String {
+    let (first, rest) = lines.split_at(lines.len().min(1));
+    let first = first.iter().map(|line| red(line));
+    let lines: String = first
+        .chain(rest.iter().cloned())
+        .map(|line| format!("{line}\n"))
+        .collect();
+    if lines.is_empty() { lines } else { format!("{lines}\n") }
 }
 
 /// Writes text to standard output.

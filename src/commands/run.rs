@@ -178,8 +178,16 @@ fn with_intervals(text: &Text, study: Result<&Known, &String>) -> String {
         notes if notes.is_empty() => notes,
         notes => format!("\n{notes}"),
     };
+    let (alarm, after) = match &text.headline {
+        None => (String::new(), after.clone()),
+        // The last line must not say less than the first.
+        Some(headline) => (
+            super::alarm(&headline.lines()),
+            format!("\n  {}\n{after}", super::red(&headline.text)),
+        ),
+    };
     format!(
-        "{before}{}{legend}{declared}{between}{notes}{after}",
+        "{alarm}{before}{}{legend}{declared}{between}{notes}{after}",
         table(&headings, &rows)
     )
 }
@@ -294,6 +302,7 @@ fn checked(result: &RunResult) -> String {
         .collect();
     let (total, checks) = (result.timing.whole(), result.checks.len());
     match failed.as_slice() {
+        [] if result.headline.is_some() => format!("\n  {checks} numerical checks ok; {total:.1} s\n"),
         [] => format!("\n  all {checks} checks ok; {total:.1} s\n"),
         failed => format!(
             "\n  {} of {checks} checks FAILED: {}; {total:.1} s\n",
@@ -344,6 +353,7 @@ pub(super) fn text(run: &Run) -> Text {
         text.push_str(&coupled(coupling));
     }
     Text {
+        headline: result.headline.clone(),
         before,
         headings: headings.map(str::to_owned).to_vec(),
         rows,

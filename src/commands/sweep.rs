@@ -15,6 +15,7 @@ use super::{Common, Keeping, print, print_json, progress, status_of};
 use crate::error::Error;
 use crate::figures::{self, Chart};
 use crate::graph::Graph;
+use crate::headline;
 use crate::output::{self, Exports};
 use crate::result::DesignId;
 use crate::staging::Staging;
@@ -97,6 +98,7 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
         .map(|draws| Request::new(draws as usize, arguments.seed));
     let limit = common.memory.limit();
     let mut points = sweep(&graph, base, &arguments.vary, request.as_ref(), limit, &progress)?;
+    headline::explain_first(&graph, base, &arguments.vary, &mut points)?;
     let mut checks = Vec::new();
     if arguments.fields {
         name_folders(&mut points, &arguments.vary);
@@ -135,6 +137,7 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
             points: &points,
         })?;
     } else {
+        print(&super::alarm(&headline::alarms(&points)))?;
         print(&text(design.name(), &arguments.vary, &points))?;
         print(&format!("\n  files in {}\n", folder.display()))?;
     }
@@ -179,7 +182,11 @@ fn text(name: &str, axes: &[Axis], points: &[SweptPoint]) -> String {
         match &point.levels {
             Some(levels) => {
                 cells.extend(levels.sources.iter().map(|source| decibels(source.lwa_db)));
-                cells.extend([decibels(point.total_db), levels.outcome.replace('_', " ")]);
+                let shot = match &point.headline {
+                    Some(headline) => super::red(&headline.text),
+                    None => levels.outcome.replace('_', " "),
+                };
+                cells.extend([decibels(point.total_db), shot]);
             }
             None => {
                 cells.extend(vec!["-".to_owned(); sources.len() + 1]);

@@ -35,6 +35,22 @@ pub(super) fn table(headings: &[&str], rows: &[Vec<String>]) -> String {
     text
 }
 
+/// The same with text in all columns, each to the left.
+pub(super) fn texts(headings: &[&str], rows: &[Vec<String>]) -> String {
+    let columns = headings.len();
+    let cell = |row: &[String], column: usize| row.get(column).cloned().unwrap_or_default();
+    let titles: Vec<String> = headings.iter().map(|own| (*own).to_owned()).collect();
+    let all = || std::iter::once(titles.as_slice()).chain(rows.iter().map(Vec::as_slice));
+    let widths: Vec<usize> = (0..columns)
+        .map(|column| all().map(|row| cell(row, column).chars().count()).max().unwrap_or(0))
+        .collect();
+    let line = |row: &[String]| {
+        let cells = (0..columns).map(|column| format!("  {:<width$}", cell(row, column), width = widths[column]));
+        format!("{}\n", cells.collect::<String>().trim_end())
+    };
+    all().map(line).collect()
+}
+
 /// What there is in words, else a dash.
 pub(super) fn dash<T>(value: Option<T>, words: impl FnOnce(T) -> String) -> String {
     value.map_or_else(|| "-".to_owned(), words)
@@ -53,6 +69,15 @@ pub(super) fn decibels(level: Option<f64>) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn texts_begin_at_the_same_column() {
+        let rows = [
+            vec!["a".to_owned(), "long text".to_owned()],
+            vec!["bcd".to_owned(), "x".to_owned()],
+        ];
+        assert_eq!(texts(&["key", "of"], &rows), "  key  of\n  a    long text\n  bcd  x\n");
+    }
 
     #[test]
     fn columns_line_up() {

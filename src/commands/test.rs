@@ -8,10 +8,12 @@ use serde::Serialize;
 
 use super::table::{decibels, table};
 use super::{Common, Keeping, folder_of, print, print_json, progress};
+use crate::chain;
 use crate::cost;
 use crate::design::Design;
 use crate::error::Error;
 use crate::graph::Graph;
+use crate::headline::{self, Headline};
 use crate::measurement::virtual_test::bare::{BareLevels, BareSource};
 use crate::measurement::virtual_test::exact::{ExactTest, exact};
 use crate::measurement::virtual_test::{VirtualTest, wrapping};
@@ -61,6 +63,8 @@ struct TestResult {
     design: DesignId,
     wraps: Wraps,
     seed: u64,
+    /// How the design's shot ends, where it does not drive; null otherwise.
+    headline: Option<Headline>,
     /// Without scatter: the design's own shot.
     exact: ExactTest,
     /// The manifest of the recordings; null with `--energies`.
@@ -88,7 +92,9 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
     let rate = design.test.sampling_rate;
     let exact = exact(&test.arrangement, rate, &wraps, &test.densities(&own), background)?;
     drop(own);
+    let headline = headline::headline(&graph, &design, &chain::cycle(&design)?)?;
     let mut result = TestResult {
+        headline,
         schema: "nailnoise-test/1",
         design: DesignId::from(&design),
         wraps: arguments.wraps,
@@ -110,6 +116,8 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
     if common.json {
         print_json(&result)?;
     } else {
+        let lines = result.headline.as_ref().map(Headline::lines).unwrap_or_default();
+        print(&super::alarm(&lines))?;
         print(&text(&result))?;
     }
     Ok(ExitCode::SUCCESS)

@@ -124,7 +124,11 @@ impl Watching<'_> {
         self.runs += 1;
         let shot = Shot::new(self.runs, begin.elapsed().as_secs_f64(), &design, &run.result);
         let [before, pinned] = self.board.show(shot.clone(), warnings, page.clone());
-        let mut text = line(&shot);
+        let mut text = shot
+            .headline
+            .as_ref()
+            .map_or_else(String::new, |own| super::alarm(&own.lines()));
+        text.push_str(&line(&shot));
         let other = pinned.filter(|own| own.from != shot.number && before.as_ref().is_none_or(|b| b.from != own.from));
         text.extend(before.iter().map(|own| changed(own, "")));
         text.extend(other.iter().map(|own| changed(own, ", pinned")));
@@ -176,8 +180,10 @@ fn changed(differences: &Differences, behind: &str) -> String {
         all if all > NAMED => format!("{} and {} more", values.join(", "), all - NAMED),
         _ => values.join(", "),
     };
+    let unlike = differences.unlike.as_ref();
+    let unlike = unlike.map_or_else(String::new, |unlike| format!("  {}\n", super::red(unlike)));
     format!(
-        "  from run {}{behind}: {} dB; {more}\n",
+        "{unlike}  from run {}{behind}: {} dB; {more}\n",
         differences.from,
         levels.join(", ")
     )

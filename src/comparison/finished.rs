@@ -8,6 +8,7 @@ use serde::Deserialize;
 use super::consistency;
 use crate::error::Error;
 use crate::result::{DesignId, RankedSource, SCHEMA, Total};
+use crate::stages::headline::Headline;
 
 /// A finished result.
 #[derive(Debug, Clone, Deserialize)]
@@ -18,6 +19,8 @@ pub struct Finished {
     pub(super) ranking: Vec<RankedSource>,
     pub(super) total: Total,
     pub(super) outcome: String,
+    #[serde(default)]
+    headline: Option<Headline>,
     pub(super) events: BTreeMap<String, Option<f64>>,
     pub(super) cycle: serde_json::Map<String, serde_json::Value>,
 }
@@ -97,6 +100,14 @@ impl Finished {
     /// Gives the design another name, where two of a comparison have the same.
     pub fn rename(&mut self, name: String) {
         self.design.name = name;
+    }
+
+    /// The headline of its shot; none where the nail is driven and the exhaust opens.
+    pub(super) fn headline(&self) -> Option<Headline> {
+        let figure = |name: &str| self.cycle.get(name).and_then(serde_json::Value::as_f64);
+        let exhaust_opens = self.events.get("t13").is_some_and(Option::is_some);
+        let bare = || Headline::of_finished(&self.outcome, figure("head_depth"), exhaust_opens);
+        self.headline.clone().or_else(bare)
     }
 
     /// Version of the layout it was written in.

@@ -9,6 +9,7 @@ mod finished;
 use serde::Serialize;
 
 use crate::result::RankedSource;
+use crate::stages::headline::{Headline, unlike};
 use crate::wording::{Placed, unit_of_figure};
 
 pub use finished::{Finished, Input};
@@ -27,6 +28,10 @@ pub struct Comparison {
     pub inputs: Vec<InputRow>,
     /// What the shots did.
     pub outcomes: Vec<String>,
+    /// Headline of each shot; null where the nail is driven and the exhaust opens.
+    pub headlines: Vec<Option<Headline>>,
+    /// Why the levels must not be compared, where the shots do not end alike; null where they do.
+    pub unlike: Option<String>,
     /// Sources in the order of the reference's ranking; sources that it lacks follow.
     pub sources: Vec<SourceRow>,
     /// A-weighted level of all sources together \[dB re 1 pW s\].
@@ -148,6 +153,15 @@ impl std::str::FromStr for Limit {
 }
 
 impl Comparison {
+    /// What a reader must know before the levels: that the shots do not end alike, and how each ended that does not drive.
+    pub fn alarms(&self) -> Vec<String> {
+        let named = self.designs.iter().zip(&self.headlines);
+        let ends = named.filter_map(|(name, headline)| Some((name, headline.as_ref()?)));
+        let ends =
+            ends.flat_map(|(name, headline)| headline.lines().into_iter().map(move |line| format!("{name}: {line}")));
+        self.unlike.clone().into_iter().chain(ends).collect()
+    }
+
     /// The sources of a design in the order of its ranking, with levels and bands.
     pub(crate) fn placed(&self, design: usize) -> Vec<Placed<'_>> {
         let of_source = |name: &'_ String| {
@@ -167,12 +181,17 @@ impl Comparison {
         let sources = in_order(results, |r| r.ranking.iter().map(|s| s.source.clone()).collect());
         let cycle = in_order(results, |r| r.cycle.iter().map(|(name, _)| name.clone()).collect());
         let mut events = in_order(results, |r| r.events.keys().cloned().collect());
+        let headlines: Vec<Option<Headline>> = results.iter().map(Finished::headline).collect();
+        let ends = results.iter().zip(&headlines);
+        let unlike = unlike(ends.map(|(result, headline)| (result.name(), headline.as_ref())));
         events.sort_by_key(|name| name.trim_start_matches('t').parse::<u32>().unwrap_or(u32::MAX));
         Self {
             schema: SCHEMA,
             designs: results.iter().map(|r| r.design.name.clone()).collect(),
             inputs: inputs(results),
             outcomes: results.iter().map(|r| r.outcome.clone()).collect(),
+            headlines,
+            unlike,
             sources: sources.iter().map(|source| source_row(source, results)).collect(),
             total: Levels::new(each(&|r| r.total.lwa_db)),
             rankings: results

@@ -20,6 +20,7 @@ mod dependencies;
 mod derived;
 mod distribution;
 mod error;
+mod facts;
 mod groups;
 pub mod inputs;
 mod json_schema;
@@ -55,6 +56,7 @@ pub use dependencies::dependencies;
 pub use derived::{AGREEMENT, DERIVED, Derived};
 pub use distribution::Distribution;
 pub use error::{DesignError, Problem, Warning};
+pub use facts::{KeyFacts, Measurement, OutsideValue, facts};
 pub use groups::*;
 pub use json_schema::json_schema;
 pub use nailnoise_quantities::{Dimension, GroupSpec, KeySpec, Kind, Sign, UnitError, Value};
@@ -295,6 +297,17 @@ impl Design {
                 _ => resolve::shown(value, spec),
             };
             words.push((key.to_owned(), text));
+        });
+        words
+    }
+
+    /// A value of a key in a readable unit; empty for a key that the design does not have.
+    pub(crate) fn value_in_words(&self, key: &str, value: Value) -> String {
+        let mut words = String::new();
+        self.values.visit("", &mut |own, spec, _| {
+            if own == key {
+                words = resolve::shown(value.clone(), spec);
+            }
         });
         words
     }

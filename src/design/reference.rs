@@ -5,6 +5,7 @@ use std::fmt::Write as _;
 use nailnoise_quantities::{Group, GroupSpec, Kind, MEMBER, dotted};
 
 use super::derived::DERIVED;
+use super::facts::{KeyFacts, facts};
 use super::groups::Values;
 
 /// All groups and keys of the design file as Markdown: key, what may stand there, symbol, description.
@@ -41,7 +42,7 @@ fn section(text: &mut String, path: &str, group: &GroupSpec) {
             text,
             "| `{}` | {} | {} | {} |",
             key.name,
-            holds(key.kind),
+            holds(key.kind, &dotted(path, key.name)),
             key.symbol,
             key.description()
         );
@@ -54,7 +55,15 @@ fn section(text: &mut String, path: &str, group: &GroupSpec) {
     }
 }
 
-fn holds(kind: Kind) -> String {
+fn holds(kind: Kind, key: &str) -> String {
+    // A plausible range says more than the domain with which the program can compute.
+    if let Some(plausible) = facts(key).and_then(KeyFacts::plausible_in_words) {
+        return match kind {
+            Kind::Count(_) => format!("whole number, plausible {plausible}"),
+            Kind::Quantity { dimension, .. } if dimension.unit().is_empty() => format!("number, plausible {plausible}"),
+            _ => format!("plausible {plausible}"),
+        };
+    }
     match kind {
         Kind::Quantity { dimension, .. } if dimension.unit().is_empty() => format!("number {}", kind.allowed()),
         Kind::Quantity { .. } => kind.allowed(),

@@ -3,9 +3,10 @@
 use maud::{Markup, html};
 
 use super::chart::markup;
+use super::head::capitalised;
 use super::page::{Page, Section};
 use super::sound::{self, Recording};
-use super::tables::{decibels, plain};
+use super::tables::{decibels, plain, with_code};
 use crate::comparison::{Comparison, Labelled, Levels, SourceRow, ValueRow};
 use crate::figures::{Axis, Chart, Panel, Series, Shape, from_event, of_design};
 use crate::output::event_name;
@@ -55,6 +56,14 @@ fn change(db: Option<f64>) -> String {
 
 fn lead(c: &Comparison) -> Markup {
     html! {
+        @let alarms = c.alarms();
+        @if !alarms.is_empty() {
+            div.missed role="alert" {
+                @for (place, line) in alarms.iter().enumerate() {
+                    p.alarm[place == 0] { (with_code(&if place == 0 { capitalised(line) } else { line.clone() })) "." }
+                }
+            }
+        }
         div.totals.many[c.designs.len() > 4] { @for (place, name) in c.designs.iter().enumerate() {
             div.total {
                 span.number { (decibels(c.total.level_db[place])) }

@@ -7,6 +7,7 @@ use maud::{Markup, html};
 use super::tables::{self, without};
 use crate::design::{Design, SupportKind, Value};
 use crate::result::RunResult;
+use crate::stages::headline::Headline;
 
 /// Pressure of 1 psi \[Pa\].
 const PSI: f64 = 6894.757;
@@ -24,6 +25,7 @@ pub(super) fn lead(design: &Design, result: &RunResult) -> Markup {
     let first = result.ranking.first().filter(|source| source.lwa_db.is_some());
     let note = &design.report().note;
     html! {
+        (missed(result.headline.as_ref()))
         (byline(design))
         (given(design))
         @if !note.is_empty() { p { (note) } }
@@ -50,6 +52,27 @@ pub(super) fn lead(design: &Design, result: &RunResult) -> Markup {
             p.alarm { "A check of this run failed. Do not rely on the result. " a href="#checks" { "Checks" } }
         }
     }
+}
+
+/// How a shot ended that does not drive its nail, before all levels; nothing for one that does.
+pub(crate) fn missed(headline: Option<&Headline>) -> Markup {
+    html! {
+        @if let Some(headline) = headline {
+            div.missed role="alert" {
+                @for (place, line) in headline.lines().iter().enumerate() {
+                    p.alarm[place == 0] { (tables::with_code(&capitalised(line))) "." }
+                }
+            }
+        }
+    }
+}
+
+/// A sentence with its first letter large.
+pub(crate) fn capitalised(text: &str) -> String {
+    let mut letters = text.chars();
+    letters
+        .next()
+        .map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
 }
 
 /// For whom and by whom, as the design says it.

@@ -41,6 +41,7 @@ use crate::stages::spectra::{Driven, MovingBody};
 use crate::stages::{Code, Input, Postcard, Progress, Stage, code};
 use crate::study::StudyResult;
 
+pub(crate) use head::{capitalised, missed as missed_shot};
 pub use sound::Recording;
 
 pub(crate) use page::compared_by;
@@ -49,13 +50,14 @@ use surface::ColouredSurface;
 pub use surface::Surroundings;
 
 /// Keys of a result that the report shows in a form of their own.
-const SHOWN: [&str; 17] = [
+const SHOWN: [&str; 18] = [
     "schema",
     "design",
     "inputs",
     "ranking",
     "total",
     "outcome",
+    "headline",
     "cycle",
     "events",
     "sensors",

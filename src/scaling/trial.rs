@@ -23,6 +23,8 @@ pub struct Setting {
     pub pressure: f64,
     /// Protrusion of the rod over that of the rules.
     pub depth: f64,
+    /// Whether a finger releases the trigger, because the recoil does not lift the tool far enough.
+    pub by_hand: bool,
 }
 
 /// A shot of the design.
@@ -63,7 +65,7 @@ impl Shot {
     /// Whether the nail is in, its head not below what the design allows.
     pub fn drives(&self) -> bool {
         match self.outcome {
-            Outcome::Drives | Outcome::DoesNotRelease => true,
+            Outcome::Drives => true,
             Outcome::StrikesBumper => self.head_depth >= 0.0,
             _ => false,
         }
@@ -74,24 +76,25 @@ impl Shot {
 ///
 /// A shot that stops on the wood is preferred to one whose piston ends on the bumper.
 pub(super) fn settle(make: &dyn Fn(Setting) -> Result<Design, Error>) -> Result<Settled, Error> {
-    let mut on_bumper = None;
+    let mut driven = None;
     let mut last = None;
     'all: for psi in PRESSURES {
         for depth in DEPTHS {
             let setting = Setting {
                 pressure: psi * PSI,
                 depth,
+                by_hand: false,
             };
-            let shot = Shot::of(&chain::cycle(&make(setting)?)?);
+            let (setting, shot) = released(make, setting)?;
             if depth == 1.0 {
                 last = Some((setting, shot));
             }
             match shot.outcome {
-                Outcome::Drives | Outcome::DoesNotRelease => {
-                    on_bumper = Some((setting, shot));
+                Outcome::Drives => {
+                    driven = Some((setting, shot));
                     break 'all;
                 }
-                Outcome::StrikesBumper if shot.drives() && on_bumper.is_none() => on_bumper = Some((setting, shot)),
+                Outcome::StrikesBumper if shot.drives() && driven.is_none() => driven = Some((setting, shot)),
                 // Less protrusion cannot drive deeper.
                 Outcome::Underdriven | Outcome::DoesNotOpen => break,
                 _ => {}
@@ -101,14 +104,16 @@ pub(super) fn settle(make: &dyn Fn(Setting) -> Result<Design, Error>) -> Result<
     let usual = Setting {
         pressure: PRESSURES[0] * PSI,
         depth: 1.0,
+        by_hand: false,
     };
-    let (setting, shot) = match on_bumper.or(last) {
+    let (setting, shot) = match driven.or(last) {
         Some(found) => found,
-        None => (usual, Shot::of(&chain::cycle(&make(usual)?)?)),
+        None => released(make, usual)?,
     };
     let stated = Setting {
         pressure: 100.0 * PSI,
         depth: 1.0,
+        by_hand: false,
     };
     Ok(Settled {
         setting,
@@ -116,6 +121,19 @@ pub(super) fn settle(make: &dyn Fn(Setting) -> Result<Design, Error>) -> Result<
         needed: needed(&make(setting)?)?,
         free_energy: free_energy(make(stated)?)?,
     })
+}
+
+/// A shot with its trigger released: by hand where the recoil does not.
+fn released(make: &dyn Fn(Setting) -> Result<Design, Error>, setting: Setting) -> Result<(Setting, Shot), Error> {
+    let record = chain::cycle(&make(setting)?)?;
+    if record.events.t12.is_some() || record.events.t3.is_none() {
+        return Ok((setting, Shot::of(&record)));
+    }
+    let by_hand = Setting {
+        by_hand: true,
+        ..setting
+    };
+    Ok((by_hand, Shot::of(&chain::cycle(&make(by_hand)?)?)))
 }
 
 /// Integral of the penetration law over the fastener's length \[J\].

@@ -130,6 +130,12 @@ impl File<'_> {
             psi(RATED[0]),
             psi(RATED[1])
         );
+        if setting.by_hand {
+            self.line(
+                "trigger.release_after = { value = \"45 ms\", range = \"30 .. 60 ms\", provenance = \"estimated: a finger; the recoil \
+                 does not lift this tool off its guard\" }",
+            );
+        }
         for (key, chosen) in [("piston.bore", tool.bore), ("piston.stroke", tool.stroke)] {
             let (width, source) = own(chosen);
             let range = [1.0 - width, 1.0 + width].map(|x| x * chosen.value);

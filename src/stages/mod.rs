@@ -13,6 +13,7 @@ mod codec;
 pub mod convention;
 pub mod cycle;
 pub mod exhaust;
+pub mod headline;
 pub mod intervals;
 pub mod levels;
 pub mod microphones;

@@ -1,6 +1,6 @@
 //! Notes of a run: what a reader must know beside its numbers.
 
-use nailnoise_dynamics::{CycleRecord, Outcome};
+use nailnoise_dynamics::CycleRecord;
 
 use super::exhaust::{ExhaustDetails, Muffler, Openings};
 use super::tool_response::Stiffness;
@@ -8,6 +8,8 @@ use crate::result::{FluidLoading, FluidLoadingChange, Loading, RadiationReport};
 
 /// What the notes of a run are made from, beside cycle and exhaust.
 pub struct NoteInputs<'a> {
+    /// How the shot ended, in words.
+    pub shot: String,
     /// What the workpiece is supported by, in words.
     pub support: &'a str,
     /// Whether the workpiece is in sand.
@@ -53,20 +55,7 @@ pub struct Notes {
 
 /// Notes on one run.
 pub fn notes(inputs: &NoteInputs<'_>, record: &CycleRecord, openings: &Openings, exhaust: &ExhaustDetails) -> Notes {
-    let depth = 1e3 * record.summary.head_depth;
-    let mut shot = vec![match record.outcome {
-        Outcome::Drives => format!("the nail is driven, its head {depth:.1} mm below the surface"),
-        Outcome::Overdriven => format!(
-            "the nail is overdriven: its head ends {depth:.1} mm below the surface; the model of the wood under a head is not valid at this depth"
-        ),
-        Outcome::StrikesBumper => format!(
-            "the piston strikes the bumper before it stops on the wood; the head of the nail ends {depth:.1} mm \
-                 below the surface"
-        ),
-        Outcome::Underdriven => format!("the nail is not driven to its length: {:.1} mm of it protrude", -depth),
-        Outcome::DoesNotOpen => "the head valve does not open: no shot".to_owned(),
-        Outcome::DoesNotRelease => "the tool does not rise far enough to release the trigger valve".to_owned(),
-    }];
+    let mut shot = vec![inputs.shot.clone()];
     shot.extend(inputs.fitted_law.iter().cloned());
     shot.extend(inputs.outside_ranges.iter().cloned());
     shot.extend(estimates(inputs));

@@ -55,6 +55,6 @@ pub use surrogate::{Surrogate, SurrogateIndex, common_reason};
 pub use sweep::{Axis, SweptPoint, at_point, sweep};
 pub use table::csv;
 pub use variable_report::VariableReport;
-pub use variables::{Drawn, Kind, Scope, Variable, common_variables, differing_keys, variables};
+pub use variables::{Drawn, Kind, Scope, Variable, common_variables, differing_keys, in_force, variables};
 
 pub use crate::stages::outcomes::{Shot, ShotOutcome};

@@ -6,7 +6,10 @@ use super::draws::{Draw, Draws};
 use super::request::Request;
 use super::variable_report::VariableReport;
 use super::variables::Kind;
+use crate::chain;
 use crate::design::Design;
+use crate::design::inputs::cycle::parameters;
+use crate::stages::headline::Headline;
 
 /// Share of a distribution at which a value stands at its end.
 const AT_THE_END: f64 = 0.02;
@@ -14,9 +17,19 @@ const AT_THE_END: f64 = 0.02;
 /// Standard errors by which the condition moves the mean of a variable before that is stated.
 const SHIFTED: f64 = 4.0;
 
+/// How the shot of the design itself ends, with its lumped workpiece, where it does not drive.
+fn own_shot(design: &Design) -> Option<String> {
+    let record = chain::cycle(design).ok()?;
+    let headline = Headline::of(&record, &parameters(design).ok()?)?;
+    Some(format!(
+        "the shot of the design itself does not drive: {}",
+        headline.text
+    ))
+}
+
 /// The notes on draws of a design.
 pub(super) fn notes(design: &Design, request: &Request, made: &Draws, variables: &[VariableReport]) -> Vec<String> {
-    let mut notes = Vec::new();
+    let mut notes: Vec<String> = own_shot(design).into_iter().collect();
     let held: Vec<&str> = variables
         .iter()
         .filter(|own| !own.drawn)

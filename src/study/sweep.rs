@@ -3,6 +3,7 @@
 use std::path::Path;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
+use nailnoise_dynamics::Outcome;
 use serde::Serialize;
 
 use super::draws::common_draws;
@@ -11,12 +12,14 @@ use super::level_table::total_of;
 use super::paired::{Change, changes};
 use super::request::Request;
 use super::variables::without_sensors;
-use crate::chain::{Chain, Options};
+use crate::chain::{self, Chain, Options};
 use crate::cost::{self, MemoryLimit};
+use crate::design::inputs::cycle::parameters;
 use crate::design::{Assignment, AssignmentError, Design, DesignError, Problem};
 use crate::error::Error;
 use crate::graph::Graph;
 use crate::stages::Progress;
+use crate::stages::headline::Headline;
 use crate::stages::levels::Levels;
 
 /// Points of a grid at most.
@@ -40,6 +43,8 @@ pub struct SweptPoint {
     pub levels: Option<Levels>,
     /// Level of all sources together \[dB re 1 pW s\].
     pub total_db: Option<f64>,
+    /// Headline of its shot, where that does not drive.
+    pub headline: Option<Headline>,
     /// Why there are no levels; empty where there are.
     pub refused: String,
     /// Folder of its films; none where none were asked for.
@@ -213,8 +218,16 @@ pub fn sweep(
             (levels.cloned(), String::new())
         }
     });
+    let missed = |(design, (levels, _)): (&Result<Design, String>, &(Option<Levels>, String))| match (design, levels) {
+        (Ok(design), Some(levels)) if levels.outcome != Outcome::Drives.name() => headline(design),
+        _ => Ok(None),
+    };
+    let computed: Vec<_> = computed.collect();
+    let headlines = designs.iter().zip(&computed).map(missed);
+    let mut headlines = headlines.collect::<Result<Vec<_>, Error>>()?.into_iter();
     let point = |(values, (levels, refused)): (Vec<String>, (Option<Levels>, String))| SweptPoint {
         values,
+        headline: headlines.next().flatten(),
         total_db: levels.as_ref().and_then(total_of),
         levels,
         refused,
@@ -222,6 +235,11 @@ pub fn sweep(
         drawn: drawn.next().flatten(),
     };
     Ok(points.into_iter().zip(computed).map(point).collect())
+}
+
+/// The headline of a design's shot with its lumped workpiece.
+fn headline(design: &Design) -> Result<Option<Headline>, Error> {
+    Ok(Headline::of(&chain::cycle(design)?, &parameters(design)?))
 }
 
 /// Levels of each point that is a design over common draws, with the change from the first of them.

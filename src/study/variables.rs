@@ -295,3 +295,33 @@ pub fn differing_keys(designs: &[&Design]) -> Vec<String> {
         .map(|entry| entry.key)
         .collect()
 }
+
+/// Which of these keys the levels of a design depend on.
+///
+/// # Errors
+/// As [`variables`].
+pub fn in_force(design: &Design, wanted: &[String]) -> Result<Vec<bool>, Error> {
+    let base = without_sensors(design);
+    let own = keys(&base)?;
+    let entries = base.entries();
+    let depends = |key: &String| {
+        let value = entries
+            .iter()
+            .find(|entry| entry.key == *key)
+            .map(|entry| entry.value.clone());
+        let other = match value {
+            Some(Value::Number(0.0)) => Value::Number(1e-3),
+            Some(Value::Number(value)) => Value::Number(value * 1.001),
+            Some(Value::Count(count)) => Value::Count(count + 1),
+            _ => return true,
+        };
+        let mut moved = base.clone();
+        // A value that is refused is one that a rule reads.
+        let set = moved.set(&[(key.as_str(), other)]);
+        set.is_err()
+            || keys(&moved).map_or(true, |moved| {
+                moved.levels != own.levels || moved.structures != own.structures
+            })
+    };
+    Ok(wanted.par_iter().map(depends).collect())
+}

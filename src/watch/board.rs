@@ -134,6 +134,7 @@ mod tests {
             values: Vec::new(),
             levels: Vec::new(),
             failed: Vec::new(),
+            headline: None,
         }
     }
 

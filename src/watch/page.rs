@@ -5,6 +5,7 @@ use serde_json::json;
 
 use super::board::{Board, State};
 use super::shot::{Differences, Shot};
+use crate::report::{capitalised, missed_shot};
 use crate::wording;
 
 pub(super) const STYLE: &str = include_str!("watch.css");
@@ -46,7 +47,11 @@ pub(super) fn page(board: &Board) -> String {
 /// What the script puts in its places, as one line of JSON.
 pub(super) fn event(name: &str, state: &State) -> String {
     let level = state.last.as_ref().and_then(|last| last.level("total"));
-    let title = level.map_or_else(String::new, |level| format!("{level:.1} dB "));
+    let missed = state.last.as_ref().and_then(|last| last.headline.as_ref());
+    let missed = missed.map_or_else(String::new, |headline| {
+        format!("{}, ", headline.outcome.replace('_', " "))
+    });
+    let title = level.map_or_else(String::new, |level| format!("{missed}{level:.1} dB "));
     json!({
         "title": format!("{title}{name}: watched"),
         "status": status(state),
@@ -78,7 +83,10 @@ fn bar(state: &State) -> Markup {
     // The pinned run may be the one before, or this one.
     let pinned = pinned.filter(|pinned| pinned.from != last.number);
     let before = before.filter(|before| pinned.as_ref().is_none_or(|pinned| pinned.from != before.from));
+    let compared = [before.as_ref(), pinned.as_ref()];
     html! {
+        (missed_shot(last.headline.as_ref()))
+        @for unlike in compared.into_iter().flatten().filter_map(|own| own.unlike.as_ref()) { p.alarm role="alert" { (capitalised(unlike)) "." } }
         div.scroll tabindex="0" role="region" aria-label="levels and changes" { table {
             thead { tr {
                 th scope="col" { "L" sub { "WA,1s" } }
@@ -143,7 +151,8 @@ fn row(what: &str, differences: &Differences, behind: &str, names: &[&str]) -> M
             |db| wording::change(db).replace('-', "\u{2212}"),
         )
     };
-    let sign = |name: &str| match change(name).chars().next() {
+    // A difference of shots that end differently is neither better nor worse.
+    let sign = |name: &str| match change(name).chars().next().filter(|_| differences.unlike.is_none()) {
         Some('+') => "n louder",
         Some('\u{2212}') => "n quieter",
         _ => "n",
@@ -152,7 +161,10 @@ fn row(what: &str, differences: &Differences, behind: &str, names: &[&str]) -> M
         tr {
             th scope="row" { (what) " " (differences.from) (behind) }
             @for name in names { td class=(sign(name)) { (change(name)) } }
-            td { (values(differences)) }
+            td {
+                @if differences.unlike.is_some() { strong.alarm { "not comparable" } "; " }
+                (values(differences))
+            }
         }
     }
 }
@@ -182,6 +194,7 @@ mod tests {
             values: vec![("supply.pressure".to_owned(), pressure.to_owned())],
             levels: levels.map(|(name, level)| (name.to_owned(), Some(level))).to_vec(),
             failed: Vec::new(),
+            headline: None,
         }
     }
 

@@ -2,6 +2,7 @@
 
 use crate::design::Design;
 use crate::result::RunResult;
+use crate::stages::headline::{Headline, unlike};
 
 /// A finished run.
 #[derive(Debug, Clone, PartialEq)]
@@ -16,6 +17,8 @@ pub struct Shot {
     pub levels: Vec<(String, Option<f64>)>,
     /// Checks that failed.
     pub failed: Vec<String>,
+    /// The headline of a shot that does not drive.
+    pub headline: Option<Headline>,
 }
 
 impl Shot {
@@ -31,6 +34,7 @@ impl Shot {
                 .chain(sources)
                 .collect(),
             failed: failed.map(|check| check.name.clone().into_owned()).collect(),
+            headline: result.headline.clone(),
         }
     }
 
@@ -61,8 +65,10 @@ impl Shot {
             let change = now.zip(before.level(name)).map(|(now, before)| now - before);
             (name.clone(), change)
         };
+        let named = [before, self].map(|shot| (format!("run {}", shot.number), shot.headline.as_ref()));
         Differences {
             from: before.number,
+            unlike: unlike(named.iter().map(|(name, headline)| (name.as_str(), *headline))),
             values: changed.collect(),
             levels: self.levels.iter().map(change).collect(),
         }
@@ -74,6 +80,8 @@ impl Shot {
 pub struct Differences {
     /// Number of the earlier run.
     pub from: u32,
+    /// Why the levels must not be compared, where the shots do not end alike.
+    pub unlike: Option<String>,
     /// Keys with their values before and now.
     pub values: Vec<(String, String, String)>,
     /// Changes of the levels of the total and of the sources \[dB\]; none where one of the two is silent.
@@ -94,6 +102,7 @@ mod tests {
             values: values.collect(),
             levels: vec![("total".to_owned(), total)],
             failed: Vec::new(),
+            headline: None,
         }
     }
 

@@ -69,6 +69,8 @@ pub(crate) struct Cycle<'s> {
     /// Times at which the channel switches.
     venting: f64,
     filling: Option<f64>,
+    /// Time at which the operator releases the trigger valve; none where only the rising tool does.
+    release: Option<f64>,
     pub(crate) end: f64,
     /// t16, once it has passed.
     home: Option<f64>,
@@ -110,6 +112,7 @@ impl<'s> Cycle<'s> {
         rest: Option<&WoodMotion>,
     ) -> Result<Self, CycleError> {
         let (y, mode) = start(system, rest)?;
+        let release = Some(system.p.trigger.release_after).filter(|release| *release > 0.0);
         let mut cycle = Self {
             system,
             settings,
@@ -119,7 +122,8 @@ impl<'s> Cycle<'s> {
             window: None,
             recording: true,
             venting: system.geometry.channel_delay,
-            filling: None,
+            filling: release.map(|release| release + system.geometry.channel_delay),
+            release,
             end: settings.end,
             home: None,
             read: 0,
@@ -192,6 +196,11 @@ impl<'s> Cycle<'s> {
         {
             stop = stop.min(filling);
         }
+        if let Some(release) = self.release
+            && !self.mode.released
+        {
+            stop = stop.min(release);
+        }
         if self.system.p.model.delay == Form::Published {
             // No step may reach beyond the history, which ends one delay ahead.
             stop = stop.min(self.t + self.system.geometry.channel_delay);
@@ -207,17 +216,28 @@ impl<'s> Cycle<'s> {
         }
     }
 
-    /// Whether the channel switches now.
+    /// Whether the operator releases the trigger now, or the channel switches.
     fn is_due(&self) -> bool {
         let reached = |due: f64| self.t >= due - 1e-13;
+        if !self.mode.released && self.release.is_some_and(reached) {
+            return true;
+        }
         (self.mode.channel == Channel::Closed && reached(self.venting))
             || (self.mode.channel != Channel::Filling && self.filling.is_some_and(reached))
     }
 
-    /// Changes the channel where its time has come.
+    /// Releases the trigger and changes the channel where their time has come.
     fn switch_channel(&mut self) {
         let before = self.mode.channel;
         let reached = |t: f64, due: f64| t >= due - 1e-13;
+        if !self.mode.released && self.release.is_some_and(|due| reached(self.t, due)) {
+            self.mode.released = true;
+            if self.recording {
+                self.run
+                    .log
+                    .push((self.system, &self.mode), Crossing::Trigger, self.t, false, &self.y);
+            }
+        }
         if self.filling.is_some_and(|due| reached(self.t, due)) {
             self.mode.channel = Channel::Filling;
         } else if self.mode.channel == Channel::Closed && reached(self.t, self.venting) {
@@ -540,11 +560,13 @@ impl<'s> Cycle<'s> {
         let log = &self.run.log;
         if log.len() > self.read {
             self.read = log.len();
-            let t12 = log.first(Crossing::Guard, false, 0.0);
-            if self.filling.is_none() {
-                self.filling = t12.map(|t12| t12 + self.system.geometry.channel_delay);
+            // A tool that has not risen by the guard's travel cannot land, whoever releases its trigger.
+            let risen = log.first(Crossing::Guard, false, 0.0);
+            if let Some(risen) = risen {
+                let by_guard = risen + self.system.geometry.channel_delay;
+                self.filling = Some(self.filling.map_or(by_guard, |filling| filling.min(by_guard)));
             }
-            if let Some(landing) = t12.and_then(|t12| log.first(Crossing::Landing, true, t12)) {
+            if let Some(landing) = risen.and_then(|risen| log.first(Crossing::Landing, true, risen)) {
                 self.end = self.end.min(landing);
                 self.run.landed = true;
             }

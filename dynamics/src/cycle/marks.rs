@@ -104,6 +104,8 @@ pub(crate) struct Log {
     entries: Vec<LogEntry>,
     stroke: f64,
     ambient: f64,
+    /// Time at which the operator releases the trigger valve; 0 where only the rising tool does \[s\].
+    release_after: f64,
     t13_blown: Option<bool>,
     /// Largest speed since its last reversal of each body whose reversals are watched.
     swing: [f64; REVERSALS],
@@ -117,6 +119,7 @@ impl Log {
             entries: Vec::with_capacity(512),
             stroke: system.p.piston.stroke,
             ambient: system.p.ambient.pressure,
+            release_after: system.p.trigger.release_after,
             t13_blown: None,
             swing: [0.0; REVERSALS],
             slow: [None; REVERSALS],
@@ -252,7 +255,12 @@ impl Log {
                 up(Crossing::PistonAtBumper, t9)
             }
         });
-        let t12 = down(Crossing::Guard, t0);
+        let by_guard = down(Crossing::Guard, t0);
+        let by_hand = Some(self.release_after).filter(|release| *release > 0.0 && *release <= end);
+        let t12 = match (by_guard, by_hand) {
+            (Some(guard), Some(hand)) => Some(guard.min(hand)),
+            (guard, hand) => guard.or(hand),
+        };
         let t13 = t12.and_then(|t| {
             let opens = |c: &&LogEntry| {
                 c.crossing == Crossing::ExhaustShut

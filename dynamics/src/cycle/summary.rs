@@ -70,6 +70,8 @@ fn outcome(system: &System, run: &Run, events: &Events, summary: &Summary) -> Ou
         Outcome::Underdriven
     } else if events.t12.is_none() {
         Outcome::DoesNotRelease
+    } else if events.t13.is_none() {
+        Outcome::DoesNotExhaust
     } else {
         Outcome::Drives
     }

@@ -1,6 +1,6 @@
 //! Options beyond the source: they are off by default and obey the balances.
 
-use nailnoise_dynamics::{CycleError, CycleRecord, Geometry, Parameters, Settings, simulate};
+use nailnoise_dynamics::{Crossing, CycleError, CycleRecord, Geometry, Outcome, Parameters, Settings, simulate};
 
 use crate::common::n80cb;
 use crate::{BASE, internal_forces_cancel, run};
@@ -15,8 +15,13 @@ fn with_hand(mass: f64) -> Parameters {
 fn options_are_off_in_the_base_design() {
     let (p, r) = (n80cb(), &*BASE);
     assert_eq!(
-        (p.hand.mass, p.nail.magazine_friction, p.exhaust.thrust_share),
-        (0.0, 0.0, 0.0)
+        (
+            p.hand.mass,
+            p.nail.magazine_friction,
+            p.exhaust.thrust_share,
+            p.trigger.release_after
+        ),
+        (0.0, 0.0, 0.0, 0.0)
     );
     assert!(r.forces.hand.iter().all(|f| *f == p.hand.force));
     assert!(r.forces.magazine.iter().chain(&r.forces.thrust).all(|f| *f == 0.0));
@@ -51,6 +56,67 @@ fn a_hand_on_a_stiff_spring_is_part_of_the_tool() {
         let apart = (a.unwrap() - b.unwrap()).abs();
         assert!(apart < if i == 11 || i == 18 { 1e-4 } else { 2e-5 }, "t{i}: {apart} s");
     }
+}
+
+/// A tool so heavy that it does not rise by the guard's travel.
+fn low_recoil() -> Parameters {
+    let mut p = n80cb();
+    p.tool.mass = 12.0;
+    p
+}
+
+#[test]
+fn a_tool_that_hardly_recoils_ends_its_cycle_when_the_operator_lets_go() {
+    let never = run(&low_recoil());
+    assert_eq!(never.outcome, Outcome::DoesNotRelease);
+    assert_eq!((never.events.t12, never.events.t13), (None, None));
+    let mut p = low_recoil();
+    p.trigger.release_after = 0.035;
+    let r = run(&p);
+    assert!(r.is_certified(), "{:?}", r.checks);
+    assert_eq!((r.outcome, r.events.t12), (Outcome::Drives, Some(0.035)));
+    // The channel carries the release to the head valve with the speed of sound, before the exhaust can open.
+    let fills = r.log.iter().find(|entry| entry.crossing == Crossing::Fill).unwrap();
+    assert!(
+        (fills.time - 0.035 - Geometry::new(&p).channel_delay).abs() < 1e-12,
+        "{}",
+        fills.time
+    );
+    assert!(r.events.t13.unwrap() > fills.time && r.events.t18.unwrap() > r.events.t13.unwrap());
+    assert!(r.summary.exhaust_mass > 0.5 * BASE.summary.exhaust_mass);
+    // Nothing differs before the release.
+    let until = |r: &CycleRecord| r.piston.position[..(0.034 / r.sample_interval) as usize].to_vec();
+    let apart = until(&r)
+        .iter()
+        .zip(until(&never))
+        .fold(0.0, |most: f64, (a, b)| most.max((a - b).abs()));
+    assert!(apart < 1e-7, "{apart} m");
+}
+
+#[test]
+fn a_trigger_that_the_rising_tool_has_released_is_not_released_again() {
+    let mut p = n80cb();
+    p.trigger.release_after = 0.06;
+    let r = run(&p);
+    assert!(BASE.events.t12.unwrap() < 0.06);
+    assert_eq!(r.events, BASE.events);
+    let releases = r
+        .log
+        .iter()
+        .filter(|entry| entry.crossing == Crossing::Trigger && !entry.is_rising());
+    assert_eq!(releases.count(), 1);
+}
+
+#[test]
+fn an_exhaust_that_has_not_opened_when_the_record_ends_is_an_outcome() {
+    let mut p = low_recoil();
+    p.trigger.release_after = 0.035;
+    let settings = Settings {
+        end: 0.0351,
+        ..Settings::default()
+    };
+    let r = simulate(&p, &settings).unwrap();
+    assert_eq!(r.outcome, Outcome::DoesNotExhaust);
 }
 
 #[test]
@@ -145,4 +211,5 @@ fn an_option_out_of_range_is_refused_by_name() {
         "hand.stiffness"
     );
     assert_eq!(refused(|p| p.nail.magazine_friction = -1.0), "nail.magazine_friction");
+    assert_eq!(refused(|p| p.trigger.release_after = -0.01), "trigger.release_after");
 }

@@ -81,6 +81,15 @@ fn a_low_supply_pressure() {
 }
 
 #[test]
+fn a_trigger_released_by_the_operator() {
+    let mut p = n80cb();
+    // A tool that does not rise far enough to release the trigger itself.
+    p.tool.mass = 12.0;
+    p.trigger.release_after = 0.035;
+    agree(&p, 0.055);
+}
+
+#[test]
 fn a_hand_with_mass_a_magazine_with_friction_and_a_jet_with_thrust() {
     let mut p = n80cb();
     p.hand.mass = 1.2;

@@ -110,7 +110,11 @@ impl Model {
             pcr: (2.0 / (g + 1.0)).powf(g / (g - 1.0)),
             k: (g / r * (2.0 / (g + 1.0)).powf((g + 1.0) / (g - 1.0))).sqrt(),
             n2: (g - 1.0) / 2.0 * (2.0 / (g + 1.0)).powf((g + 1.0) / (g - 1.0)),
-            released: f64::INFINITY,
+            released: if p.trigger.release_after > 0.0 {
+                p.trigger.release_after
+            } else {
+                f64::INFINITY
+            },
             attached: false,
             left: false,
             p: p.clone(),
@@ -444,7 +448,7 @@ pub(crate) fn integrate(p: &Parameters, h: f64, end: f64) -> Shot {
             (
                 false,
                 s - p.head_valve.exhaust_lap,
-                after(10) && y[8] > p.ambient.pressure,
+                t > m.released && y[8] > p.ambient.pressure,
             ),
             (false, travel - 50.51e-3, after(8)),
             (false, travel, after(12)),
@@ -510,6 +514,8 @@ pub(crate) fn integrate(p: &Parameters, h: f64, end: f64) -> Shot {
         y = next;
     }
     let [t1, t2, t3, t4, t5, t6, t7, t8, t9, t10, t12, t13, t15, t16, t17, full] = found;
+    let by_hand = Some(p.trigger.release_after).filter(|release| *release > 0.0 && *release <= end);
+    let t12 = [t12, by_hand].into_iter().flatten().reduce(f64::min);
     let t14 = t15.and_then(|t15| {
         let rise = still.0.iter().rev().find(|c| c.1 && c.0 < t15);
         rise.map(|c| c.0).filter(|t| t6.is_some_and(|t6| *t > t6))

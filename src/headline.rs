@@ -1,0 +1,99 @@
+//! The headline of a design's shot, with the inputs that would change it most.
+
+use std::path::Path;
+
+use nailnoise_dynamics::{CycleRecord, Settings};
+
+use crate::chain;
+use crate::design::inputs::cycle::{cycle_settings, parameters};
+use crate::design::{Assignment, Design};
+use crate::error::Error;
+use crate::graph::Graph;
+use crate::stages::cycle::Cycle;
+pub use crate::stages::headline::{Figure, Headline, Influence, sentence, unlike};
+use crate::stages::headline::{Influences, Miss, Moved};
+use crate::study::{Axis, SweptPoint, at_point, taking_part};
+
+/// Interval of the samples of cycles with other inputs: the slow motion of the tool needs no finer one \[s\].
+const SAMPLES: f64 = 50e-6;
+
+/// The headline of a shot of a design; none where the nail is driven and the exhaust opens.
+///
+/// Each input that has a range and takes part in the cycle is set to both ends of it, with a lumped workpiece whatever the
+/// coupling of the design. These cycles are computed only where there is a headline, and cached.
+///
+/// # Errors
+/// Those of the cycle's parameters.
+pub fn headline(graph: &Graph, design: &Design, record: &CycleRecord) -> Result<Option<Headline>, Error> {
+    let own = parameters(design)?;
+    let Some((mut headline, miss)) = Headline::of(record, &own).zip(Miss::of(record.outcome)) else {
+        return Ok(None);
+    };
+    let settings = Settings {
+        sample_interval: SAMPLES,
+        ..cycle_settings(design)
+    };
+    let cycle = |parameters| Cycle {
+        parameters,
+        settings: settings.clone(),
+    };
+    let mut moved = Vec::new();
+    for input in taking_part(design)? {
+        for end in input.range.into_iter().filter(|end| *end != input.number()) {
+            let mut other = design.clone();
+            let value = input.hold(end);
+            let set = other.set(&[(input.key.as_str(), value.clone())]);
+            let Some(parameters) = set
+                .ok()
+                .filter(|()| other.conflict().is_none())
+                .and(parameters(&other).ok())
+            else {
+                continue;
+            };
+            let shown = [input.value.clone(), value].map(|value| design.value_in_words(&input.key, value));
+            moved.push(Moved {
+                key: input.key.clone(),
+                shown,
+                cycle: cycle(parameters),
+            });
+        }
+    }
+    let base = cycle(own);
+    headline.inputs = (*graph.get(Influences { miss, base, moved })?).clone();
+    Ok(Some(headline))
+}
+
+/// Adds the inputs that would change it most to the first headline of a sweep.
+///
+/// # Errors
+/// Those of the design of that point, and of its cycle.
+pub fn explain_first(
+    graph: &Graph,
+    base: (&Path, &[Assignment]),
+    axes: &[Axis],
+    points: &mut [SweptPoint],
+) -> Result<(), Error> {
+    if let Some(point) = points.iter_mut().find(|point| point.headline.is_some()) {
+        let design = at_point(base, axes, &point.values)?;
+        point.headline = headline(graph, &design, &chain::cycle(&design)?)?.or(point.headline.take());
+    }
+    Ok(())
+}
+
+/// What a reader must know before the levels of a sweep: that the shots do not end alike, and how the first ended that does not
+/// drive.
+pub fn alarms(points: &[SweptPoint]) -> Vec<String> {
+    let computed: Vec<&SweptPoint> = points.iter().filter(|point| point.levels.is_some()).collect();
+    let name = |point: &SweptPoint| point.values.join(", ");
+    let names: Vec<String> = computed.iter().map(|point| name(point)).collect();
+    let ends = names.iter().zip(&computed);
+    let unlike = unlike(ends.map(|(name, point)| (name.as_str(), point.headline.as_ref())));
+    let first = computed
+        .iter()
+        .find_map(|point| Some((name(point), point.headline.as_ref()?)));
+    let first = first.into_iter().flat_map(|(name, headline)| {
+        let lines = headline.lines().into_iter();
+        lines.map(move |line| format!("{name}: {line}"))
+    });
+    unlike.into_iter().chain(first).collect()
+}

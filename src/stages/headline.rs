@@ -1,0 +1,370 @@
+//! What a reader must know before the levels of a shot that does not end as it should: how it ended, by which figure, and which
+//! inputs would change that most. Reports, tables, pages and Python all show this text.
+
+use nailnoise_dynamics::{CycleRecord, Outcome, Parameters, simulate};
+use rayon::prelude::*;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use super::cycle::Cycle;
+use super::{Code, Postcard, Progress, Stage, code};
+use crate::error::Error;
+
+/// Inputs that are named.
+const NAMED: usize = 3;
+
+/// Part of the figure by which an input must change it to be named.
+const NOTABLE: f64 = 0.01;
+
+/// Headline of a shot that does not drive its nail and open its exhaust.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct Headline {
+    /// Name of the outcome, as `underdriven`.
+    pub outcome: String,
+    /// The same with its figures, in a sentence.
+    pub text: String,
+    /// Whether the exhaust opens; where it does not, the level of the exhaust is that of the trigger vent.
+    pub exhaust_opens: bool,
+    /// The figure by which the shot misses: a length, speed or pressure that is zero or negative where nothing is missing.
+    pub figure: Figure,
+    /// The inputs that change the figure most towards a shot that drives, one at a time over their ranges, at most three.
+    pub inputs: Vec<Influence>,
+}
+
+/// A figure of the shot.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct Figure {
+    /// Its name.
+    pub name: String,
+    /// Its value in the SI unit.
+    pub value: f64,
+    /// The SI unit.
+    pub unit: String,
+}
+
+/// An input at the end of its range at which the shot misses less.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct Influence {
+    /// The key.
+    pub key: String,
+    /// Its value in the design, with a readable unit.
+    pub from: String,
+    /// Its value at that end of its range, with a readable unit.
+    pub to: String,
+    /// Name of the outcome there.
+    pub outcome: String,
+    /// The figure there, in its SI unit.
+    pub figure: f64,
+}
+
+/// By what a shot misses.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub(crate) enum Miss {
+    /// Length of the nail above the surface.
+    Protrusion,
+    /// Depth of the head below the surface.
+    HeadDepth,
+    /// Speed at which the piston meets the bumper.
+    BumperSpeed,
+    /// Lift that the head valve lacks to open the intake.
+    Lift,
+    /// Rise that the tool lacks to release the trigger valve.
+    Rise,
+    /// Overpressure above the piston when the record ends.
+    PressureLeft,
+}
+
+impl Miss {
+    /// That of an outcome; none where nothing is missed.
+    pub(crate) fn of(outcome: Outcome) -> Option<Self> {
+        match outcome {
+            Outcome::Drives => None,
+            Outcome::Underdriven => Some(Self::Protrusion),
+            Outcome::Overdriven => Some(Self::HeadDepth),
+            Outcome::StrikesBumper => Some(Self::BumperSpeed),
+            Outcome::DoesNotOpen => Some(Self::Lift),
+            Outcome::DoesNotRelease => Some(Self::Rise),
+            Outcome::DoesNotExhaust => Some(Self::PressureLeft),
+        }
+    }
+
+    /// Its name and SI unit.
+    fn described(self) -> [&'static str; 2] {
+        match self {
+            Self::Protrusion => ["protrusion of the nail", "m"],
+            Self::HeadDepth => ["depth of the head below the surface", "m"],
+            Self::BumperSpeed => ["speed of the piston at the bumper", "m/s"],
+            Self::Lift => ["lift that the head valve lacks", "m"],
+            Self::Rise => ["rise that the tool lacks", "m"],
+            Self::PressureLeft => ["overpressure left above the piston", "Pa"],
+        }
+    }
+
+    /// A value of it as a person reads it.
+    fn shown(self, value: f64) -> String {
+        match self {
+            Self::Protrusion if value < 0.0 => format!("its head is {:.1} mm below the surface", -1e3 * value),
+            Self::Protrusion => format!("{:.1} mm protrude", 1e3 * value),
+            Self::HeadDepth if value < 0.0 => format!("{:.1} mm protrude", -1e3 * value),
+            Self::HeadDepth => format!("{:.1} mm deep", 1e3 * value),
+            Self::BumperSpeed => format!("{value:.1} m/s"),
+            Self::Lift | Self::Rise => format!("{:.2} mm missing", 1e3 * value.max(0.0)),
+            Self::PressureLeft => format!("{:.0} kPa left", 1e-3 * value),
+        }
+    }
+
+    /// Its value in a shot.
+    fn value(self, record: &CycleRecord, parameters: &Parameters) -> f64 {
+        match self {
+            Self::Protrusion => -record.summary.head_depth,
+            Self::HeadDepth => record.summary.head_depth,
+            Self::BumperSpeed => bumper_speed(record),
+            Self::Lift => parameters.head_valve.intake_lap - highest(record.motion.valve_lift.iter().copied()),
+            Self::Rise => parameters.contacts.guard_travel - rise(record),
+            Self::PressureLeft => pressure_left(record, parameters),
+        }
+    }
+}
+
+fn highest(values: impl Iterator<Item = f64>) -> f64 {
+    values.fold(0.0, f64::max)
+}
+
+/// Largest rise of the nose off the wood \[m\].
+fn rise(record: &CycleRecord) -> f64 {
+    let (wood, nose) = (&record.workpiece.position, &record.tool.position);
+    highest(wood.iter().zip(nose).map(|(wood, nose)| wood - nose))
+}
+
+/// Speed of the piston against the tool when it first meets the bumper; 0 where it does not \[m/s\].
+fn bumper_speed(record: &CycleRecord) -> f64 {
+    let met = record
+        .log
+        .iter()
+        .find(|entry| entry.crossing == nailnoise_dynamics::Crossing::PistonAtBumper && entry.is_rising());
+    met.map_or(0.0, |entry| entry.state.piston_velocity)
+}
+
+/// P_1 - P_a at the end of the record \[Pa\].
+fn pressure_left(record: &CycleRecord, parameters: &Parameters) -> f64 {
+    let last = record.above_piston.pressure.last().copied();
+    last.map_or(0.0, |pressure| pressure - parameters.ambient.pressure)
+}
+
+/// How a shot ended, in a sentence, whether or not it drives the nail.
+pub fn sentence(record: &CycleRecord, parameters: &Parameters) -> String {
+    let depth = 1e3 * record.summary.head_depth;
+    let head = match depth {
+        0.0.. => format!("the head of the nail ends {depth:.1} mm below the surface"),
+        _ => format!("{:.1} mm of the nail protrude", -depth),
+    };
+    let left = format!(
+        "{:.0} kPa of overpressure are left above the piston after {:.0} ms",
+        1e-3 * pressure_left(record, parameters),
+        1e3 * record.time(record.len().saturating_sub(1))
+    );
+    let milli = |length: f64| format!("{:.2} mm", 1e3 * length);
+    match record.outcome {
+        Outcome::Drives => format!("the nail is driven, its head {depth:.1} mm below the surface"),
+        Outcome::Overdriven => format!(
+            "the nail is overdriven: its head ends {depth:.1} mm below the surface, where {:.1} mm are allowed; the model of the \
+             wood under a head is not valid at this depth",
+            1e3 * parameters.nail.overdrive_limit
+        ),
+        Outcome::StrikesBumper => format!(
+            "the piston strikes the bumper at {:.1} m/s before it stops on the wood; {head}",
+            bumper_speed(record)
+        ),
+        Outcome::Underdriven => format!("the nail is not driven to its length: {head}"),
+        Outcome::DoesNotOpen => format!(
+            "no shot: the head valve lifts by {} and opens the intake at {}",
+            milli(highest(record.motion.valve_lift.iter().copied())),
+            milli(parameters.head_valve.intake_lap)
+        ),
+        Outcome::DoesNotRelease => format!(
+            "the exhaust does not open: the tool rises by {} and releases the trigger valve at {}, with no `trigger.release_after` \
+             within the record; {left}",
+            milli(rise(record)),
+            milli(parameters.contacts.guard_travel)
+        ),
+        Outcome::DoesNotExhaust => format!("the exhaust does not open before the record ends; {left}"),
+    }
+}
+
+impl Headline {
+    /// The headline of a shot without the inputs that change it; none where the nail is driven and the exhaust opens.
+    pub fn of(record: &CycleRecord, parameters: &Parameters) -> Option<Self> {
+        let miss = Miss::of(record.outcome)?;
+        let exhaust_opens = record.events.t13.is_some();
+        let mut text = sentence(record, parameters);
+        let said = matches!(
+            record.outcome,
+            Outcome::DoesNotOpen | Outcome::DoesNotRelease | Outcome::DoesNotExhaust
+        );
+        if !exhaust_opens && !said {
+            text.push_str(&format!(
+                "; the exhaust does not open, and {:.0} kPa of overpressure are left above the piston",
+                1e-3 * pressure_left(record, parameters)
+            ));
+        }
+        if !exhaust_opens {
+            text.push_str("; the level of the exhaust is that of the trigger vent");
+        }
+        let [name, unit] = miss.described().map(str::to_owned);
+        Some(Self {
+            outcome: record.outcome.name().to_owned(),
+            text,
+            exhaust_opens,
+            figure: Figure {
+                name,
+                value: miss.value(record, parameters),
+                unit,
+            },
+            inputs: Vec::new(),
+        })
+    }
+
+    /// The headline of a finished result that has none: of an earlier version of the program.
+    pub fn of_finished(outcome: &str, head_depth: Option<f64>, exhaust_opens: bool) -> Option<Self> {
+        let found = Outcome::ALL.into_iter().find(|own| own.name() == outcome)?;
+        Miss::of(found)?;
+        let depth = head_depth.unwrap_or(0.0);
+        let [name, unit] = Miss::HeadDepth.described().map(str::to_owned);
+        Some(Self {
+            outcome: outcome.to_owned(),
+            text: format!(
+                "the shot {}: the head of the nail ends {:.1} mm {} the surface",
+                match found {
+                    Outcome::Overdriven | Outcome::Underdriven => format!("is {outcome}"),
+                    _ => outcome.replace('_', " "),
+                },
+                1e3 * depth.abs(),
+                if depth < 0.0 { "above" } else { "below" }
+            ),
+            exhaust_opens,
+            figure: Figure {
+                name,
+                value: depth,
+                unit,
+            },
+            inputs: Vec::new(),
+        })
+    }
+
+    /// Which inputs would change it most, in words; none where none is known.
+    pub fn advice(&self) -> Option<String> {
+        if self.inputs.is_empty() {
+            return None;
+        }
+        let miss = Outcome::ALL.into_iter().find(|own| own.name() == self.outcome);
+        let miss = miss.and_then(Miss::of);
+        let input = |own: &Influence| {
+            let there = match own.outcome.as_str() {
+                "drives" => "drives".to_owned(),
+                other => {
+                    let figure = miss.map_or_else(String::new, |miss| format!(", {}", miss.shown(own.figure)));
+                    format!("{}{figure}", other.replace('_', " "))
+                }
+            };
+            format!("`{}` {} -> {} ({there})", own.key, own.from, own.to)
+        };
+        let inputs: Vec<String> = self.inputs.iter().map(input).collect();
+        Some(format!(
+            "inputs that would change it most, each over its range: {}",
+            inputs.join("; ")
+        ))
+    }
+
+    /// The sentence and the inputs, a line each.
+    pub fn lines(&self) -> Vec<String> {
+        std::iter::once(self.text.clone()).chain(self.advice()).collect()
+    }
+}
+
+/// Why levels of shots must not be compared, where they end differently; `ends` are their names and headlines.
+pub fn unlike<'a>(ends: impl IntoIterator<Item = (&'a str, Option<&'a Headline>)>) -> Option<String> {
+    let ends: Vec<(&str, Option<&Headline>)> = ends.into_iter().collect();
+    let kind = |end: Option<&Headline>| end.map(|own| (own.outcome.clone(), own.exhaust_opens));
+    let (_, first) = *ends.first()?;
+    if ends.iter().all(|(_, end)| kind(*end) == kind(first)) {
+        return None;
+    }
+    let word = |own: &Headline| match (own.outcome.as_str(), own.exhaust_opens) {
+        (outcome @ ("overdriven" | "underdriven"), false) => format!("is {outcome} and does not exhaust"),
+        (outcome @ ("overdriven" | "underdriven"), true) => format!("is {outcome}"),
+        (outcome, _) => outcome.replace('_', " "),
+    };
+    let said = ends
+        .iter()
+        .map(|(name, end)| format!("{name} {}", end.map_or_else(|| "drives".to_owned(), word)));
+    Some(format!(
+        "the shots do not end alike ({}): differences of their levels are not the effect of a change on the noise of a driven nail",
+        said.collect::<Vec<_>>().join(", ")
+    ))
+}
+
+/// An input at one end of its range.
+#[derive(Debug, Clone, Serialize)]
+pub(crate) struct Moved {
+    /// The key.
+    pub(crate) key: String,
+    /// Its value in the design and at the end, with readable units.
+    pub(crate) shown: [String; 2],
+    /// The cycle there.
+    pub(crate) cycle: Cycle,
+}
+
+/// The figure of a missed shot with each input at the ends of its range.
+#[derive(Serialize)]
+pub(crate) struct Influences {
+    /// The figure.
+    pub(crate) miss: Miss,
+    /// The cycle of the design.
+    pub(crate) base: Cycle,
+    /// The inputs.
+    pub(crate) moved: Vec<Moved>,
+}
+
+impl Stage for Influences {
+    type Output = Vec<Influence>;
+    type Codec = Postcard;
+    const NAME: &'static str = "inputs of the outcome";
+    const CODE: Code = code![dynamics, stages_cycle, stages_headline];
+
+    fn compute(&self, _: &Progress) -> Result<Vec<Influence>, Error> {
+        let figure = |cycle: &Cycle| {
+            // A shot that ends with an error has no figure.
+            let record = simulate(&cycle.parameters, &cycle.settings).ok()?;
+            Some((record.outcome, self.miss.value(&record, &cycle.parameters)))
+        };
+        let Some((_, here)) = figure(&self.base) else {
+            return Ok(Vec::new());
+        };
+        let moved = self.moved.par_iter().map(|own| Some((own, figure(&own.cycle)?)));
+        let moved: Vec<_> = moved.collect();
+        let moved = moved.into_iter().flatten();
+        let better = moved.filter(|(_, (outcome, there))| {
+            *outcome == Outcome::Drives || here - there > NOTABLE * here.abs().max(f64::MIN_POSITIVE)
+        });
+        let mut better: Vec<_> = better.collect();
+        better.sort_by(|(_, a), (_, b)| {
+            let drives = |outcome| outcome == Outcome::Drives;
+            drives(b.0).cmp(&drives(a.0)).then(a.1.total_cmp(&b.1))
+        });
+        let mut named: Vec<Influence> = Vec::new();
+        for (own, (outcome, figure)) in better {
+            // Both ends of a range may be better.
+            if named.len() < NAMED && named.iter().all(|other| other.key != own.key) {
+                let [from, to] = own.shown.clone();
+                named.push(Influence {
+                    key: own.key.clone(),
+                    from,
+                    to,
+                    outcome: outcome.name().to_owned(),
+                    figure,
+                });
+            }
+        }
+        Ok(named)
+    }
+}
