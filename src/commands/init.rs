@@ -28,7 +28,7 @@ const OWN: &str = include_str!("init.toml");
 #[derive(Args)]
 #[command(after_help = examples!(
     "nailnoise init my-tool.toml" => "a design over the N80CB, with the keys that differ most often",
-    "nailnoise init my-tool.toml --like finish-nailer --bore 38mm --stroke 95mm --mass 1.2kg --nail '64 x 1.6 mm'" => "another tool, scaled from the N80CB by stated rules",
+    "nailnoise init my-tool.toml --like finish-nailer --bore 38mm --nail '64 x 1.6 mm'" => "another tool, scaled from the N80CB",
     "nailnoise init --from n80cb" => "the N80CB itself, every key with its source and range",
     "nailnoise init --from muffler quieter.toml" => "another design of the program, with its bases, under a name of your own",
 ))]
@@ -201,9 +201,9 @@ fn told(scaled: &Scaled) -> String {
         None => "  no published energy of a tool of this class was found\n".to_owned(),
     });
     match shot.outcome {
-        Outcome::StrikesBumper => text.push_str(
-            "  the bumper takes the energy that the nail does not, as in a tool whose depth adjustment is set to flush\n",
-        ),
+        Outcome::StrikesBumper => {
+            text.push_str("  the bumper takes the energy that the nail does not, as in a tool set to drive flush\n")
+        }
         _ => {}
     }
     if settled.setting.by_hand {

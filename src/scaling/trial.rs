@@ -47,8 +47,8 @@ pub struct Settled {
     pub shot: Shot,
     /// Work of the penetration law over the whole fastener \[J\].
     pub needed: f64,
-    /// Kinetic energy of piston and nail at the end of a stroke into no wood \[J\], at 100 psig: what makers state as the
-    /// energy of a tool.
+    /// Kinetic energy of piston and nail at the end of a stroke into no wood \[J\], at 100 psig: what makers state as
+    /// the energy of a tool.
     pub free_energy: f64,
 }
 

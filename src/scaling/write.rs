@@ -50,10 +50,11 @@ pub(super) fn text(rules: &Rules, tool: &Tool, base: &Design, setting: Setting) 
 
 fn head(tool: &Tool) -> String {
     format!(
-        "# A {}, scaled from the N80CB by the rules of `nailnoise init --like`\n\
-         # (docs/own-tool.md). Every value below is marked \"scaled\", or with where it comes from, and has a range; what is not\n\
-         # below is that of the base. Replace what you know: the order of docs/own-tool.md is that of the effect on the levels.\n\
-         # Magazine: {}. The body has a round magazine whatever its form; its mass is that of the nails and of the rest.\n\n\
+        "# A {}, scaled from the N80CB\n\
+         # by the rules of `nailnoise init --like` (docs/own-tool.md). Every value below has a range and says where it comes\n\
+         # from; \"scaled\" are those of the rules. What is not below is that of the base. Replace what you know, in the order\n\
+         # of docs/own-tool.md.\n\
+         # Magazine: {}. The model has a round one for every tool.\n\n\
          base = \"{}\"\n",
         tool.words(),
         tool.class.magazine,
@@ -125,15 +126,16 @@ impl File<'_> {
         let psi = |pressure: f64| format!("{:.0}", pressure / PSI);
         let _ = writeln!(
             self.text,
-            "supply.pressure = {{ value = \"{} psig\", range = \"{} .. {} psig\", provenance = \"decided: within the rating\" }}",
+            "supply.pressure = {{ value = \"{} psig\", range = \"{} .. {} psig\", \
+             provenance = \"decided: within the rating\" }}",
             psi(setting.pressure),
             psi(RATED[0]),
             psi(RATED[1])
         );
         if setting.by_hand {
             self.line(
-                "trigger.release_after = { value = \"45 ms\", range = \"30 .. 60 ms\", provenance = \"estimated: a finger; the recoil \
-                 does not lift this tool off its guard\" }",
+                "trigger.release_after = { value = \"45 ms\", range = \"30 .. 60 ms\", \
+                 provenance = \"estimated: a finger; the recoil does not lift this tool off its guard\" }",
             );
         }
         for (key, chosen) in [("piston.bore", tool.bore), ("piston.stroke", tool.stroke)] {

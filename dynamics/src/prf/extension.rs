@@ -2,18 +2,18 @@
 //!
 //! The published laws depend on the diameter through the ratio D/NL alone, because every tested length had one diameter
 //! (Nili Ahmadabadi 2016: from 2.0 mm with 32 mm to 4.1 mm with 89 mm). For a slender nail they extrapolate this
-//! correlation of the test programme: a 64 x 1.6 mm nail would need more force than a 64 x 3.3 mm one. Outside the tested
-//! sizes the force is therefore that of the nearest tested one, of diameter D* and length NL*, split as second drives into
-//! the same hole split it (sec. 2.4.3) and scaled by r = D/D*:
+//! correlation of the test programme: a 64 x 1.6 mm nail would need more force than a 64 x 3.3 mm one. Outside the
+//! tested sizes the force is therefore that of the nearest tested one, of diameter D* and length NL*, split as second
+//! drives into the same hole split it (sec. 2.4.3) and scaled by r = D/D*:
 //!
 //! ```text
 //! F(y) = r S(y) + r^2 (F*(y) - S(y)),    S(y) = min(phi F*(NL*) y/NL*, F*(y))       y <= NL*
 //! F(y) = r phi F*(NL*) y/NL* + r^2 (1 - phi) F*(NL*)                                 y > NL*
 //! ```
 //! S is friction along the shank, which grows with the perimeter and the depth; the rest deforms and splits the fibres
-//! over the section of the shank. F is continuous in D, NL and y, and is F* at the edge of the tested sizes, which are the
-//! diameters 2.03 to 4.06 mm with lengths within [`LENGTH_FACTOR`] of the line through the tested ones. The share phi is
-//! `wood.friction_share`; 1 and 0 are the limiting laws, all perimeter and all area.
+//! over the section of the shank. F is continuous in D, NL and y, and is F* at the edge of the tested sizes, which
+//! are the diameters 2.03 to 4.06 mm with lengths within [`LENGTH_FACTOR`] of the line through the tested ones. The
+//! share phi is `wood.friction_share`; 1 and 0 are the limiting laws, all perimeter and all area.
 
 use super::law::Curve;
 use super::{ForceTable, NAILS, Specimen};
@@ -21,8 +21,8 @@ use super::{ForceTable, NAILS, Specimen};
 /// Points of the table over the nail's length; the error of the cubic between them is below 1e-4 of the force.
 const INTERVALS: u32 = 200;
 
-/// How far a length may be from the line through the tested sizes, as a factor. The tested nails lie within it, those with
-/// helical shanks at its end.
+/// How far a length may be from the line through the tested sizes, as a factor. The tested nails lie within it, those
+/// with helical shanks at its end.
 pub const LENGTH_FACTOR: f64 = 1.25;
 
 /// Diameters of the tested nails with the mean length tested with each, thinnest first \[m\].
