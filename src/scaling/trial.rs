@@ -1,6 +1,6 @@
 //! Trial shots of a scaled design: the pressure and the depth adjustment at which it drives its fastener.
 
-use nailnoise_dynamics::{CycleRecord, Outcome};
+use nailnoise_dynamics::{CycleError, CycleRecord, Outcome};
 
 use super::PSI;
 use crate::chain;
@@ -125,7 +125,19 @@ pub(super) fn settle(make: &dyn Fn(Setting) -> Result<Design, Error>) -> Result<
 
 /// A shot with its trigger released: by hand where the recoil does not.
 fn released(make: &dyn Fn(Setting) -> Result<Design, Error>, setting: Setting) -> Result<(Setting, Shot), Error> {
-    let record = chain::cycle(&make(setting)?)?;
+    let design = make(setting)?;
+    let record = match chain::cycle(&design) {
+        // Nothing stops the piston before the bumper is compressed to its limit.
+        Err(Error::Cycle(CycleError::DryFire { .. })) => {
+            let shot = Shot {
+                outcome: Outcome::Overdriven,
+                head_depth: design.piston.rod_protrusion,
+                energy_at_nail: needed(&design)?,
+            };
+            return Ok((setting, shot));
+        }
+        record => record?,
+    };
     if record.events.t12.is_some() || record.events.t3.is_none() {
         return Ok((setting, Shot::of(&record)));
     }
@@ -148,10 +160,11 @@ fn needed(design: &Design) -> Result<f64, Error> {
     Ok(terms.sum::<f64>() * h / 3.0)
 }
 
-/// Largest kinetic energy of piston and nail in a shot without resistance \[J\].
+/// Largest kinetic energy of piston and nail in a shot without resistance \[J\], which a hard surface stops where the head
+/// meets it.
 fn free_energy(mut design: Design) -> Result<f64, Error> {
     design.wood.cycle.resistance_scale = 0.0;
-    design.wood.cycle.head_stiffness_scale = 1e-9;
+    design.wood.cycle.head_stiffness_scale = 100.0;
     let record = chain::cycle(&design)?;
     let speeds = record.piston.velocity.iter();
     let energies = speeds.zip(&record.motion.moving_mass).map(|(v, m)| 0.5 * m * v * v);
