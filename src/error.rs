@@ -673,6 +673,10 @@ pub enum Error {
         /// The lists.
         list: &'static str,
     },
+    /// No design of another tool can be made.
+    #[error(transparent)]
+    #[diagnostic(help("{}", .0.remedy()))]
+    Scaling(#[from] crate::scaling::ScalingError),
     /// The thread pool could not be started.
     #[error("the thread pool cannot be started")]
     #[diagnostic(help(

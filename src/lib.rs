@@ -2,9 +2,10 @@
 //!
 //! [`design`] reads the design file, [`chain`] puts its stages together, [`run`] ranks its sources, [`output`] makes files of them,
 //! [`figures`] draws them, [`report`] makes a page of them, [`bundle`] keeps all of it for the next run, [`comparison`] lays
-//! results side by side, [`watch`] serves the page of a design that is being changed, and [`commands`] is the command line over all of it. [`measurement`] takes the recordings of a test to
-//! levels, [`penetration`] compares penetration laws, [`cost`] estimates what a run needs before it begins; [`sensitivity`] and
-//! [`study`] quantify how the ranges of a design affect its shot.
+//! results side by side, [`watch`] serves the page of a design that is being changed, and [`commands`] is the command line over all
+//! of it. [`measurement`] takes the recordings of a test to levels, [`penetration`] compares penetration laws, [`scaling`] makes a
+//! design of another tool, [`cost`] estimates what a run needs before it begins; [`sensitivity`] and [`study`] quantify how the
+//! ranges of a design affect its shot.
 #![forbid(unsafe_code)]
 
 pub mod bundle;
@@ -25,6 +26,7 @@ pub mod penetration;
 pub mod report;
 pub mod result;
 pub mod run;
+pub mod scaling;
 pub mod sensitivity;
 pub mod shipped;
 pub mod stages;

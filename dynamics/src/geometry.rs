@@ -156,9 +156,9 @@ impl Nail {
         piston.rod_setback() - self.length
     }
 
-    /// M_n, mass of the shank, which the head's thickness shortens, and the head \[kg\].
+    /// M_n, mass of the shanks, which the head's thickness shortens, and the head \[kg\].
     pub fn mass(&self) -> f64 {
-        let shank = disc(self.diameter) * (self.length - self.head_thickness);
+        let shank = f64::from(self.legs) * disc(self.diameter) * (self.length - self.head_thickness);
         self.density * (shank + disc(self.head_diameter) * self.head_thickness)
     }
 }

@@ -34,6 +34,9 @@ pub struct Parameters {
     pub nail: Nail,
     /// The wood.
     pub wood: Wood,
+    /// Friction along the shank as a share of the resistance at full depth; the resistance depends on it outside the tested
+    /// sizes of nails.
+    pub friction_share: f64,
     /// Penetration resistance by points, in place of the law of the wood.
     pub penetration_table: Option<ForceTable>,
     /// The law of the word `fitted`.
@@ -141,6 +144,8 @@ group! {
         exhaust_seat_diameter: f64 = positive(LENGTH), "d_ps";
         /// Compression of the closing spring with the valve shut.
         spring_preload: f64 = nonnegative(LENGTH), "y_sp";
+        /// Multiplier on the force of the closing spring, Eq. 4.60, which is that of one tool.
+        spring_scale: f64 = positive(NUMBER).within(1e-3, 1e3), "Fs_scale";
     }
     groups {
         friction: Friction,
@@ -219,11 +224,13 @@ group! {
     Nail {
         /// Length with the head.
         length: f64 = positive(LENGTH), "l_n";
-        /// Diameter of the shank.
+        /// Diameter of the shank; for a wire that is not round, of a circle of the same area.
         diameter: f64 = positive(LENGTH), "D";
-        /// Diameter of the head.
+        /// Number of shanks: 1, or 2 for a staple. Each meets the wood as one nail; their forces act on the nail's axis.
+        legs: u32 = Kind::Count(2), "";
+        /// Diameter of the head; of a staple's crown or a T head, that of a circle of the same area.
         head_diameter: f64 = positive(LENGTH), "D_h";
-        /// Thickness of the head.
+        /// Thickness of the head; of a staple the wire's.
         head_thickness: f64 = positive(LENGTH), "t_h";
         /// Density of the steel.
         density: f64 = positive(DENSITY), "rho_n";

@@ -256,7 +256,8 @@ fn estimates(design: &Design, entries: &[Entry]) -> Result<Vec<Estimate>, Error>
     let used = variables(design)?;
     let mut estimates: Vec<Estimate> = entries
         .iter()
-        .filter(|entry| entry.provenance == Provenance::Estimated && used.iter().any(|own| own.name == entry.key))
+        .filter(|entry| matches!(entry.provenance, Provenance::Estimated | Provenance::Scaled))
+        .filter(|entry| used.iter().any(|own| own.name == entry.key))
         .filter_map(|entry| {
             let (value, range) = (serde_json::to_value(&entry.value).ok()?.as_f64()?, entry.range?);
             Some(Estimate {
@@ -277,7 +278,7 @@ fn estimates(design: &Design, entries: &[Entry]) -> Result<Vec<Estimate>, Error>
 fn unknowns(design: &Design, entries: &[Entry]) -> Result<Vec<String>, Error> {
     let open = |entry: &&Entry| {
         let unsure = match entry.provenance {
-            Provenance::Estimated => true,
+            Provenance::Estimated | Provenance::Scaled => true,
             Provenance::Design => entry.source.is_empty(),
             _ => false,
         };

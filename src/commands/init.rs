@@ -5,13 +5,22 @@ use std::process::ExitCode;
 
 use clap::Args;
 
+use nailnoise_dynamics::Outcome;
+use nailnoise_quantities::dimension::{LENGTH, MASS};
+use nailnoise_quantities::measure;
+
 use super::print;
 use crate::error::Error;
+use crate::scaling::{self, Fastener, Request, Rules, Scaled};
 use crate::shipped;
 use crate::staging;
+use crate::wording::trimmed;
 
 /// The design on which others are based, with all its comments and sources.
 const BASE: &str = "n80cb.toml";
+
+/// Name of a design where none is given.
+const OWN_NAME: &str = "my-tool.toml";
 
 /// A design based on it.
 const OWN: &str = include_str!("init.toml");
@@ -19,6 +28,7 @@ const OWN: &str = include_str!("init.toml");
 #[derive(Args)]
 #[command(after_help = examples!(
     "nailnoise init my-tool.toml" => "a design over the N80CB, with the keys that differ most often",
+    "nailnoise init my-tool.toml --like finish-nailer --bore 38mm --nail '64 x 1.6 mm'" => "another tool, scaled from the N80CB",
     "nailnoise init --from n80cb" => "the N80CB itself, every key with its source and range",
     "nailnoise init --from muffler quieter.toml" => "another design of the program, with its bases, under a name of your own",
 ))]
@@ -30,8 +40,50 @@ pub(super) struct Arguments {
     #[arg(long, value_name = "NAME", conflicts_with = "full", value_parser = shipped_design)]
     from: Option<(&'static str, &'static str)>,
     /// Write every key of the base design, instead of a few keys on top of a separate base file
-    #[arg(long)]
+    #[arg(long, conflicts_with = "like")]
     full: bool,
+    /// Write a design of a tool of this class, scaled from the N80CB; the class has defaults for the four options below
+    #[arg(long, value_name = "CLASS", conflicts_with = "from", value_parser = class)]
+    like: Option<String>,
+    /// Bore of the cylinder, as in 38mm
+    #[arg(long, value_name = "LENGTH", requires = "like", value_parser = length)]
+    bore: Option<f64>,
+    /// Travel of the piston, as in 95mm
+    #[arg(long, value_name = "LENGTH", requires = "like", value_parser = length)]
+    stroke: Option<f64>,
+    /// Mass of the whole tool without fasteners, as in 1.2kg
+    #[arg(long, value_name = "MASS", requires = "like", value_parser = mass)]
+    mass: Option<f64>,
+    /// A name of `nailnoise list nails`, or length and diameter, as in "64 x 1.6 mm"
+    #[arg(long, value_name = "FASTENER", requires = "like", value_parser = str::parse::<Fastener>)]
+    nail: Option<Fastener>,
+}
+
+/// The name of a class of tools.
+fn class(name: &str) -> Result<String, String> {
+    let rules = Rules::load().map_err(|error| error.to_string())?;
+    let known: Vec<&str> = rules.names().collect();
+    match known.contains(&name) {
+        true => Ok(name.to_owned()),
+        false => Err(format!("there is no such class; choose from {}", known.join(", "))),
+    }
+}
+
+/// A length above 5 mm and below 1 m.
+fn length(text: &str) -> Result<f64, String> {
+    within(measure(text, LENGTH)?, [5e-3, 1.0], "5 mm to 1 m")
+}
+
+/// A mass above 0.1 kg and below 50 kg.
+fn mass(text: &str) -> Result<f64, String> {
+    within(measure(text, MASS)?, [0.1, 50.0], "0.1 kg to 50 kg")
+}
+
+fn within(value: f64, [low, high]: [f64; 2], words: &str) -> Result<f64, String> {
+    match (low..=high).contains(&value) {
+        true => Ok(value),
+        false => Err(format!("{value} in SI units is outside {words}; is the unit right?")),
+    }
 }
 
 /// A design that comes with the program, with its text.
@@ -46,7 +98,29 @@ fn shipped_design(name: &str) -> Result<(&'static str, &'static str), String> {
 }
 
 pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
-    let (path, files) = plan(arguments);
+    let mut shot = String::new();
+    let mut driven = true;
+    let (path, files) = match &arguments.like {
+        Some(class) => {
+            let path = arguments.design.clone().unwrap_or_else(|| PathBuf::from(OWN_NAME));
+            if path.exists() {
+                return Err(Error::Exists { path });
+            }
+            let scaled = of_class(arguments, class, &path)?;
+            (shot, driven) = (told(&scaled), scaled.settled.shot.drives());
+            let base = shipped::design(BASE).map_or("", |(_, text)| text);
+            let files = vec![
+                (
+                    path.clone(),
+                    scaled.text,
+                    format!("a {}, scaled from the N80CB", scaled.what),
+                ),
+                (path.with_file_name(BASE), base.to_owned(), "its base".to_owned()),
+            ];
+            (path, files)
+        }
+        None => plan(arguments),
+    };
     if path.exists() {
         return Err(Error::Exists { path });
     }
@@ -64,12 +138,81 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
         let present = if kept { " (already present)" } else { "" };
         text.insert_str(0, &format!("{}: {what}{present}\n", path.display()));
     }
+    text.push_str(&shot);
     text.push_str(&format!(
         "\n  nailnoise check {0}   lists estimates and the cost of a run\n  nailnoise run {0}     ranks its sources\n",
         path.display()
     ));
     print(&text)?;
-    Ok(ExitCode::SUCCESS)
+    Ok(ExitCode::from(u8::from(!driven)))
+}
+
+/// The scaled design of a class.
+fn of_class(arguments: &Arguments, class: &str, path: &Path) -> Result<Scaled, Error> {
+    let request = Request {
+        class: class.to_owned(),
+        bore: arguments.bore,
+        stroke: arguments.stroke,
+        mass: arguments.mass,
+        fastener: arguments.nail.clone(),
+    };
+    scaling::scaled(&request, &path.to_string_lossy())
+}
+
+/// The shot of a scaled design in words.
+fn told(scaled: &Scaled) -> String {
+    let settled = &scaled.settled;
+    let shot = &settled.shot;
+    let psi = |pressure: f64| format!("{:.0} psig", pressure / scaling::PSI);
+    let joules = |energy: f64| format!("{} J", trimmed(energy, 1));
+    let mm = |length: f64| format!("{} mm", trimmed(1e3 * length.abs(), 1));
+    let pressure = psi(settled.setting.pressure);
+    let rated = format!("{:.0} to {}", scaling::RATED[0] / scaling::PSI, psi(scaling::RATED[1]));
+    let nail = &scaled.fastener;
+    let mut text = format!("\n  {nail} in pine, ");
+    text.push_str(&match shot.outcome {
+        _ if shot.drives() => format!("driven at {pressure}: head {} below the surface", mm(shot.head_depth)),
+        Outcome::Overdriven => format!(
+            "OVERDRIVEN from {rated} with every depth adjustment: at {pressure} the head ends {} below the surface\n  \
+             the tool is too strong for it: give a smaller --bore or --stroke, or a longer or thicker --nail",
+            mm(shot.head_depth)
+        ),
+        Outcome::DoesNotOpen => {
+            format!("NOT DRIVEN from {rated}: the head valve does not open\n  give a larger --bore")
+        }
+        _ => format!(
+            "NOT DRIVEN from {rated}: at {pressure} the head stands {} out of the wood\n  the tool is too weak for it: \
+             give a larger --bore or --stroke, or a shorter or thinner --nail",
+            mm(shot.head_depth)
+        ),
+    });
+    if settled.setting.depth != 1.0 {
+        text.push_str(&format!("; depth adjustment at {:.0} %", 100.0 * settled.setting.depth));
+    }
+    text.push_str(&format!(
+        "\n  energy of the shot: {} on the nail, whose penetration law takes {} over its full length\n  \
+         energy of the piston at the end of a stroke without a nail, at 100 psig: {}\n",
+        joules(shot.energy_at_nail),
+        joules(settled.needed),
+        joules(settled.free_energy)
+    ));
+    text.push_str(&match &scaled.published {
+        Some((energy, source)) => format!("  published for the class: {}, {source}\n", joules(*energy)),
+        None => "  no published energy of a tool of this class was found\n".to_owned(),
+    });
+    match shot.outcome {
+        Outcome::StrikesBumper => {
+            text.push_str("  the bumper takes the energy that the nail does not, as in a tool set to drive flush\n")
+        }
+        _ => {}
+    }
+    if settled.setting.by_hand {
+        text.push_str(
+            "  the recoil does not lift the tool far enough: a finger releases the trigger, trigger.release_after\n",
+        );
+    }
+    text.push_str("  a run needs gmsh: the housing differs from the one whose mesh comes with the program\n");
+    text
 }
 
 /// A file to write, its content, and what it is.
@@ -84,7 +227,7 @@ fn plan(arguments: &Arguments) -> (PathBuf, Vec<Planned>) {
         let files = with_bases(&path, name, text);
         return (path, files);
     }
-    let path = path("my-tool.toml");
+    let path = path(OWN_NAME);
     let base = shipped::design(BASE).map_or("", |(_, text)| text);
     let base_path = base_of(&path);
     let files = if arguments.full || base_path == path {

@@ -150,6 +150,7 @@ fn value<'a>(named: &'a Named, key: &str) -> Option<&'a NamedValue> {
 fn number(value: &Value) -> Option<f64> {
     match value {
         Value::Number(number) => Some(*number),
+        Value::Count(count) => Some(f64::from(*count)),
         _ => None,
     }
 }
@@ -233,27 +234,36 @@ fn of_nails(nails: &[Named]) -> String {
         vec![
             nail.name.to_owned(),
             nail.sort.clone(),
+            nail.magazine.clone(),
+            legs(nail),
             mm(nail, "nail.length", 2),
             mm(nail, "nail.diameter", 3),
             mm(nail, "nail.head_diameter", 1),
-            mm(nail, "nail.head_thickness", 1),
             fixed(mass(nail).map(|kilograms| 1e3 * kilograms), 2),
         ]
     });
     let headings = [
         "nail.kind",
         "shank",
+        "magazine",
+        "legs",
         "length mm",
         "diameter mm",
-        "head diameter mm",
-        "head thickness mm",
+        "head mm",
         "mass g",
     ];
     format!(
-        "{}\n  * estimated, the others published; mass of steel of 7850 kg/m3, computed\n  \
+        "{}\n  * estimated or nominal, the others published; mass of steel of 7850 kg/m3, computed\n  \
+         a head that is not round is given as a circle of its area\n  \
+         slender shanks and staples are thinner than those tested: docs/own-wood.md has their law\n  \
          `nailnoise list nails NAME` prints ranges and sources\n",
         table(&headings, &rows.collect::<Vec<_>>())
     )
+}
+
+fn legs(nail: &Named) -> String {
+    let count = value(nail, "nail.legs").and_then(|own| number(&own.value));
+    fixed(count, 0)
 }
 
 /// Mass of a nail in the base design \[kg\].
@@ -280,6 +290,7 @@ fn of_one(named: &[Named]) -> String {
         let shown = match &own.value {
             Value::Number(x) => format!("{} {unit}", short(*x)).trim_end().to_owned(),
             Value::Choice(word) => (*word).to_owned(),
+            Value::Count(count) => count.to_string(),
             _ => String::new(),
         };
         let range = own

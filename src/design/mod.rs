@@ -79,6 +79,7 @@ use derived_range::DerivedRange;
 use resolve::{Record, Records, Resolved};
 
 pub(crate) use settings::found;
+pub(crate) use show::{mm as length_in_words, show as quantity_in_words};
 pub(crate) use source::File;
 pub(crate) use suggest::word as nearest_word;
 

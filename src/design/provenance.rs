@@ -12,6 +12,8 @@ pub enum Provenance {
     Computed,
     /// An engineer's estimate.
     Estimated,
+    /// Scaled from the value of another design by a stated rule.
+    Scaled,
     /// Decided where sources contradict each other or leave a choice.
     Decided,
     /// A property of the numerical method.
@@ -24,10 +26,11 @@ pub enum Provenance {
 
 impl Provenance {
     /// All of them, in the order of the documentation.
-    pub const ALL: [Self; 7] = [
+    pub const ALL: [Self; 8] = [
         Self::Published,
         Self::Computed,
         Self::Estimated,
+        Self::Scaled,
         Self::Decided,
         Self::Numerical,
         Self::Constant,
@@ -40,6 +43,7 @@ impl Provenance {
             Self::Published => "published",
             Self::Computed => "computed",
             Self::Estimated => "estimated",
+            Self::Scaled => "scaled",
             Self::Decided => "decided",
             Self::Numerical => "numerical",
             Self::Constant => "constant",

@@ -14,6 +14,10 @@ pub(super) fn section(design: &Design) -> Markup {
     };
     let order = [
         (Provenance::Estimated, "an engineer\u{2019}s estimate"),
+        (
+            Provenance::Scaled,
+            "scaled from the value of another design by a stated rule",
+        ),
         (Provenance::Design, "set by this design without a source"),
         (
             Provenance::Decided,

@@ -32,7 +32,6 @@ const STRUCTURES: &[&str] = &[
     "workpiece.mesh_unit",
     "nail.offset_along",
     "nail.offset_across",
-    "wood.friction_share",
     "wood.loss_factor",
     "wood.elastic.",
 ];

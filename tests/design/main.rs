@@ -10,4 +10,5 @@ mod corpora;
 mod files;
 mod names;
 mod report;
+mod scaling;
 mod set;

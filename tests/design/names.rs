@@ -104,6 +104,32 @@ fn a_nail_sets_its_dimensions_and_its_mass_follows() {
 }
 
 #[test]
+fn a_staple_has_two_legs_and_a_law_whose_share_of_friction_spans_both_limits() {
+    let design = over("wood.species = \"spruce\"\nnail.kind = \"16ga staple 50\"").unwrap();
+    assert_eq!(design.nail.legs, 2);
+    close(design.nail.diameter, 1.587e-3);
+    assert_eq!(entry(&design, "wood.friction_share").range, Some([0.0, 1.0]));
+    let legs = 2.0 * std::f64::consts::FRAC_PI_4 * 1.587e-3f64.powi(2) * (50e-3 - 1.59e-3);
+    let crown = std::f64::consts::FRAC_PI_4 * 4.74e-3f64.powi(2) * 1.59e-3;
+    close(design.nail.mass(), 7850.0 * (legs + crown));
+}
+
+#[test]
+fn lumber_is_softer_than_the_dry_wood_of_the_tests_by_the_formula_for_moisture() {
+    // Wood Handbook, Eq. 4-3: P = P_12 (P_12/P_green)^((12 - M)/(M_p - 12)), coast Douglas-fir 710 and 500 lbf, M_p =
+    // 24 %.
+    let at = |moisture: f64| (710.0f64 / 500.0).powf((12.0 - moisture) / 12.0);
+    let hardness = |name: &str| {
+        over(&format!("wood.species = \"{name}\""))
+            .unwrap()
+            .wood
+            .hardness_modulus
+    };
+    let ratio = hardness("Douglas-fir lumber") / hardness("Douglas-fir");
+    assert!((ratio / (at(15.0) / at(5.6)) - 1.0).abs() < 2e-3, "{ratio}");
+}
+
+#[test]
 fn wood_and_shank_choose_the_penetration_law() {
     for (text, law, share) in [
         ("wood.species = \"poplar plywood\"", "smooth", 0.81),

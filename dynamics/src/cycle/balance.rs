@@ -104,11 +104,12 @@ fn elastic(system: &System, mode: &Mode, y: &State) -> f64 {
     // Integral of the closing spring's characteristic over its compression.
     let x = p.head_valve.lift - (y[Y_H] - y[Y_G]) + p.head_valve.spring_preload;
     energy
-        + SPRING
-            .iter()
-            .enumerate()
-            .rev()
-            .fold(0.0, |sum, (i, c)| sum * x + c / (i as f64 + 1.0))
+        + p.head_valve.spring_scale
+            * SPRING
+                .iter()
+                .enumerate()
+                .rev()
+                .fold(0.0, |sum, (i, c)| sum * x + c / (i as f64 + 1.0))
             * x
 }
 

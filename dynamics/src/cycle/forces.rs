@@ -91,7 +91,7 @@ impl System {
             dashpot,
             piston_gas,
             valve_gas,
-            spring: (lift + p.head_valve.spring_preload).polynomial(&SPRING),
+            spring: (lift + p.head_valve.spring_preload).polynomial(&SPRING) * p.head_valve.spring_scale,
             piston_friction: self.friction(&p.piston.friction, now.travel_rate),
             valve_friction: self.friction(&p.head_valve.friction, now.valve_rate),
             magazine,

@@ -169,10 +169,11 @@ pub(crate) fn start(system: &System, rest: Option<&WoodMotion>) -> Result<(State
     );
     let y_g = y_w + (tool - guard) / (p.contacts.nose_stiffness + system.guard_stiffness);
     let (supply, ambient) = (p.supply.pressure, p.ambient.pressure);
-    let spring = SPRING
-        .iter()
-        .rev()
-        .fold(0.0, |sum, c| sum * p.head_valve.spring_preload + c);
+    let spring = p.head_valve.spring_scale
+        * SPRING
+            .iter()
+            .rev()
+            .fold(0.0, |sum, c| sum * p.head_valve.spring_preload + c);
     let close = supply * (geometry.valve_control_area - geometry.valve_supply_area) - ambient * system.underside_area
         + spring
         + p.head_valve.mass * gravity;

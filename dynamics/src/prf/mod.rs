@@ -8,6 +8,7 @@
 //! they hold for penetration speeds of 20 to 500 mm/min, and a dynamic run uses the upper end, [`REFERENCE_SPEED`].
 
 mod envelope;
+mod extension;
 pub mod fit;
 mod law;
 mod penetration_curve;
@@ -16,10 +17,11 @@ mod table;
 mod tables;
 
 pub use envelope::Envelope;
+pub use extension::LENGTH_FACTOR;
 pub use law::{PenetrationLaw, Specimen};
 pub use penetration_curve::{CurveError, CurveLaw, PenetrationCurve};
-pub(crate) use resistance::Resistance;
 pub use resistance::ResistanceLaw;
+pub(crate) use resistance::{Resistance, Shanks};
 pub use table::{ForceTable, TableError};
 pub use tables::{FitQuality, NAILS, NailSize, Shank, WOODS, WoodKind};
 

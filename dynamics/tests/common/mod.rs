@@ -5,7 +5,7 @@ mod base_design;
 
 use nailnoise_dynamics::{Parameters, Support, SupportDamping};
 use nailnoise_quantities::dimension::{NUMBER, STIFFNESS};
-use nailnoise_quantities::{nonnegative, positive};
+use nailnoise_quantities::{fraction, nonnegative, positive};
 
 use base_design::{group, number};
 
@@ -21,6 +21,7 @@ pub(crate) fn n80cb() -> Parameters {
         trigger: group("trigger"),
         nail: group("nail"),
         wood: group("wood"),
+        friction_share: number("wood.friction_share", fraction()),
         penetration_table: None,
         penetration_fit: None,
         workpiece: group("workpiece"),

@@ -4,6 +4,7 @@
 #[path = "../common/mod.rs"]
 mod common;
 mod envelope;
+mod extension;
 mod fit;
 mod law;
 mod resistance;

@@ -57,6 +57,8 @@ const PAIRS: Catalogue = Catalogue {
 struct Meaning {
     /// Class of a wood, shank of a nail.
     sort: String,
+    /// How a tool feeds a nail; empty for a wood.
+    magazine: String,
     sets: Vec<Setting>,
 }
 
@@ -72,13 +74,14 @@ impl Catalogue {
                 _ => return Ok(Meaning::default()),
             }
         }
-        let sort = table.get(self.sort).and_then(|value| value.get_ref().as_str());
+        let text = |key: &str| table.get(key).and_then(|value| value.get_ref().as_str());
         let sets = match table.get("sets").map(|value| value.get_ref()) {
             Some(DeValue::Table(sets)) => Layer::read(&file, sets, &Values::SPEC)?.settings,
             _ => Vec::new(),
         };
         Ok(Meaning {
-            sort: sort.unwrap_or_default().to_owned(),
+            sort: text(self.sort).unwrap_or_default().to_owned(),
+            magazine: text("magazine").unwrap_or_default().to_owned(),
             sets,
         })
     }
@@ -214,8 +217,11 @@ pub struct NamedValue {
 pub struct Named {
     /// The word for the design file.
     pub name: &'static str,
-    /// Class of a wood (`solid`, `plywood`), shank of a nail (`smooth`, `annular`, `helical`).
+    /// Class of a wood (`solid`, `plywood`), shank of a nail (`smooth`, `annular`, `helical`, `slender`, `staple`).
     pub sort: String,
+    /// How a tool feeds a nail: from a `stick`, a `coil`, or either.
+    #[serde(skip_serializing_if = "String::is_empty")]
+    pub magazine: String,
     /// What it sets.
     pub sets: Vec<NamedValue>,
 }
@@ -242,6 +248,7 @@ fn listed(catalogue: &Catalogue, words: &[&'static str]) -> Result<Vec<Named>, D
         Ok(Named {
             name,
             sort: meaning.sort,
+            magazine: meaning.magazine,
             sets: meaning.sets.into_iter().filter_map(value_of).collect(),
         })
     };
@@ -319,7 +326,7 @@ mod tests {
         let woods = woods().unwrap();
         for wood in &woods {
             assert_eq!(keys(wood), keys(&woods[0]), "{}", wood.name);
-            for shank in ["smooth", "annular", "helical", OWN] {
+            for shank in ["smooth", "annular", "helical", "slender", "staple", OWN] {
                 assert_eq!(
                     PAIRS.meaning(&[&wood.sort, shank]).unwrap().sets.len(),
                     2,

@@ -11,6 +11,8 @@ choice! {
         Pine = "pine",
         /// Douglas-fir of the published tests.
         DouglasFir = "Douglas-fir",
+        /// Douglas-fir at 15 % moisture, as lumber is built in.
+        DouglasFirLumber = "Douglas-fir lumber",
         /// Poplar of the published tests.
         Poplar = "poplar",
         /// Sitka spruce.
@@ -67,5 +69,37 @@ choice! {
         Helical12D = "12d helical",
         /// 88.9 mm long, helical thread.
         Helical16D = "16d helical",
+        /// 25 mm long brad of 18 gauge, from a stick.
+        Brad18Ga25 = "18ga brad 25",
+        /// 50 mm long brad of 18 gauge, from a stick.
+        Brad18Ga50 = "18ga brad 50",
+        /// 38 mm long finish nail of 16 gauge, from a stick.
+        Finish16Ga38 = "16ga finish 38",
+        /// 50 mm long finish nail of 16 gauge, from a stick.
+        Finish16Ga50 = "16ga finish 50",
+        /// 64 mm long finish nail of 16 gauge, from a stick.
+        Finish16Ga64 = "16ga finish 64",
+        /// 50 mm long finish nail of 15 gauge, from a stick.
+        Finish15Ga50 = "15ga finish 50",
+        /// 64 mm long finish nail of 15 gauge, from a stick.
+        Finish15Ga64 = "15ga finish 64",
+        /// 50 mm long nail with a T head of 14 gauge, from a stick.
+        TNail14Ga50 = "14ga T nail 50",
+        /// Staple of 18 gauge with a narrow crown of 1/4 in and legs of 25 mm, from a stick.
+        Staple18Ga25 = "18ga staple 25",
+        /// Staple of 16 gauge with a medium crown of 7/16 in and legs of 38 mm, from a stick.
+        Staple16Ga38 = "16ga staple 38",
+        /// Staple of 16 gauge with a medium crown of 7/16 in and legs of 50 mm, from a stick.
+        Staple16Ga50 = "16ga staple 50",
+        /// 32 mm long roofing nail of 11 gauge, from a coil.
+        Roofing11Ga32 = "11ga roofing 32",
+        /// 44 mm long roofing nail of 11 gauge, from a coil.
+        Roofing11Ga44 = "11ga roofing 44",
+        /// 57 mm long nail of 12.5 gauge with annular rings, from a coil.
+        Ring12Ga57 = "12.5ga ring 57",
+        /// 57 mm long nail of 12.5 gauge with a helical thread, from a coil.
+        Screw12Ga57 = "12.5ga screw 57",
+        /// 83 mm long smooth framing nail of 0.131 in, from a stick.
+        Strip10Ga83 = "10.25ga strip 83",
     }
 }

@@ -39,6 +39,7 @@ pub fn parameters(design: &Design) -> Result<dynamics::Parameters, Error> {
         trigger: design.trigger.clone(),
         nail: design.nail.cycle.clone(),
         wood: design.wood.cycle.clone(),
+        friction_share: design.wood.friction_share,
         penetration_table: None,
         penetration_fit: fitted_law(design)?,
         workpiece: design.workpiece.block.clone(),

@@ -280,7 +280,7 @@ impl Model {
         } else {
             (self.envelope(zmax) - p.wood.unloading_stiffness * (zmax - z)).max(0.0)
         };
-        let fs = self.spring(s + v.spring_preload);
+        let fs = v.spring_scale * self.spring(s + v.spring_preload);
         let ffp = self.friction(&p.piston.friction, rate);
         let ffh = self.friction(&v.friction, valve_rate);
         let (mt, fmag) = if self.attached {
@@ -406,7 +406,7 @@ impl Model {
         y[19] = y[4] + p.hand.force / p.hand.stiffness;
         let (ps, pa) = (p.supply.pressure, p.ambient.pressure);
         let close = ps * self.ah1 - ps * self.ah2 - pa * self.ah3
-            + self.spring(p.head_valve.spring_preload)
+            + p.head_valve.spring_scale * self.spring(p.head_valve.spring_preload)
             + p.head_valve.mass * g;
         y[2] = y[4] + p.head_valve.lift + close / k.seat_stiffness;
         let vol = self.volumes(&y);

@@ -1,0 +1,146 @@
+//! A design of another tool, scaled from the N80CB by stated rules (`rules.toml`).
+
+mod error;
+mod fastener;
+mod rules;
+mod trial;
+mod write;
+
+use nailnoise_quantities::dimension::{ENERGY, LENGTH, MASS};
+use nailnoise_quantities::measure;
+
+use crate::design::{Design, length_in_words};
+use crate::error::Error;
+use crate::wording::trimmed;
+use error::broken;
+
+pub use error::ScalingError;
+pub use fastener::Fastener;
+pub use rules::{Class, Rule, Rules};
+pub use trial::{Setting, Settled, Shot};
+
+/// The design that is scaled.
+pub const BASE: &str = "n80cb.toml";
+
+/// Rated gauge pressures of the tools of all classes, those of the N80CB: 70 to 120 psig \[Pa\].
+pub const RATED: [f64; 2] = [70.0 * PSI, 120.0 * PSI];
+
+/// Pound-force per square inch \[Pa\].
+pub const PSI: f64 = 6_894.757_293_168;
+
+/// A tool to make a design of: what is not given is that of its class.
+#[derive(Debug, Clone)]
+pub struct Request {
+    /// Class of the tool, a name of `rules.toml`.
+    pub class: String,
+    /// Bore of the cylinder \[m\].
+    pub bore: Option<f64>,
+    /// Travel of the piston \[m\].
+    pub stroke: Option<f64>,
+    /// Mass of the whole tool without fasteners \[kg\].
+    pub mass: Option<f64>,
+    /// The fastener.
+    pub fastener: Option<Fastener>,
+}
+
+/// A value, and whether it was given or is that of the class.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Chosen {
+    /// The value in SI units.
+    pub(crate) value: f64,
+    /// Whether it was given.
+    pub(crate) given: bool,
+}
+
+/// A tool whose values are known.
+#[derive(Debug, Clone)]
+pub(crate) struct Tool<'a> {
+    pub(crate) name: &'a str,
+    pub(crate) class: &'a Class,
+    pub(crate) bore: Chosen,
+    pub(crate) stroke: Chosen,
+    pub(crate) mass: Chosen,
+    pub(crate) fastener: Fastener,
+}
+
+/// A finished design of another tool.
+#[derive(Debug, Clone)]
+pub struct Scaled {
+    /// The text of the design file.
+    pub text: String,
+    /// Its shot.
+    pub settled: Settled,
+    /// Description of the tool: class, bore, stroke and mass.
+    pub what: String,
+    /// The fastener in words.
+    pub fastener: String,
+    /// Drive energy that makers state for the class and its source.
+    pub published: Option<(f64, String)>,
+}
+
+impl Request {
+    fn tool<'a>(&self, rules: &'a Rules) -> Result<Tool<'a>, ScalingError> {
+        let Some((name, class)) = rules.classes.get_key_value(&self.class) else {
+            return Err(ScalingError::UnknownClass {
+                class: self.class.clone(),
+                known: rules.names().collect::<Vec<_>>().join(", "),
+            });
+        };
+        let chosen = |given: Option<f64>, own: &str, dimension| -> Result<Chosen, ScalingError> {
+            Ok(Chosen {
+                value: given.map_or_else(|| measure(own, dimension).map_err(broken), Ok)?,
+                given: given.is_some(),
+            })
+        };
+        let fastener = match &self.fastener {
+            Some(fastener) => fastener.clone(),
+            None => class.nail.parse().map_err(broken)?,
+        };
+        Ok(Tool {
+            name,
+            class,
+            bore: chosen(self.bore, &class.bore, LENGTH)?,
+            stroke: chosen(self.stroke, &class.stroke, LENGTH)?,
+            mass: chosen(self.mass, &class.mass, MASS)?,
+            fastener,
+        })
+    }
+}
+
+/// The design of a tool under the name of its file, at the pressure and depth adjustment at which its shots drive the
+/// fastener, if there are any within the rated pressures.
+///
+/// # Errors
+/// [`ScalingError`] for an unknown class, and for dimensions that do not go together; errors of the cycle.
+pub fn scaled(request: &Request, file: &str) -> Result<Scaled, Error> {
+    let rules = Rules::load()?;
+    let tool = request.tool(&rules)?;
+    let base = Design::shipped(BASE).ok_or_else(|| broken("the base design cannot be read"))?;
+    let settled = trial::settle(&|setting| {
+        let text = write::text(&rules, &tool, &base, setting)?;
+        Ok(Design::parse(&text, file).map_err(|source| ScalingError::Together {
+            tool: tool.words(),
+            source: Box::new(source),
+        })?)
+    })?;
+    let published = match (&tool.class.energy, &tool.class.energy_source) {
+        (Some(energy), Some(source)) => Some((measure(energy, ENERGY).map_err(broken)?, source.clone())),
+        _ => None,
+    };
+    Ok(Scaled {
+        text: write::text(&rules, &tool, &base, settled.setting)?,
+        what: tool.words(),
+        fastener: tool.fastener.words(),
+        settled,
+        published,
+    })
+}
+
+impl Tool<'_> {
+    /// "finish-nailer of 38 mm bore, 95 mm stroke and 1.2 kg".
+    fn words(&self) -> String {
+        let [bore, stroke] = [self.bore, self.stroke].map(|chosen| length_in_words(chosen.value));
+        let mass = trimmed(self.mass.value, 3);
+        format!("{} of {bore} bore, {stroke} stroke and {mass} kg", self.name)
+    }
+}

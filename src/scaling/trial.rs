@@ -1,0 +1,172 @@
+//! Trial shots of a scaled design: the pressure and the depth adjustment at which it drives its fastener.
+
+use nailnoise_dynamics::{CycleError, CycleRecord, Outcome};
+
+use super::PSI;
+use crate::chain;
+use crate::design::{Design, inputs};
+use crate::error::Error;
+
+/// Gauge pressures in the order in which they are tried \[psi\]: first the usual one, then the least that does.
+const PRESSURES: [f64; 6] = [90.0, 80.0, 70.0, 100.0, 110.0, 120.0];
+
+/// Depth adjustments in the order in which they are tried, as factors on the scaled protrusion of the rod.
+const DEPTHS: [f64; 5] = [1.0, 0.75, 0.5, 0.25, 0.0];
+
+/// Steps of Simpson's rule over the nail's length.
+const STEPS: u32 = 1000;
+
+/// What a user sets on the tool.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Setting {
+    /// Gauge pressure at the inlet \[Pa\].
+    pub pressure: f64,
+    /// Protrusion of the rod over that of the rules.
+    pub depth: f64,
+    /// Whether a finger releases the trigger, because the recoil does not lift the tool far enough.
+    pub by_hand: bool,
+}
+
+/// A shot of the design.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Shot {
+    /// Its outcome.
+    pub outcome: Outcome,
+    /// Depth of the head below the surface \[m\]; negative where it stands out.
+    pub head_depth: f64,
+    /// Work of the rod on nail and wood \[J\].
+    pub energy_at_nail: f64,
+}
+
+/// A design at the setting that was chosen.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Settled {
+    /// The setting: one that drives the fastener, else the highest pressure with the deepest adjustment.
+    pub setting: Setting,
+    /// The shot at that setting.
+    pub shot: Shot,
+    /// Work of the penetration law over the whole fastener \[J\].
+    pub needed: f64,
+    /// Kinetic energy of piston and nail at the end of a stroke into no wood \[J\], at 100 psig: what makers state as
+    /// the energy of a tool.
+    pub free_energy: f64,
+}
+
+impl Shot {
+    fn of(record: &CycleRecord) -> Self {
+        let energy = &record.energy;
+        Self {
+            outcome: record.outcome,
+            head_depth: record.summary.head_depth,
+            energy_at_nail: energy.penetration + energy.nail_impact,
+        }
+    }
+
+    /// Whether the nail is in, its head not below what the design allows.
+    pub fn drives(&self) -> bool {
+        match self.outcome {
+            Outcome::Drives => true,
+            Outcome::StrikesBumper => self.head_depth >= 0.0,
+            _ => false,
+        }
+    }
+}
+
+/// Tries pressures and depth adjustments on the design that `make` gives for a setting.
+///
+/// A shot that stops on the wood is preferred to one whose piston ends on the bumper.
+pub(super) fn settle(make: &dyn Fn(Setting) -> Result<Design, Error>) -> Result<Settled, Error> {
+    let mut driven = None;
+    let mut last = None;
+    'all: for psi in PRESSURES {
+        for depth in DEPTHS {
+            let setting = Setting {
+                pressure: psi * PSI,
+                depth,
+                by_hand: false,
+            };
+            let (setting, shot) = released(make, setting)?;
+            if depth == 1.0 {
+                last = Some((setting, shot));
+            }
+            match shot.outcome {
+                Outcome::Drives => {
+                    driven = Some((setting, shot));
+                    break 'all;
+                }
+                Outcome::StrikesBumper if shot.drives() && driven.is_none() => driven = Some((setting, shot)),
+                // Less protrusion cannot drive deeper.
+                Outcome::Underdriven | Outcome::DoesNotOpen => break,
+                _ => {}
+            }
+        }
+    }
+    let usual = Setting {
+        pressure: PRESSURES[0] * PSI,
+        depth: 1.0,
+        by_hand: false,
+    };
+    let (setting, shot) = match driven.or(last) {
+        Some(found) => found,
+        None => released(make, usual)?,
+    };
+    let stated = Setting {
+        pressure: 100.0 * PSI,
+        depth: 1.0,
+        by_hand: false,
+    };
+    Ok(Settled {
+        setting,
+        shot,
+        needed: needed(&make(setting)?)?,
+        free_energy: free_energy(make(stated)?)?,
+    })
+}
+
+/// A shot with its trigger released: by hand where the recoil does not.
+fn released(make: &dyn Fn(Setting) -> Result<Design, Error>, setting: Setting) -> Result<(Setting, Shot), Error> {
+    let design = make(setting)?;
+    let record = match chain::cycle(&design) {
+        // Nothing stops the piston before the bumper is compressed to its limit.
+        Err(Error::Cycle(CycleError::DryFire { .. })) => {
+            let shot = Shot {
+                outcome: Outcome::Overdriven,
+                head_depth: design.piston.rod_protrusion,
+                energy_at_nail: needed(&design)?,
+            };
+            return Ok((setting, shot));
+        }
+        record => record?,
+    };
+    if record.events.t12.is_some() || record.events.t3.is_none() {
+        return Ok((setting, Shot::of(&record)));
+    }
+    let by_hand = Setting {
+        by_hand: true,
+        ..setting
+    };
+    Ok((by_hand, Shot::of(&chain::cycle(&make(by_hand)?)?)))
+}
+
+/// Integral of the penetration law over the fastener's length \[J\].
+fn needed(design: &Design) -> Result<f64, Error> {
+    let envelope = inputs::cycle::parameters(design)?.penetration_envelope();
+    let h = design.nail.length / f64::from(STEPS);
+    let weight = |i: u32| match i {
+        0 | STEPS => 1.0,
+        i => f64::from(2 + 2 * (i % 2)),
+    };
+    let terms = (0..=STEPS).map(|i| weight(i) * envelope.shank((h * f64::from(i)).max(1e-9 * h)));
+    Ok(terms.sum::<f64>() * h / 3.0)
+}
+
+/// Largest kinetic energy of piston and nail in a shot without resistance \[J\], which a hard surface stops where the head
+/// meets it.
+fn free_energy(mut design: Design) -> Result<f64, Error> {
+    design.wood.cycle.resistance_scale = 0.0;
+    design.wood.cycle.head_stiffness_scale = 100.0;
+    let record = chain::cycle(&design)?;
+    let speeds = record.piston.velocity.iter();
+    let energies = speeds.zip(&record.motion.moving_mass).map(|(v, m)| 0.5 * m * v * v);
+    Ok(energies.fold(0.0, f64::max))
+}
