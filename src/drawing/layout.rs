@@ -87,6 +87,10 @@ pub struct ValveLayout {
     pub jacket: [f64; 2],
     /// Height of the collar of the cylinder within the skirt.
     pub collar: f64,
+    /// Inner and outer radius of the pocket of the closing spring in the ring.
+    pub pocket: [f64; 2],
+    /// Bottom of that pocket.
+    pub pocket_floor: f64,
 }
 
 impl ValveLayout {
@@ -123,6 +127,8 @@ impl ValveLayout {
             guide: 0.5 * height,
             jacket: [barrel[0].max((outer + 1.5e-3).min(barrel[1] - 0.8e-3)), -collar],
             collar,
+            pocket: [inner + 0.5 * wall, inner + 0.8 * wall],
+            pocket_floor: 0.72 * height,
         }
     }
 }

@@ -102,7 +102,11 @@ fn gas(v: &Values, l: &Layout) -> Vec<Part> {
         volume(
             "volume above the head valve",
             Chamber::AboveValve,
-            both(rectangle([s.inner, s.outer], [l.seat + s.height, l.seat + s.stop])),
+            [
+                both(rectangle([s.inner, s.outer], [l.seat + s.height, l.seat + s.stop])),
+                both(rectangle(s.pocket, [l.seat + s.pocket_floor, l.seat + s.height])),
+            ]
+            .concat(),
         ),
     ]
 }
@@ -257,8 +261,7 @@ fn head_valve(v: &Values, l: &Layout) -> Vec<Part> {
     let at = |r: f64, height: f64| [r, l.seat + height];
     let lip = s.plug.min(s.inner);
     let wall = s.outer - s.inner;
-    let pocket = [s.inner + 0.5 * wall, s.inner + 0.8 * wall];
-    let depth = 0.72 * s.height;
+    let (pocket, depth) = (s.pocket, s.pocket_floor);
     let ring = vec![
         at(lip, 0.0),
         at(lip, s.lip),

@@ -14,6 +14,8 @@ mod sheet;
 mod standing;
 mod surroundings;
 mod svg;
+#[cfg(test)]
+mod tests;
 mod tool_views;
 
 use std::collections::BTreeMap;
@@ -77,6 +79,11 @@ impl Drawing {
             }
         }
         shown
+    }
+
+    /// Whether a base gives a value that is shown.
+    pub fn is_based(&self) -> bool {
+        self.shown().iter().any(|label| label.inherited)
     }
 
     /// The views placed on sheets, one each.

@@ -1,7 +1,8 @@
 //! Views of quantities that the section cannot show to scale: the gas volumes and the pattern of the exhaust holes.
 
-use super::shape::{Annotation, Chamber, Material, Outline, Part, Side, View, rectangle};
-use crate::design::Values;
+use super::label::text;
+use super::shape::{Annotation, Chamber, Line, LineStyle, Material, Outline, Part, Point, Side, View, rectangle};
+use crate::design::{Value, Values};
 
 use Side::{Left, Right};
 
@@ -18,12 +19,6 @@ pub(super) fn volumes(v: &Values) -> View {
             "supply side",
             Chamber::Supply,
             c.supply_volume,
-        ),
-        (
-            "piston.stroke",
-            "volume swept by the piston",
-            Chamber::AbovePiston,
-            swept,
         ),
         (
             "chambers.return_volume",
@@ -57,26 +52,39 @@ pub(super) fn volumes(v: &Values) -> View {
         ),
     ];
     let mut x = 0.0;
-    let (mut parts, mut annotations) = (Vec::new(), Vec::new());
+    let (mut parts, mut annotations, mut lines) = (Vec::new(), Vec::new(), Vec::new());
+    let mut edges = |style, square: &[Point]| {
+        let points = [square, &square[..1]].concat();
+        lines.push(Line { style, points });
+    };
     for (index, (key, name, chamber, volume)) in gas.into_iter().enumerate() {
         let edge = volume.cbrt();
         let square = rectangle([x, x + edge], [0.0, edge]);
-        let side = if index < 3 { Left } else { Right };
-        let height = if side == Left { 0.82 - 0.25 * index as f64 } else { 0.5 };
+        let side = if index < 2 { Left } else { Right };
+        let height = if side == Left { 0.8 - 0.3 * index as f64 } else { 0.5 };
         annotations.push(Annotation::area(
             key,
             side,
             [x + 0.5 * edge, height * edge],
             square.clone(),
         ));
+        edges(LineStyle::Edge, &square);
         parts.push(Part::new(name, Material::Gas(chamber), vec![square]));
         x += edge + 6e-3;
+        if index == 1 {
+            let edge = swept.cbrt();
+            edges(LineStyle::Phantom, &rectangle([x, x + edge], [0.0, edge]));
+            x += edge + 6e-3;
+        }
     }
     View {
         name: "volumes",
-        title: "Gas volumes as cubes of the same volume".to_owned(),
+        title: format!(
+            "Gas volumes as cubes; dash-dotted the {} that the piston sweeps, A\u{2081} L",
+            text(&Value::Number(swept), "m3")
+        ),
         parts,
-        lines: Vec::new(),
+        lines,
         annotations,
         window: None,
         details: Vec::new(),
@@ -86,7 +94,7 @@ pub(super) fn volumes(v: &Values) -> View {
 /// The exhaust holes seen from outside, in rows, each as far from its neighbours as their pitch.
 pub(super) fn holes(v: &Values) -> View {
     let (exhaust, drawn) = (&v.exhaust, v.exhaust.holes.min(MOST_HOLES));
-    let columns = (f64::from(drawn) * 2.0).sqrt().ceil().clamp(1.0, 20.0) as u32;
+    let columns = (f64::from(drawn) * 2.0).sqrt().ceil().max(f64::from(drawn.min(6))) as u32;
     let [radius, pitch] = [0.5 * exhaust.hole_diameter, exhaust.pitch];
     let centre = |hole: u32| {
         let [column, row] = [hole % columns, hole / columns];

@@ -218,7 +218,7 @@ impl Annotation {
             Mark::Extension([[b, from[1]], [b, z]]),
         ];
         let end = if side == Side::Left { a.min(b) } else { a.max(b) };
-        Self::new(key, side, [0.5 * (end + 0.5 * (a + b)), z], marks)
+        Self::new(key, side, [end, z], marks)
     }
 
     /// A vertical dimension line at the abscissa x between two heights, and extension lines from the abscissas where they are

@@ -13,7 +13,7 @@ pub(super) const MM: f64 = 5.0;
 /// Width of a sheet: 180 mm, the text of a page.
 pub(super) const WIDTH: f64 = 180.0 * MM;
 /// Tallest picture.
-const TALLEST: f64 = 640.0;
+const TALLEST: f64 = 700.0;
 /// Height of the heading, of the foot with the scale bar.
 const HEADING: f64 = 34.0;
 const FOOT: f64 = 44.0;
@@ -26,6 +26,8 @@ pub(super) const VALUE_TYPE: f64 = 12.0;
 const LABEL: f64 = 27.0;
 /// Distance of the middles of labels.
 const SPACING: i32 = 31;
+/// Length of a leader line next to its label, where it is level.
+const KNEE: f64 = 12.0;
 /// Room for the symbol of the provenance next to a label.
 const SYMBOL: f64 = 14.0;
 /// Widest character of the two types as a share of their size: monospaced type has 0.60, sans serif type less in the mean.
@@ -70,6 +72,8 @@ pub struct Placed<'a> {
     pub area: Rectangle,
     /// Where the leader line ends.
     pub port: Point,
+    /// Where the leader line bends: between this point and the anchor it is straight.
+    pub knee: Point,
 }
 
 /// A view with its scale and its labels.
@@ -92,9 +96,12 @@ fn width(text: &str, size: f64, share: f64) -> f64 {
     text.chars().count() as f64 * size * share
 }
 
+/// Longest symbol in front of a value: some keys have a formula as their symbol.
+const LONGEST_SYMBOL: usize = 8;
+
 /// The second line of a label.
 pub(super) fn value_line(label: &Label) -> String {
-    if label.symbol.is_empty() || label.symbol.len() > 6 {
+    if label.symbol.is_empty() || label.symbol.len() > LONGEST_SYMBOL {
         label.value.clone()
     } else {
         format!("{} = {}", label.symbol, label.value)
@@ -203,8 +210,12 @@ impl<'a> Sheet<'a> {
             SPACING,
             [(ends[0] + half).ceil() as i32, (ends[1] - half).floor() as i32],
         );
-        let ports: Vec<Point> = places.iter().map(|place| [gutter, f64::from(*place)]).collect();
-        self.uncross(&mut column, &ports);
+        let inwards = if gutter < 0.5 * WIDTH { KNEE } else { -KNEE };
+        let knees: Vec<Point> = places
+            .iter()
+            .map(|place| [gutter + inwards, f64::from(*place)])
+            .collect();
+        self.uncross(&mut column, &knees);
         let area = |[x, y]: Point, side: Side| Rectangle {
             x: if side == Side::Left {
                 [x - width, x]
@@ -215,18 +226,19 @@ impl<'a> Sheet<'a> {
         };
         column
             .into_iter()
-            .zip(ports)
-            .map(|((annotation, label), port)| Placed {
+            .zip(knees)
+            .map(|((annotation, label), knee)| Placed {
                 annotation,
                 label,
-                area: area(port, annotation.side),
-                port,
+                area: area([gutter, knee[1]], annotation.side),
+                port: [gutter, knee[1]],
+                knee,
             })
             .collect()
     }
 
     /// Exchanges labels as long as that shortens the leader lines: straight lines of the least total length do not cross.
-    fn uncross(&self, column: &mut [(&'a Annotation, &'a Label)], ports: &[Point]) {
+    fn uncross(&self, column: &mut [(&'a Annotation, &'a Label)], knees: &[Point]) {
         let length = |annotation: &Annotation, [x, y]: Point| {
             let [u, v] = self.at(annotation.anchor);
             (u - x).hypot(v - y)
@@ -238,8 +250,8 @@ impl<'a> Sheet<'a> {
             for first in 0..column.len() {
                 for second in first + 1..column.len() {
                     let (a, b) = (column[first].0, column[second].0);
-                    let now = length(a, ports[first]) + length(b, ports[second]);
-                    let then = length(b, ports[first]) + length(a, ports[second]);
+                    let now = length(a, knees[first]) + length(b, knees[second]);
+                    let then = length(b, knees[first]) + length(a, knees[second]);
                     if then < now - 1e-6 {
                         column.swap(first, second);
                         improved = true;

@@ -50,7 +50,7 @@ pub(super) fn file(drawing: &Drawing) -> String {
             style { (PreEscaped(STYLE)) }
             rect.sheet width=(WIDTH) height=(format!("{height:.0}")) {}
             text.name x=(MARGIN) y="24" { (drawing.name) }
-            text.note x=(MARGIN) y="44" { "Lengths on paper at a width of " (WIDTH / MM) " mm. Point at a key, or use the Tab key, for its value, range and source." }
+            text.note x=(MARGIN) y="44" { "Scales apply at a width of " (WIDTH / MM) " mm. Point at a key, or use the Tab key, for range and source." @if drawing.is_based() { " Italics: from the base of the design." } }
             @for (index, (standing, symbol)) in drawing.legend().into_iter().enumerate() {
                 g transform={ "translate(" (MARGIN + 6.0 + 290.0 * (index % 3) as f64) " " (62.0 + 18.0 * (index / 3) as f64) ")" } {
                     (symbol)
@@ -61,7 +61,7 @@ pub(super) fn file(drawing: &Drawing) -> String {
                 g transform={ "translate(0 " (format!("{top:.0}")) ")" } { (content(sheet, true)) }
             }
             @if !placed.is_empty() {
-                text.title x=(MARGIN) y=(format!("{:.0}", foot + 14.0)) { "What does not fit together" }
+                text.title x=(MARGIN) y=(format!("{:.0}", foot + 14.0)) { "Keys that do not fit together as drawn" }
                 @for (y, first, line) in &placed {
                     text.note x=(MARGIN + if *first { 0.0 } else { 12.0 }) y=(format!("{y:.0}")) { @if *first { "\u{2022} " } (line) }
                 }
@@ -142,8 +142,8 @@ fn key(sheet: &Sheet<'_>, placed: &Placed<'_>) -> Markup {
     let left = annotation.side == Side::Left;
     let [x, y] = placed.port;
     let anchor = sheet.at(annotation.anchor);
-    let knee = [if left { x + 12.0 } else { x - 12.0 }, y];
-    let leader = format!("M{} {}H{}L{} {}", n(x), n(y), n(knee[0]), n(anchor[0]), n(anchor[1]));
+    let knee = placed.knee[0];
+    let leader = format!("M{} {}H{}L{} {}", n(x), n(y), n(knee), n(anchor[0]), n(anchor[1]));
     let marks: String = annotation.marks.iter().map(|mark| drawn(sheet, mark)).collect();
     let areas: String = annotation.marks.iter().map(|mark| area(sheet, mark)).collect();
     let (symbol, text) = if left { (x - 6.0, x - 14.0) } else { (x + 6.0, x + 14.0) };

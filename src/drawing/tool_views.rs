@@ -95,7 +95,7 @@ fn section_annotations(v: &Values, l: &Layout) -> Vec<Annotation> {
     let mut annotations = vec![
         Annotation::across(
             "piston.bore",
-            Left,
+            Right,
             [-l.bore, l.bore],
             piston_foot - 0.28 * reach,
             [piston_foot - 0.28 * reach; 2],
@@ -109,7 +109,7 @@ fn section_annotations(v: &Values, l: &Layout) -> Vec<Annotation> {
         ),
         Annotation::across(
             "piston.rod_diameter",
-            Left,
+            Right,
             [-rod, rod],
             piston_foot - 0.12 * reach,
             [piston_foot - 0.12 * reach; 2],
@@ -149,9 +149,9 @@ fn section_annotations(v: &Values, l: &Layout) -> Vec<Annotation> {
         ),
         Annotation::area(
             "chambers.below_piston",
-            Left,
-            [-0.5 * (l.bumper_radius + l.bore), 0.5 * (l.floor + l.bumper)],
-            rectangle([-l.bore, -l.bumper_radius], [l.floor.min(l.bumper), l.bumper]),
+            Right,
+            [0.5 * (l.bumper_radius + l.bore), 0.5 * (l.floor + l.bumper)],
+            rectangle([l.bumper_radius, l.bore], [l.floor.min(l.bumper), l.bumper]),
         ),
         Annotation::area(
             "chambers.return_volume",
@@ -320,7 +320,7 @@ fn valve_window(v: &Values, l: &Layout) -> Bounds {
     let wall = s.outer - s.inner;
     Bounds {
         low: [
-            (s.plug.min(s.inner) - 0.5 * wall.max(4e-3)).max(0.0),
+            s.plug.min(s.inner) - (0.5 * wall).max(0.3 * s.height).max(4e-3),
             l.seat - s.collar.max(v.head_valve.intake_lap + 2.5e-3) - 1.5e-3,
         ],
         high: [s.outer.max(s.jacket[0]) + 2.5e-3, l.seat + s.stop + 2.5e-3],

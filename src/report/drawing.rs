@@ -19,7 +19,7 @@ pub(super) fn section(design: &Design) -> Markup {
         ul.legend-of-drawing { @for (standing, symbol) in drawing.legend() {
             li { svg class="drawing sample" viewBox="-6 -6 12 12" aria-hidden="true" { (symbol) } (standing.words()) }
         } }
-        @if labels.iter().any(|label| label.inherited) {
+        @if drawing.is_based() {
             p.quiet { "Values in italics are those of the base of the design." }
         }
         @for (title, figure) in drawing.figures() {
