@@ -1,6 +1,6 @@
 //! Lengths and volumes of a design that do not fit into each other as drawn.
 //!
-//! The nailing cycle and the vibrating housing have keys of their own. A run needs no agreement between them, but a tool
+//! The nailing cycle and the vibrating housing use different keys. A run needs no agreement between them, but a tool
 //! that was measured has it: a misfit shows a wrong key, or a housing that is still that of another tool.
 
 use std::f64::consts::PI;

@@ -93,7 +93,12 @@ impl Drawing {
 
     /// All views below each other as one SVG file.
     pub fn svg(&self) -> String {
-        svg::file(self)
+        svg::file(self, &[])
+    }
+
+    /// The views of these names below each other as one SVG file.
+    pub fn svg_of(&self, names: &[&str]) -> String {
+        svg::file(self, names)
     }
 
     /// The views as figures for a page that contains [`STYLE`], with their titles.

@@ -1,6 +1,6 @@
-//! What a drawing is made of: parts with a material, lines, and annotations that show the length of a key.
+//! The contents of a drawing: parts with a material, lines, and annotations that show the length of a key.
 //!
-//! Coordinates are in metres in the plane of a view: x to the right, z up. No shape knows how it is rendered.
+//! Coordinates are in metres in the plane of a view: x to the right, z up. Shapes do not depend on how they are rendered.
 
 /// A point of a view, x and z \[m\].
 pub type Point = [f64; 2];
@@ -306,7 +306,7 @@ pub struct View {
     pub lines: Vec<Line>,
     /// The keys at their places.
     pub annotations: Vec<Annotation>,
-    /// What of it is shown where it is a detail; all of it otherwise.
+    /// The rectangle that a detail shows; without one, the view shows everything.
     pub window: Option<Bounds>,
     /// Letters of details with their windows in this view.
     pub details: Vec<(&'static str, Bounds)>,

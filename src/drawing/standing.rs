@@ -2,7 +2,7 @@
 
 use crate::design::Entry;
 
-/// Classes of provenance that a drawing tells apart, in the order of its legend.
+/// Classes of provenance that a drawing distinguishes, in the order of its legend.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Standing {
     /// Given by the design without more, or measured.

@@ -18,19 +18,17 @@ const ARROW: [f64; 2] = [7.0, 1.9];
 /// Radius of a dot.
 const DOT: f64 = 2.1;
 
-/// The views below each other.
-pub(super) fn file(drawing: &Drawing) -> String {
-    let sheets = drawing.sheets();
+/// The views of these names below each other, or all with what does not fit together.
+pub(super) fn file(drawing: &Drawing, names: &[&str]) -> String {
+    let chosen = |sheet: &Sheet<'_>| names.is_empty() || names.contains(&sheet.view.name);
+    let sheets: Vec<Sheet<'_>> = drawing.sheets().into_iter().filter(chosen).collect();
     let head = 58.0 + 18.0 * drawing.legend().len().div_ceil(3) as f64;
     let mut tops = vec![head];
     for sheet in &sheets {
         tops.push(tops.last().copied().unwrap_or(head) + sheet.size[1] + BETWEEN);
     }
-    let notes = drawing
-        .misfits
-        .iter()
-        .map(|misfit| wrapped(&misfit.text))
-        .collect::<Vec<_>>();
+    let misfits = drawing.misfits.iter().filter(|_| names.is_empty());
+    let notes = misfits.map(|misfit| wrapped(&misfit.text)).collect::<Vec<_>>();
     let lines: usize = notes.iter().map(Vec::len).sum();
     let foot = tops.last().copied().unwrap_or(head);
     let height = foot + if lines > 0 { 30.0 + 16.0 * lines as f64 } else { 4.0 };

@@ -392,15 +392,20 @@ fn a_stroke_longer_than_the_sleeve_is_a_misfit() {
 }
 
 #[test]
-fn the_picture_in_docs_is_that_of_the_shipped_design() {
+fn the_pictures_in_docs_are_those_of_the_shipped_design() {
     let design = Design::load("designs/n80cb.toml").unwrap_or_else(|error| panic!("{error}"));
-    let (path, drawn) = ("docs/pictures/drawing.svg", Drawing::new(&design).svg());
-    if std::env::var_os("NAILNOISE_UPDATE_DOCS").is_some() {
-        std::fs::write(path, &drawn).unwrap_or_else(|error| panic!("{error}"));
+    let drawing = Drawing::new(&design);
+    for (path, drawn) in [
+        ("docs/pictures/drawing.svg", drawing.svg()),
+        ("docs/pictures/section.svg", drawing.svg_of(&["section"])),
+    ] {
+        if std::env::var_os("NAILNOISE_UPDATE_DOCS").is_some() {
+            std::fs::write(path, &drawn).unwrap_or_else(|error| panic!("{error}"));
+        }
+        let committed = std::fs::read_to_string(path).unwrap_or_default();
+        assert!(
+            committed == drawn,
+            "{path} is old: run this test with NAILNOISE_UPDATE_DOCS=1"
+        );
     }
-    let committed = std::fs::read_to_string(path).unwrap_or_default();
-    assert!(
-        committed == drawn,
-        "{path} is old: run this test with NAILNOISE_UPDATE_DOCS=1"
-    );
 }

@@ -14,7 +14,7 @@ pub(super) fn section(design: &Design) -> Markup {
     html! {
         p.quiet {
             "The tool at the dimensions of this design. Point at a key or its dimension, or use the Tab key, for value, range and source. \
-             Parts without a key are schematic: thickness of the piston, ring of the head valve, trigger valve."
+             The scales apply in print, at a width of 180 mm. Parts without a key are schematic: thickness of the piston, ring of the head valve, trigger valve."
         }
         ul.legend-of-drawing { @for (standing, symbol) in drawing.legend() {
             li { svg class="drawing sample" viewBox="-6 -6 12 12" aria-hidden="true" { (symbol) } (standing.words()) }
@@ -27,7 +27,7 @@ pub(super) fn section(design: &Design) -> Markup {
         }
         @if !drawing.misfits.is_empty() {
             h3 { "Keys that do not fit together as drawn" }
-            p.quiet { "The cycle and the vibrating housing have keys of their own, and a run does not need them to agree." }
+            p.quiet { "The cycle and the vibrating housing use different keys, and a run does not need them to agree." }
             ul.notes { @for misfit in &drawing.misfits { li {
                 (misfit.text) " "
                 span.quiet { "(" @for (index, key) in misfit.keys.iter().enumerate() { @if index > 0 { ", " } span.key-name { (key) } } ")" }

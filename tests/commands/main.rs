@@ -7,6 +7,7 @@ mod common;
 mod cache;
 mod compare;
 mod cycle;
+mod drawing;
 mod examples;
 mod faults;
 mod installed;
