@@ -1,8 +1,8 @@
 //! Where the parts of the tool lie: heights over the tip of the nose and distances from the axis.
 //!
-//! Every length is that of a key where there is one. The cycle has no key for the thickness of the piston, of the bumper and of
-//! the ring of the head valve: they fill the room that stroke and dead volumes leave in the cylinder sleeve, so that the
-//! dead volumes V_01 and V_02 are to scale where the sleeve has room for them.
+//! Every length that has a key is the value of that key. Piston, bumper and the ring of the head valve have no key for their
+//! height. They fill the room that stroke and dead volumes leave in the cylinder sleeve, so that the dead volumes V_01 and
+//! V_02 are to scale if the sleeve has room for them.
 
 use std::f64::consts::PI;
 

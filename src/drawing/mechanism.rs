@@ -332,7 +332,7 @@ fn outlet(v: &Values) -> f64 {
     -v.body.cap_radius
 }
 
-/// Wall of fittings and mufflers, for which there is no key \[m\].
+/// Wall of fittings and mufflers \[m\]; schematic.
 const FITTED_WALL: f64 = 2e-3;
 
 /// A pipe fitting or a muffler behind the exhaust holes.
@@ -431,7 +431,7 @@ fn nose_and_nail(v: &Values) -> Vec<Part> {
     ]
 }
 
-/// Top of the guard on the wood, for which there is no key \[m\].
+/// Top of the guard on the wood \[m\]; schematic.
 pub(super) fn guard_top(v: &Values) -> f64 {
     v.contacts.guard_travel + 12e-3
 }
