@@ -476,6 +476,13 @@ pub enum Error {
         /// The file given.
         path: PathBuf,
     },
+    /// Only a design has the dimensions that a drawing shows.
+    #[error("`{}` is not a design: it has no keys to draw", path.display())]
+    #[diagnostic(help("leave --drawing out, or name a design file (.toml)"))]
+    DrawingOfMesh {
+        /// The file given.
+        path: PathBuf,
+    },
     /// A geometry without a design has no frequency.
     #[error("a geometry alone does not tell how fine its mesh must be")]
     #[diagnostic(help(

@@ -1,7 +1,7 @@
 //! nailnoise predicts how much sound power each source of a pneumatic nailer radiates, from its design.
 //!
 //! [`design`] reads the design file, [`chain`] puts its stages together, [`run`] ranks its sources, [`output`] makes files of them,
-//! [`figures`] draws them, [`report`] makes a page of them, [`bundle`] keeps all of it for the next run, [`comparison`] lays
+//! [`figures`] draws them, [`drawing`] shows the tool, [`report`] makes a page of them, [`bundle`] keeps all of it for the next run, [`comparison`] lays
 //! results side by side, [`watch`] serves the page of a design that is being changed, and [`commands`] is the command line over all
 //! of it. [`measurement`] takes the recordings of a test to levels, [`penetration`] compares penetration laws, [`scaling`] makes a
 //! design of another tool, [`cost`] estimates what a run needs before it begins; [`sensitivity`] and [`study`] quantify how the
@@ -15,6 +15,7 @@ pub mod comparison;
 pub mod cost;
 pub mod declaration;
 pub mod design;
+pub mod drawing;
 mod error;
 pub mod figures;
 pub mod graph;

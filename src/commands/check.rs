@@ -1,6 +1,7 @@
 //! `nailnoise check`: whether a mesh can be trusted, and what its modes will cost; a design without a body is explained as
 //! a whole.
 
+use std::path::PathBuf;
 use std::process::ExitCode;
 
 use clap::Args;
@@ -18,11 +19,16 @@ use crate::stages::bodies::{Meshed, Origin, SIDES_PER_WAVE as FEWEST};
 #[command(after_help = examples!(
     "nailnoise check my-tool.toml" => "whether it runs and drives, what is missing, and what to measure first",
     "nailnoise check my-tool.toml --body tool" => "the mesh of a body: quality, surfaces, what a run lacks",
+    "nailnoise check my-tool.toml --drawing tool.svg" => "which key is which length: the tool drawn to scale",
     "nailnoise check housing.msh" => "a mesh of your own",
 ))]
 pub(super) struct Arguments {
     #[command(flatten)]
     input: Input,
+    /// Draw the tool at the dimensions of the design, every key at its place, in place of the check
+    /// [default FILE: out/NAME/drawing.svg]
+    #[arg(long, value_name = "FILE", num_args = 0..=1, conflicts_with = "body", value_parser = super::drawing::svg_path)]
+    drawing: Option<Option<PathBuf>>,
     /// Print exactly one JSON value instead of text
     #[arg(long)]
     json: bool,
@@ -77,7 +83,14 @@ struct Group {
 
 pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
     arguments.input.start_threads()?;
-    if let Some(design) = arguments.input.whole_design()? {
+    let design = arguments.input.whole_design()?;
+    if let Some(file) = &arguments.drawing {
+        let design = design.ok_or_else(|| Error::DrawingOfMesh {
+            path: arguments.input.path().to_owned(),
+        })?;
+        return super::drawing::execute(&design, file.as_deref(), arguments.json);
+    }
+    if let Some(design) = design {
         let asked = super::explain::Asked {
             memory: arguments.input.memory(),
             json: arguments.json,

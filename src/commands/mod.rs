@@ -20,6 +20,7 @@ mod comparison_sounds;
 mod completions;
 mod cycle;
 mod draw;
+mod drawing;
 mod effects;
 mod explain;
 mod faults;

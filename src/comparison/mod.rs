@@ -163,7 +163,10 @@ impl Comparison {
         let ends = named.filter_map(|(name, headline)| Some((name, headline.as_ref()?)));
         let ends =
             ends.flat_map(|(name, headline)| headline.lines().into_iter().map(move |line| format!("{name}: {line}")));
-        let ranges = self.unlike_ranges.as_ref().map(|own| ranges::warning(&self.designs, own));
+        let ranges = self
+            .unlike_ranges
+            .as_ref()
+            .map(|own| ranges::warning(&self.designs, own));
         ranges.into_iter().chain(self.unlike.clone()).chain(ends).collect()
     }
 

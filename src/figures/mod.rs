@@ -30,6 +30,7 @@ pub use measurement::measurement;
 pub(crate) use penetration::MOST as MOST_LAWS;
 pub use penetration::penetration;
 pub use study::{scatter, study, sweep};
+pub(crate) use svg::apart;
 
 /// Colours of series: Okabe and Ito, "Color universal design" (2008), without the yellow that is too light for lines; colour-blind
 /// readers can tell them apart. Then twelve for designs side by side, none of them that of a source.

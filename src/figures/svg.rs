@@ -448,7 +448,7 @@ fn draw_events(labels: &Area<'_>, axes: &Axes<'_, '_>, events: &[Event]) -> Draw
         .map(|event| axes.backend_coord(&(event.at, 0.0)).0)
         .collect();
     let middle = text(&GREY).pos(Pos::new(HPos::Center, VPos::Center));
-    for ((event, label), at) in events.iter().zip(apart(&at, [17 * MM, WIDTH - RIGHT])).zip(at) {
+    for ((event, label), at) in events.iter().zip(apart(&at, APART, [17 * MM, WIDTH - RIGHT])).zip(at) {
         labels.draw_text(&event.symbol, &middle, (label, 2 * MM))?;
         let leader = [(label, 4 * MM), (at, EVENTS - MM), (at, EVENTS - 1)];
         labels.draw(&PathElement::new(leader, PALE.stroke_width(HAIR)))?;
@@ -456,12 +456,12 @@ fn draw_events(labels: &Area<'_>, axes: &Axes<'_, '_>, events: &[Event]) -> Draw
     Ok(())
 }
 
-/// Rising positions moved apart: the mean of pushing all to the right and all to the left, as both keep the distance.
-fn apart(wanted: &[i32], [low, high]: [i32; 2]) -> Vec<i32> {
+/// Rising positions moved apart by a distance: the mean of pushing all to the right and all to the left, as both keep the distance.
+pub(crate) fn apart(wanted: &[i32], distance: i32, [low, high]: [i32; 2]) -> Vec<i32> {
     let pushed = |places: &mut dyn Iterator<Item = i32>| -> Vec<i32> {
         let mut last = i32::MIN / 2;
         let push = |place: i32| {
-            last = place.max(last + APART);
+            last = place.max(last + distance);
             last
         };
         places.map(push).collect()
@@ -486,9 +486,9 @@ mod tests {
     #[test]
     fn labels_keep_apart_on_the_line_and_stay_where_they_can() {
         let ends = [0, 20 * APART];
-        assert_eq!(apart(&[APART, 5 * APART], ends), [APART, 5 * APART]);
-        assert_eq!(apart(&[5 * APART; 3], ends), [4 * APART, 5 * APART, 6 * APART]);
-        let placed = apart(&[0, 0, 0, ends[1], ends[1]], ends);
+        assert_eq!(apart(&[APART, 5 * APART], APART, ends), [APART, 5 * APART]);
+        assert_eq!(apart(&[5 * APART; 3], APART, ends), [4 * APART, 5 * APART, 6 * APART]);
+        let placed = apart(&[0, 0, 0, ends[1], ends[1]], APART, ends);
         assert_eq!([placed[0], placed[4]], ends);
         assert!(placed.windows(2).all(|pair| pair[1] - pair[0] >= APART), "{placed:?}");
     }

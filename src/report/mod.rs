@@ -9,6 +9,7 @@ mod axis;
 mod chart;
 mod compared;
 mod declared;
+mod drawing;
 mod head;
 mod legend;
 mod measured;
@@ -183,6 +184,7 @@ pub fn run(design: &Design, run: &Run, pictures: &Pictures, recordings: &[Record
         .in_the_appendix(),
         Section::new("microphones", "Microphones", sound::measured(result)).in_the_appendix(),
         Section::new("modes", "Loudest modes", html! { (PreEscaped(&pictures.modes)) }).in_the_appendix(),
+        Section::new("drawing", "Drawing", drawing::section(design)).in_the_appendix(),
         Section::new(
             "cycle",
             "Nailing cycle",

@@ -8,6 +8,7 @@ mod cache;
 mod compare;
 mod cycle;
 mod documented_designs;
+mod drawing;
 mod examples;
 mod faults;
 mod installed;

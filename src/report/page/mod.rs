@@ -3,14 +3,16 @@
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 
 use super::chart;
+use crate::drawing;
 
 const STYLE: &str = include_str!("style.css");
 
-/// What a page adds to charts, scene and sounds for readers whose browser runs scripts.
-const SCRIPTS: [&str; 3] = [
+/// What a page adds to charts, scene, sounds and drawing for readers whose browser runs scripts.
+const SCRIPTS: [&str; 4] = [
     include_str!("charts.js"),
     include_str!("scene.js"),
     include_str!("sound.js"),
+    include_str!("drawing.js"),
 ];
 
 /// A part of a page.
@@ -79,7 +81,7 @@ impl Page {
                     link rel="icon" href="data:,";
                     @if let Some(identity) = &self.compared { (compared_by(identity)) }
                     title { (self.title) }
-                    style { (PreEscaped(STYLE)) (PreEscaped(chart::colours())) }
+                    style { (PreEscaped(STYLE)) (PreEscaped(drawing::STYLE)) (PreEscaped(chart::colours())) }
                 }
                 body {
                     header {

@@ -1,0 +1,119 @@
+//! The drawing of a tool: a section at the design's own dimensions, with every key at the length that it means.
+//!
+//! [`Drawing::new`] turns a design into views: shapes and annotated dimensions, in metres and without any notion of a page.
+//! [`Sheet`] chooses a scale for each view and places the labels; [`svg`] renders it. Parts for which the design has no
+//! key (thickness of the piston, height of the head valve, trigger valve) are schematic, see [`layout`].
+
+mod label;
+pub mod layout;
+mod mechanism;
+mod misfits;
+mod quantity_views;
+mod shape;
+mod sheet;
+mod standing;
+mod surroundings;
+mod svg;
+#[cfg(test)]
+mod tests;
+mod tool_views;
+
+use std::collections::BTreeMap;
+
+pub use label::Label;
+use layout::Layout;
+pub use misfits::Misfit;
+pub use shape::{
+    Annotation, Bounds, Chamber, Line, LineStyle, Mark, Material, Outline, Part, Point, Side, View, corners,
+};
+pub use sheet::{Placed, Rectangle, Sheet};
+pub use standing::Standing;
+pub use surroundings::housing_parts;
+
+use crate::design::Design;
+
+/// Style of the drawing, in a file of its own and on a page.
+pub(crate) const STYLE: &str = include_str!("style.css");
+
+/// A drawing of a design.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Drawing {
+    /// Name of the design.
+    pub name: String,
+    /// The views, the section first.
+    pub views: Vec<View>,
+    /// The texts of all keys of the design.
+    pub labels: BTreeMap<String, Label>,
+    /// Keys that do not fit into each other as drawn.
+    pub misfits: Vec<Misfit>,
+}
+
+impl Drawing {
+    /// Draws a design.
+    pub fn new(design: &Design) -> Self {
+        let layout = Layout::new(design);
+        Self {
+            name: design.name().to_owned(),
+            views: vec![
+                tool_views::section(design, &layout),
+                tool_views::head_valve(design, &layout),
+                tool_views::nose(design, &layout),
+                quantity_views::holes(design),
+                quantity_views::volumes(design),
+                surroundings::support(design),
+                surroundings::housing(design),
+            ],
+            labels: label::labels(design),
+            misfits: misfits::misfits(design, &layout),
+        }
+    }
+
+    /// The labels of the keys that the views show, once each, in the order of the views.
+    pub fn shown(&self) -> Vec<&Label> {
+        let mut shown: Vec<&Label> = Vec::new();
+        for annotation in self.views.iter().flat_map(|view| &view.annotations) {
+            if let Some(label) = self.labels.get(annotation.key)
+                && !shown.iter().any(|other| other.key == label.key)
+            {
+                shown.push(label);
+            }
+        }
+        shown
+    }
+
+    /// Whether a base gives a value that is shown.
+    pub fn is_based(&self) -> bool {
+        self.shown().iter().any(|label| label.inherited)
+    }
+
+    /// The views placed on sheets, one each.
+    pub fn sheets(&self) -> Vec<Sheet<'_>> {
+        self.views.iter().map(|view| Sheet::new(view, &self.labels)).collect()
+    }
+
+    /// All views below each other as one SVG file.
+    pub fn svg(&self) -> String {
+        svg::file(self, &[])
+    }
+
+    /// The views of these names below each other as one SVG file.
+    pub fn svg_of(&self, names: &[&str]) -> String {
+        svg::file(self, names)
+    }
+
+    /// The views as figures for a page that contains [`STYLE`], with their titles.
+    pub(crate) fn figures(&self) -> Vec<(String, maud::Markup)> {
+        self.sheets()
+            .iter()
+            .map(|sheet| (sheet.view.title.clone(), svg::figure(sheet)))
+            .collect()
+    }
+
+    /// The legend of provenances.
+    pub(crate) fn legend(&self) -> Vec<(Standing, maud::Markup)> {
+        let mut standings: Vec<Standing> = self.shown().iter().map(|label| label.standing).collect();
+        standings.sort();
+        standings.dedup();
+        standings.into_iter().map(|own| (own, svg::sample(own))).collect()
+    }
+}

@@ -1,0 +1,51 @@
+//! The drawing of the tool on a page: one figure a view, the legend of provenances, the keys as a table.
+//!
+//! The page is complete without its script, which highlights a key in all views and in the table.
+
+use maud::{Markup, html};
+
+use crate::design::Design;
+use crate::drawing::Drawing;
+
+/// The drawing of a design.
+pub(super) fn section(design: &Design) -> Markup {
+    let drawing = Drawing::new(design);
+    let labels = drawing.shown();
+    html! {
+        p.quiet {
+            "The tool at the dimensions of this design. Point at a key or its dimension, or use the Tab key, for value, range and source. \
+             The scales apply in print, at a width of 180 mm. Parts without a key are schematic: thickness of the piston, ring of the head valve, trigger valve."
+        }
+        ul.legend-of-drawing { @for (standing, symbol) in drawing.legend() {
+            li { svg class="drawing sample" viewBox="-6 -6 12 12" aria-hidden="true" { (symbol) } (standing.words()) }
+        } }
+        @if drawing.is_based() {
+            p.quiet { "Values in italics are those of the base of the design." }
+        }
+        @for (title, figure) in drawing.figures() {
+            figure.of-tool { figcaption { (title) } div.scroll { (figure) } }
+        }
+        @if !drawing.misfits.is_empty() {
+            h3 { "Keys that do not fit together as drawn" }
+            p.quiet { "The cycle and the vibrating housing use different keys, and a run does not need them to agree." }
+            ul.notes { @for misfit in &drawing.misfits { li {
+                (misfit.text) " "
+                span.quiet { "(" @for (index, key) in misfit.keys.iter().enumerate() { @if index > 0 { ", " } span.key-name { (key) } } ")" }
+            } } }
+        }
+        details {
+            summary { (labels.len()) " keys of the drawing" }
+            div.scroll { table.keys-of-drawing {
+                thead { tr { th { "key" } th { "symbol" } th.n { "value" } th { "provenance" } } }
+                tbody { @for label in &labels {
+                    tr data-key=(label.key) tabindex="0" title=(label.title) {
+                        td.key-name { (label.key) }
+                        td { (label.symbol) }
+                        td.n { (label.value) }
+                        td { (label.standing.words()) }
+                    }
+                } }
+            } }
+        }
+    }
+}
