@@ -191,10 +191,10 @@ fn told(scaled: &Scaled) -> String {
     }
     text.push_str(&format!(
         "\n  energy of the shot: {} on the nail, whose penetration law takes {} over its full length\n  \
-         energy of the piston at the end of a stroke without a nail, at 100 psig: {}\n",
+         energy of the tool at 100 psig, on the nail and left in the piston when the head is flush: {}\n",
         joules(shot.energy_at_nail),
         joules(settled.needed),
-        joules(settled.free_energy)
+        settled.tool_energy.map_or_else(|| "-".to_owned(), joules)
     ));
     text.push_str(&match &scaled.published {
         Some((energy, source)) => format!("  published for the class: {}, {source}\n", joules(*energy)),

@@ -47,9 +47,9 @@ pub struct Settled {
     pub shot: Shot,
     /// Work of the penetration law over the whole fastener \[J\].
     pub needed: f64,
-    /// Kinetic energy of piston and nail at the end of a stroke into no wood \[J\], at 100 psig: what makers state as
-    /// the energy of a tool.
-    pub free_energy: f64,
+    /// Energy that the tool gives until the head is flush, at 100 psig \[J\]: what makers state as the energy of a tool. None
+    /// where the tool is so strong that nothing stops its piston.
+    pub tool_energy: Option<f64>,
 }
 
 impl Shot {
@@ -119,7 +119,7 @@ pub(super) fn settle(make: &dyn Fn(Setting) -> Result<Design, Error>) -> Result<
         setting,
         shot,
         needed: needed(&make(setting)?)?,
-        free_energy: free_energy(make(stated)?)?,
+        tool_energy: tool_energy(&make(stated)?)?,
     })
 }
 
@@ -160,13 +160,24 @@ fn needed(design: &Design) -> Result<f64, Error> {
     Ok(terms.sum::<f64>() * h / 3.0)
 }
 
-/// Largest kinetic energy of piston and nail in a shot without resistance \[J\], which a hard surface stops where the head
-/// meets it.
-fn free_energy(mut design: Design) -> Result<f64, Error> {
-    design.wood.cycle.resistance_scale = 0.0;
-    design.wood.cycle.head_stiffness_scale = 100.0;
-    let record = chain::cycle(&design)?;
-    let speeds = record.piston.velocity.iter();
-    let energies = speeds.zip(&record.motion.moving_mass).map(|(v, m)| 0.5 * m * v * v);
-    Ok(energies.fold(0.0, f64::max))
+/// Energy of a shot until the head is flush \[J\]: lost in the impact on the nail, taken by the law, and left in piston and
+/// nail. None where nothing stops the piston.
+fn tool_energy(design: &Design) -> Result<Option<f64>, Error> {
+    let record = match chain::cycle(design) {
+        Err(Error::Cycle(CycleError::DryFire { .. })) => return Ok(None),
+        record => record?,
+    };
+    let flush = record
+        .motion
+        .nail_depth
+        .iter()
+        .position(|depth| *depth >= design.nail.length);
+    let taken = match flush {
+        Some(sample) => {
+            let (v, m) = (record.piston.velocity[sample], record.motion.moving_mass[sample]);
+            needed(design)? + 0.5 * m * v * v
+        }
+        None => record.energy.penetration,
+    };
+    Ok(Some(record.energy.nail_impact + taken))
 }
