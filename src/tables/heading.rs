@@ -132,6 +132,7 @@ mod tests {
             ("p / Pa", "p", "Pa"),
             ("t/s", "t", "s"),
             ("a/(m/s2)", "a", "m/s2"),
+            ("N / (m/s2)", "N", "m/s2"),
             ("a / m/s²", "a", "m/s²"),
             ("Time, s", "Time", "s"),
             ("time_ms", "time", "ms"),
