@@ -37,7 +37,10 @@ impl Heading {
             .into_iter()
             .find_map(|(open, close)| {
                 let (name, unit) = text.strip_suffix(close)?.rsplit_once(open)?;
-                Some((name, unit))
+                // "N / (m/s2)", but "V/(m/s2)" is a unit.
+                let quotient = name.trim_end().strip_suffix('/');
+                let quotient = quotient.filter(|own| own.ends_with(' ') || dimension_of(&text).is_none());
+                Some((quotient.unwrap_or(name), unit))
             });
         // ISO 80000: a quantity divided by its unit. "m/s2" is a unit, not an m in s2.
         let slash = || {
@@ -132,6 +135,7 @@ mod tests {
             ("p / Pa", "p", "Pa"),
             ("t/s", "t", "s"),
             ("a/(m/s2)", "a", "m/s2"),
+            ("N / (m/s2)", "N", "m/s2"),
             ("a / m/s²", "a", "m/s²"),
             ("Time, s", "Time", "s"),
             ("time_ms", "time", "ms"),

@@ -139,6 +139,14 @@ pub(super) fn find(text: &str, is_header: impl Fn(&[Heading]) -> bool) -> Option
             if columns < 2 || is_numeric(&own) || !is_header(&headings(&own)) {
                 continue;
             }
+            // A line about the instrument may look like headings, as "Time,12:30"; those just before the numbers count.
+            let later = (index + 1..=index + BEHIND)
+                .map(|row| split(row, separator))
+                .take_while(|row| !is_numeric(row))
+                .any(|row| filled(&row) > 1 && is_header(&headings(&row)));
+            if later {
+                continue;
+            }
             if has_numbers(index, separator, columns) {
                 return Some(layout(&lines, index, separator));
             }

@@ -106,7 +106,7 @@ fn a_constant_part_changes_no_band() {
     }
     let notes = shifted.notes.join("\n");
     assert!(
-        notes.contains("constant part of up to 2 Pa removed from mic1, mic2"),
+        notes.contains("constant part of up to 2.06 Pa removed from mic1, mic2"),
         "{notes}"
     );
     assert!(!plain.notes.join("\n").contains("constant part"));

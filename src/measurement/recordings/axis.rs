@@ -100,7 +100,7 @@ mod tests {
             (&[1.0, 2.0, 3.0, 4.0, 6.0][..], 5, 5.0),
             (&[0.0, 5.0, 6.0, 7.0, 8.0], 1, 4.0),
             (&[1.0, 2.0, 3.0, 4.5, 5.0, 6.0, 7.0], 4, 4.0),
-            (&[0.0, 0.0, 1.0, 2.0, 3.0, 4.0], 2, 1.0),
+            (&[0.0, 0.0, 1.0, 2.0, 3.0, 4.0], 1, -1.0),
             (&[0.0, 1.0, 2.0, 3.0, 2.5, 5.0, 6.0], 5, 4.0),
         ] {
             let (found, time) = off(times);
@@ -133,7 +133,7 @@ mod tests {
 
     #[test]
     fn rounded_times_are_even() {
-        let times: Vec<f64> = (0..1000).map(|i| (f64::from(i) / 48e3 * 1e6).round() * 1e-6).collect();
+        let times: Vec<f64> = (0..=960).map(|i| (f64::from(i) / 48e3 * 1e6).round() * 1e-6).collect();
         assert_eq!(even_axis(&times).ok().map(|(rate, _)| rate.round()), Some(48_000.0));
     }
 }
