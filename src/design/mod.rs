@@ -25,6 +25,7 @@ mod groups;
 pub mod inputs;
 mod json_schema;
 mod lists;
+mod merged;
 mod place;
 mod provenance;
 mod range;
