@@ -84,7 +84,7 @@ impl OwnShot {
                 "the shot ends as \"{own}\", and `study.require` counts only \"{counted}\":\n  no interval, no P(first) and no K \
                  are stated; correct values of the design, or the condition"
             ),
-            check: Some(failed(format!("the shot ends as {counted}, as the draws do"))),
+            check: Some(failed(format!("the shot ends as `study.require` says ({counted})"))),
         })
     }
 }
@@ -341,7 +341,7 @@ pub(super) fn legend(known: &Known) -> String {
         (None, draws) => writeln!(
             text,
             "{draws} draws: lowest and highest level of draws from the ranges and of the design, {structures}{condition};\n  a \
-             further draw lies between with a probability of {:.0} %{}; percentiles, P(first) and K need\n  {STATED_FROM} draws: \
+             further draw lies between with a probability of {:.0} %{};\n  percentiles, P(first) and K need {STATED_FROM} draws: \
              `nailnoise study`, which also says which inputs decide",
             100.0 * next_within(draws),
             content(draws).map_or_else(String::new, |share| format!(

@@ -16,10 +16,10 @@ use super::derived::{Derived, SOLUTIONS, Solution};
 use super::distribution::Distribution;
 use super::error::{DesignError, Problem};
 use super::groups::Values;
+use super::merged::Merged;
 use super::place::Place;
 use super::provenance::Provenance;
 use super::range::{DefaultRange, GivenRange, Ranged, includes, inherited};
-use super::resolve::Merged;
 use super::settings::{Given, GivenDerived};
 use super::show::show;
 

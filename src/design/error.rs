@@ -589,7 +589,7 @@ impl Diagnostic for DesignError {
 #[non_exhaustive]
 pub enum Warning {
     /// A value outside the range that the base states. Its own range is assumed from that.
-    #[error("`{key}` is {value}, outside its range {low} .. {high} in the base")]
+    #[error("`{key}` = {value} is outside its range {low} .. {high} in the base")]
     OutsideRange {
         /// Full name of the key.
         key: String,

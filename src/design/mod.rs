@@ -26,6 +26,7 @@ mod groups;
 pub mod inputs;
 mod json_schema;
 mod lists;
+mod merged;
 mod place;
 mod provenance;
 mod range;

@@ -11,9 +11,10 @@ use super::derived_range::{DerivedRange, MergedDerived};
 use super::distribution::Distribution;
 use super::error::{DesignError, Problem, Warning};
 use super::groups::Values;
+use super::merged::Merged;
 use super::place::Place;
 use super::provenance::Provenance;
-use super::range::{DefaultRange, GivenRange, RangeOrigin, Ranged, includes, inherited};
+use super::range::{DefaultRange, RangeOrigin, Ranged, includes, inherited};
 use super::report::ReportSettings;
 use super::sensors::SensorProblem;
 use super::settings::{Given, Layer, Setting};
@@ -22,34 +23,6 @@ use super::source::File;
 use super::springs::Sprung;
 use super::study::{self, StudyLayer, StudySettings};
 use super::surfaces::SurfaceProblem;
-
-/// What the files say about one key, the nearest file last.
-#[derive(Debug)]
-pub(crate) struct Merged {
-    spec: &'static KeySpec,
-    value: Option<(Given, String, Box<Place>)>,
-    range: Option<(GivenRange, Box<Place>)>,
-    /// The value in the file that states the range, where a nearer file gives another one.
-    value_of_range: Option<Given>,
-    distribution: Option<(Distribution, Box<Place>)>,
-    provenance: Provenance,
-    source: String,
-    note: String,
-    /// How many files stand between this one and the design itself.
-    depth: usize,
-}
-
-impl Merged {
-    /// The value as it is given so far.
-    pub(crate) fn given(&self) -> Option<Given> {
-        self.value.as_ref().map(|(given, ..)| given.clone())
-    }
-
-    /// Drops what is said of its range.
-    pub(crate) fn forget_range(&mut self) {
-        (self.range, self.value_of_range, self.distribution) = (None, None, None);
-    }
-}
 
 /// A key with its resolved value and what is known about it.
 #[derive(Debug, Clone)]

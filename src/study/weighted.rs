@@ -115,12 +115,13 @@ impl Weighted<'_> {
         let is_so: Vec<bool> = (0..self.weights.len()).map(is_so).collect();
         self.bootstrap.estimate(|counts| {
             let counted = self.counted(counts);
+            // The sum of no numbers is -0.
             let so = counted
                 .iter()
                 .zip(&is_so)
                 .filter(|(_, so)| **so)
                 .map(|(weight, _)| weight);
-            so.sum::<f64>() / counted.iter().sum::<f64>()
+            (0.0 + so.sum::<f64>()) / counted.iter().sum::<f64>()
         })
     }
 

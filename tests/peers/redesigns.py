@@ -1,6 +1,6 @@
 """Intervals of redesigns: they include the design, are not wider than those of the base, and cover fresh draws.
 
-    redesigns.py PROGRAM DESIGN [--redesigns 50] [--draws 128] [--fresh 200] [--of N] [--runs N] [--seed 1]
+    redesigns.py PROGRAM DESIGN [--redesigns 50] [--draws 128] [--fresh 200] [--of N] [--seed 1]
 
 Redesigns change one to five numbers of DESIGN, each to a value within twice its range (half of the range's width beyond either end,
 within the same sign). Each is one `--set KEY=VALUE`, as a user gives it, so that its range is the one the program assumes.
@@ -14,6 +14,7 @@ The whole chain of the N80CB costs minutes for each study, so CI takes tests/dat
 """
 
 import argparse
+import csv
 import json
 import math
 import random
@@ -73,12 +74,12 @@ def study(program, design, changes, draws, seed, folder):
     done = subprocess.run(command, capture_output=True, text=True)
     if done.returncode != 0 or not done.stdout:
         return None
-    lines = (out / "study/draws.csv").read_text().splitlines()
-    heads = lines[0].split(",")
+    with (out / "study/draws.csv").open(newline="") as file:
+        heads, *rows = csv.reader(file)
     columns = {}
     for name in ("workpiece", "exhaust", "body", "total"):
-        place = next(place for place, head in enumerate(heads) if head.startswith(name) and "dB re" in head)
-        columns[name] = [float(line.split(",")[place] or "-inf") for line in lines[1:]]
+        place = next(place for place, head in enumerate(heads) if head.startswith(f"L_WA,1s {name}"))
+        columns[name] = [float(row[place] or "-inf") for row in rows]
     return json.loads(done.stdout), columns
 
 
