@@ -161,7 +161,7 @@ fn the_correct_file_is_read_with_its_element_numbers() {
 fn an_unknown_header_is_refused() {
     refused(&[
         ("2.2 0 8", "3.1 0 8", "format version 3.1"),
-        ("2.2 0 8", "4 0 8", "format version 4;"),
+        ("2.2 0 8", "4.2 0 8", "format version 4.2;"),
         ("2.2 0 8", "2.2 0 4", "data size 4"),
         ("2.2 0 8", "2.2 2 8", "file type 2"),
         ("$MeshFormat\n", "ply\n", "not a .msh file"),
