@@ -211,7 +211,7 @@ fn told(scaled: &Scaled) -> String {
             "  the recoil does not lift the tool far enough: a finger releases the trigger, trigger.release_after\n",
         );
     }
-    text.push_str("  a run needs gmsh: the housing differs from the one whose mesh comes with the program\n");
+    text.push_str("  a run needs gmsh where the housing has other dimensions than that of the N80CB\n");
     text
 }
 

@@ -119,7 +119,7 @@ impl File<'_> {
     fn given(&mut self, tool: &Tool, ratios: Ratios, setting: Setting) -> Result<(), ScalingError> {
         let source = &tool.class.source;
         let own = |chosen: Chosen| match chosen.given {
-            true => (0.02, "design: given to init; range of 2 % assumed".to_owned()),
+            true => (0.02, "design: given to init, 2 % assumed".to_owned()),
             false => (0.1, source.clone()),
         };
         self.line("\n# The tool");
