@@ -2,7 +2,7 @@
 
 use thiserror::Error;
 
-use super::file::LawError;
+use super::law_error::LawError;
 
 /// Why no law can be fitted to drives.
 #[derive(Debug, Clone, PartialEq, Error)]

@@ -8,9 +8,10 @@ use serde::Serialize;
 use super::distributions::probability_beyond;
 use super::drive::{Drive, Driving};
 use super::error::FitError;
-use super::file::{Counts, FIT_SCHEMA, FitFile, LawError, Quality, Ranges, TermFit};
+use super::file::{Counts, FitFile, Quality, Ranges, TermFit};
 use super::form::{Form, Variable};
 use super::law::FittedLaw;
+use super::law_error::{FIT_SCHEMA, LawError};
 use super::regression::{Method, Regression, Solution};
 
 /// A law with the residuals of its data.

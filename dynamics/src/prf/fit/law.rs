@@ -6,8 +6,9 @@ use serde::{Deserialize, Serialize};
 use super::clean::BIN;
 use super::distributions::student_t;
 use super::drive::{Conditions, Driving};
-use super::file::{FIT_SCHEMA, FitFile, LawError, check};
+use super::file::{FitFile, check};
 use super::form::{Form, Variable};
+use super::law_error::{FIT_SCHEMA, LawError};
 
 /// Negative eigenvalues of a covariance up to this part of the largest are rounding.
 const ROUNDING: f64 = 1e-9;
