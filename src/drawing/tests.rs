@@ -368,6 +368,7 @@ fn every_provenance_has_a_symbol_of_its_own_class() {
             Provenance::Published => Standing::Published,
             Provenance::Computed => Standing::Computed,
             Provenance::Estimated => Standing::Assumed,
+            Provenance::Scaled => Standing::Scaled,
             Provenance::Design => Standing::Given,
             _ => Standing::Decided,
         };

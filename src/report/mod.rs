@@ -102,6 +102,8 @@ impl Stage for BodyPictures {
         fem,
         acoustics,
         stages_bodies,
+        stages_cycle,
+        stages_headline,
         stages_intervals,
         stages_microphones,
         stages_radiation,
