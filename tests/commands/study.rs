@@ -226,9 +226,9 @@ fn what_cannot_be_drawn_is_refused_with_a_remedy() {
     refused("against", against, &[], &["study.correlation.rank"]);
     refused(
         "distributed",
-        "piston.mass = { value = \"0.2 kg\", distribution = \"triangular\" }",
+        "piston.mass = { value = \"0.2 kg\", range = \"129 .. 133 g\", distribution = \"triangular\" }",
         &[],
-        &["triangular", "the mode"],
+        &["piston.mass", "leaves out its value"],
     );
     refused(
         "word",

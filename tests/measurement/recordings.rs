@@ -96,7 +96,8 @@ fn nine_channels_of_one_file_are_in_the_order_of_the_microphones() {
         // The file lists them backwards, and its channels count backwards from the microphones' numbers.
         let channel = 10 - number;
         format!(
-            "mic{number} = {{ file = \"{{c}}-{{k}}.wav\", channel = {channel}, full_scale = \"1 Pa\", {CORNER} }}\n"
+            "mic{number} = {{ file = \"{{c}}-{{k}}.wav\", channel = {channel}, full_scale = \"1 Pa\", \
+             position = [{number}, 1, 1.938] }}\n"
         )
     };
     let channels: String = (1..=9).rev().map(channel).collect();
@@ -621,11 +622,14 @@ fn a_file_too_large_is_refused_unread() {
 }
 
 #[test]
-fn samples_of_other_widths_are_refused() {
+fn samples_of_8_bits_are_read_around_their_offset() {
     let folder = Folder::new("width");
-    folder.write("W-1-1.wav", hound(8, hound::SampleFormat::Int, &vec![1; SAMPLES]));
-    let error = folder.microphone("wav", "full_scale = \"200 Pa\"").unwrap_err();
-    names(&error, &["W-1-1.wav", "channel mic5", "8 bits", "16, 24 or 32"]);
+    let steps: Vec<i32> = (0..SAMPLES).map(|i| if i % 2 == 0 { 64 } else { -32 }).collect();
+    folder.write("W-1-1.wav", hound(8, hound::SampleFormat::Int, &steps));
+    let (_, shot) = folder.microphone("wav", "full_scale = \"128 Pa\"").unwrap();
+    // One step is 1 Pa, up to the step by which full scales are defined apart.
+    let expected: Vec<f64> = steps.iter().map(|step| f64::from(*step)).collect();
+    assert!(difference(&shot.microphones[0], &expected) < 1.0);
 }
 
 #[test]

@@ -339,7 +339,8 @@ fn integration() -> Vec<Row> {
         let (frequency, density) = (vec![hz - 0.01, hz, hz + 0.01], vec![0.0, 100.0, 0.0]);
         let spectrum = SourceSpectrum::new("tone", "given", frequency, density, [20.0, 20_000.0]).unwrap();
         let levels = spectrum.band_levels([20.0, 20_000.0]);
-        (levels[13].energy, spectrum.energy([20.0, 20_000.0], Weighting::Z))
+        let own = levels.iter().find(|level| level.band == band).unwrap();
+        (own.energy, spectrum.energy([20.0, 20_000.0], Weighting::Z))
     };
     let inside = [0.0, 0.125, 0.25, 0.375, 0.499];
     let mut rows: Vec<Row> = Vec::new();
@@ -426,7 +427,12 @@ fn filters_find_a_pink_spectrum_as_their_bandwidth_says() {
     let density = frequency.iter().map(|f| 1.0 / f).collect();
     let pink = SourceSpectrum::new("pink", "given", frequency, density, [1.0, 60_000.0]).unwrap();
     let (filtered, exact) = (pink.filter_levels([1.0, 60_000.0]), pink.band_levels([1.0, 60_000.0]));
-    for (f, e) in filtered.iter().zip(&exact).take(24) {
+    // Below 50 Hz the samples are too far apart; above 10 kHz the spectrum ends within the filters.
+    let dense = filtered
+        .iter()
+        .zip(&exact)
+        .filter(|(f, _)| (-13..11).contains(&f.band.index));
+    for (f, e) in dense {
         let deviation = f.lw.unwrap() - e.lw.unwrap();
         assert!((0.1..0.3).contains(&deviation), "{}: {deviation}", f.band.hz);
     }

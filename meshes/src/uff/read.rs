@@ -60,6 +60,7 @@ pub fn parse(bytes: &[u8], path: &Path) -> Result<Measurement, UffError> {
             2420 => dataset.read(path, |block| systems.read_2420(block))?,
             164 => metres = dataset.read(path, |block| block.metres())?,
             55 => dataset.read(path, |block| block.mode(&mut measurement))?,
+            _ if dataset.is_cut_off() => dataset.read(path, |_| Ok(()))?,
             _ => {}
         }
     }
