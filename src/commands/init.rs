@@ -200,11 +200,8 @@ fn told(scaled: &Scaled) -> String {
         Some((energy, source)) => format!("  published for the class: {}, {source}\n", joules(*energy)),
         None => "  no published energy of a tool of this class was found\n".to_owned(),
     });
-    match shot.outcome {
-        Outcome::StrikesBumper => {
-            text.push_str("  the bumper takes the energy that the nail does not, as in a tool set to drive flush\n")
-        }
-        _ => {}
+    if shot.outcome == Outcome::StrikesBumper {
+        text.push_str("  the bumper takes the energy that the nail does not, as in a tool set to drive flush\n");
     }
     if settled.setting.by_hand {
         text.push_str(

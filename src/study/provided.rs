@@ -223,10 +223,12 @@ mod tests {
     }
 
     #[test]
-    fn every_shipped_design_has_a_study_of_128_draws() {
-        for state in ProvidedStudy::states().unwrap() {
+    fn every_study_has_128_draws_of_the_design_of_today() {
+        let states = ProvidedStudy::states().unwrap();
+        assert!(states.iter().filter(|state| state.draws.is_some()).count() > 2);
+        for state in states {
             assert!(
-                state.draws.is_some_and(|draws| draws >= 128),
+                state.draws.is_none_or(|draws| draws >= 128),
                 "{}: {:?}",
                 state.design,
                 state.draws

@@ -51,7 +51,7 @@ impl Table {
                     column: Some(place),
                     problem,
                 };
-                let heading = || shown(&self.headings.get(*column).map_or("", |own| &own.text[..]), SHOWN);
+                let heading = || shown(self.headings.get(*column).map_or("", |own| &own.text[..]), SHOWN);
                 if field.is_empty() {
                     ends[place].get_or_insert(line);
                     continue;
