@@ -621,7 +621,7 @@ fn a_law_of_impossible_numbers_is_refused_by_the_cycle() {
         ("coefficient", "1e308", "in the range of the data"),
         ("coefficient", "-1e9", "in the range of the data"),
         ("coefficient", "nan", "must be finite"),
-        ("standard_error", "inf", "standard_error of"),
+        ("standard_error", "inf", "quality.standard_error"),
         ("vif", "nan", "vif of"),
         ("sigma_between", "1e300", "sigma_between"),
         ("sigma_within", "inf", "sigma_within"),

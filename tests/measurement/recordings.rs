@@ -97,7 +97,8 @@ fn nine_channels_of_one_file_are_in_the_order_of_the_microphones() {
         let channel = 10 - number;
         format!(
             "mic{number} = {{ file = \"{{c}}-{{k}}.wav\", channel = {channel}, full_scale = \"1 Pa\", \
-             position = [{number}, 1, 1.938] }}\n"
+             position = [{:.1}, 1, 1.938] }}\n",
+            0.2 * (number as f64 - 5.0)
         )
     };
     let channels: String = (1..=9).rev().map(channel).collect();
