@@ -20,6 +20,10 @@ use crate::study::{Draws, ProvidedStudy, Request, StudyResult};
 const FEWEST: usize = 128;
 
 #[derive(Args)]
+#[command(after_help = examples!(
+    "nailnoise provide designs/studies" => "makes the studies of all shipped designs anew",
+    "nailnoise provide --check" => "lists which are in the program, and whether they are of today",
+))]
 pub(super) struct Arguments {
     /// Folder for the studies, designs/studies of the sources
     #[arg(value_name = "DIR", required_unless_present = "check")]
