@@ -58,6 +58,8 @@ pub fn notes(inputs: &NoteInputs<'_>, record: &CycleRecord, openings: &Openings,
     let mut shot = vec![inputs.shot.clone()];
     shot.extend(inputs.fitted_law.iter().cloned());
     shot.extend(inputs.outside_ranges.iter().cloned());
+    let landing = Landing::of(record);
+    shot.extend(landing.as_ref().map(Landing::note));
     shot.extend(estimates(inputs));
     let list = |what: &str, names: &[&str]| (!names.is_empty()).then(|| format!("{what}: {}", names.join(", ")));
     shot.extend(list(
@@ -92,8 +94,56 @@ pub fn notes(inputs: &NoteInputs<'_>, record: &CycleRecord, openings: &Openings,
         "sensors whose upper frequency limit is that of the modes of their body",
         &limited,
     ));
-    methods.push("the tool's later landing is not part of the shot".to_owned());
+    if landing.is_none() {
+        methods.push("the tool's later landing is not part of the shot".to_owned());
+    }
     Notes { shot, methods }
+}
+
+/// The return of a recoiled tool to the workpiece within the record.
+struct Landing {
+    /// When the nose meets the workpiece \[s\].
+    time: f64,
+    /// Speed at which it does \[m/s\].
+    speed: f64,
+    /// Largest force on the nose from then on \[N\].
+    force: f64,
+}
+
+impl Landing {
+    /// How long the nose must be free of the workpiece before \[s\]: contacts that chatter during the drive are no landings.
+    const FLIGHT: f64 = 5e-3;
+
+    fn of(record: &CycleRecord) -> Option<Self> {
+        let nose = &record.forces.nose;
+        let flight = (Self::FLIGHT / record.sample_interval) as usize;
+        let mut free = 0;
+        for (sample, force) in nose.iter().enumerate() {
+            if *force > 0.0 {
+                if free > flight {
+                    return Some(Self {
+                        time: record.time(sample),
+                        speed: record.tool.velocity[sample - 1] - record.workpiece.velocity[sample - 1],
+                        force: nose[sample..].iter().copied().fold(0.0, f64::max),
+                    });
+                }
+                free = 0;
+            } else {
+                free += 1;
+            }
+        }
+        None
+    }
+
+    fn note(&self) -> String {
+        format!(
+            "the tool lands on the workpiece after {:.1} ms, at {:.1} m/s, before the end of its cycle: levels include this \
+             blow of up to {:.1} kN, which depends on `hand.mass`, `hand.force` and `contacts.nose_stiffness`",
+            1e3 * self.time,
+            self.speed,
+            1e-3 * self.force
+        )
+    }
 }
 
 /// Sources whose level is a bound or an estimate, because nothing computes their radiation.
@@ -311,4 +361,35 @@ fn flush_note(report: &RadiationReport) -> String {
 
 fn decibels(level: Option<f64>) -> String {
     level.map_or_else(|| "none".to_owned(), |level| format!("{level:.1} dB"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::design::Design;
+
+    /// A tool that a finger releases while it is in flight falls from its highest position at the acceleration of gravity
+    /// and push.
+    #[test]
+    fn a_tool_lands_at_the_speed_of_its_fall() {
+        let mut design = Design::shipped("n80cb.toml").unwrap();
+        assert!(Landing::of(&crate::chain::cycle(&design).unwrap()).is_none());
+        design.contacts.guard_travel = 60e-3;
+        design.contacts.guard_stiffness = 500.0;
+        design.trigger.release_after = 0.06;
+        design.hand.force = 300.0;
+        let record = crate::chain::cycle(&design).unwrap();
+        let landing = Landing::of(&record).unwrap();
+        let before = (landing.time / record.sample_interval) as usize - 1;
+        let height = |sample: usize| record.workpiece.position[sample] - record.tool.position[sample];
+        let top = (0..before).max_by(|&a, &b| height(a).total_cmp(&height(b))).unwrap();
+        let acceleration = 9.81 + record.forces.hand[top] / design.tool.mass;
+        let fall = (2.0 * acceleration * (height(top) - height(before))).sqrt();
+        assert!(
+            (landing.speed / fall - 1.0).abs() < 0.1,
+            "{} against {fall}",
+            landing.speed
+        );
+        assert!(landing.note().starts_with("the tool lands on the workpiece"));
+    }
 }
