@@ -29,6 +29,7 @@ const OWN: &str = include_str!("init.toml");
 #[command(after_help = examples!(
     "nailnoise init my-tool.toml" => "a design over the N80CB, with the keys that differ most often",
     "nailnoise init my-tool.toml --like finish-nailer --bore 38mm --nail \"64 x 1.6 mm\"" => "another tool, scaled from the N80CB",
+    "nailnoise init my-tool.toml --like stapler --from sawhorses" => "another tool, on another support",
     "nailnoise init --from n80cb" => "the N80CB itself, every key with its source and range",
     "nailnoise init --from muffler quieter.toml" => "another design of the program, with its bases, under a name of your own",
 ))]
@@ -36,14 +37,14 @@ pub(super) struct Arguments {
     /// The design file to write [default: my-tool.toml, or the name of the design given by --from]
     #[arg(value_name = "DESIGN")]
     design: Option<PathBuf>,
-    /// Write this design, which comes with the program, and its bases beside it
+    /// Write this design, which comes with the program, and its bases to the same folder; with --like, scale it
     #[arg(long, value_name = "NAME", conflicts_with = "full", value_parser = shipped_design)]
     from: Option<(&'static str, &'static str)>,
     /// Write every key of the base design, instead of a few keys on top of a separate base file
     #[arg(long, conflicts_with = "like")]
     full: bool,
     /// Write a design of a tool of this class, scaled from the N80CB; the class has defaults for the four options below
-    #[arg(long, value_name = "CLASS", conflicts_with = "from", value_parser = class)]
+    #[arg(long, value_name = "CLASS", value_parser = class)]
     like: Option<String>,
     /// Bore of the cylinder, as in 38mm
     #[arg(long, value_name = "LENGTH", requires = "like", value_parser = length)]
@@ -108,15 +109,14 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
             }
             let scaled = of_class(arguments, class, &path)?;
             (shot, driven) = (told(&scaled), scaled.settled.shot.drives());
-            let base = shipped::design(BASE).map_or("", |(_, text)| text);
-            let files = vec![
-                (
-                    path.clone(),
-                    scaled.text,
-                    format!("a {}, scaled from the N80CB", scaled.what),
-                ),
-                (path.with_file_name(BASE), base.to_owned(), "its base".to_owned()),
-            ];
+            let mut files = vec![(
+                path.clone(),
+                scaled.text,
+                format!("a {}, scaled from the N80CB", scaled.what),
+            )];
+            if let Some((name, text)) = arguments.from.or_else(|| shipped::design(BASE)) {
+                files.extend(with_bases(&path.with_file_name(shipped::file_name(name)), name, text));
+            }
             (path, files)
         }
         None => plan(arguments),
@@ -151,6 +151,7 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
 fn of_class(arguments: &Arguments, class: &str, path: &Path) -> Result<Scaled, Error> {
     let request = Request {
         class: class.to_owned(),
+        base: arguments.from.map_or(scaling::BASE, |(name, _)| name),
         bore: arguments.bore,
         stroke: arguments.stroke,
         mass: arguments.mass,

@@ -33,6 +33,8 @@ pub const PSI: f64 = 6_894.757_293_168;
 pub struct Request {
     /// Class of the tool, a name of `rules.toml`.
     pub class: String,
+    /// The shipped design that is scaled, by its path: [`BASE`], or one of the N80CB on another support.
+    pub base: &'static str,
     /// Bore of the cylinder \[m\].
     pub bore: Option<f64>,
     /// Travel of the piston \[m\].
@@ -57,6 +59,7 @@ pub(crate) struct Chosen {
 pub(crate) struct Tool<'a> {
     pub(crate) name: &'a str,
     pub(crate) class: &'a Class,
+    pub(crate) base: &'static str,
     pub(crate) bore: Chosen,
     pub(crate) stroke: Chosen,
     pub(crate) mass: Chosen,
@@ -99,6 +102,7 @@ impl Request {
         Ok(Tool {
             name,
             class,
+            base: self.base,
             bore: chosen(self.bore, &class.bore, LENGTH)?,
             stroke: chosen(self.stroke, &class.stroke, LENGTH)?,
             mass: chosen(self.mass, &class.mass, MASS)?,
@@ -115,7 +119,7 @@ impl Request {
 pub fn scaled(request: &Request, file: &str) -> Result<Scaled, Error> {
     let rules = Rules::load()?;
     let tool = request.tool(&rules)?;
-    let base = Design::shipped(BASE).ok_or_else(|| broken("the base design cannot be read"))?;
+    let base = Design::shipped(request.base).ok_or_else(|| broken("the base design cannot be read"))?;
     let settled = trial::settle(&|setting| {
         let text = write::text(&rules, &tool, &base, setting)?;
         Ok(Design::parse(&text, file).map_err(|source| ScalingError::Together {

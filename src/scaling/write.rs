@@ -11,6 +11,7 @@ use super::rules::{Ratios, Rule, Rules};
 use super::trial::Setting;
 use super::{Chosen, PSI, RATED, Tool};
 use crate::design::{Design, Entry, Value, quantity_in_words};
+use crate::shipped::file_name;
 
 /// How far the tip of the nail waits inside the nose \[m\], as that of the base.
 const TIP_INSIDE: f64 = 4e-3;
@@ -64,7 +65,7 @@ fn head(tool: &Tool) -> String {
          base = \"{}\"\n",
         tool.words(),
         tool.class.magazine,
-        super::BASE
+        file_name(tool.base)
     )
 }
 

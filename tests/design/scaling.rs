@@ -13,6 +13,7 @@ use nailnoise_dynamics::Outcome;
 fn of(class: &str) -> Request {
     Request {
         class: class.to_owned(),
+        base: BASE,
         bore: None,
         stroke: None,
         mass: None,
@@ -129,6 +130,33 @@ fn a_roofing_nailer_has_the_energy_that_its_maker_states() {
     let energy = scaled.settled.tool_energy.unwrap();
     let ratio = energy / published;
     assert!((0.8..1.25).contains(&ratio), "{energy} J");
+}
+
+/// A tool on another support has the keys of the scaled tool and of the support, and drives its fastener.
+#[test]
+fn every_class_drives_its_fastener_on_the_supports_of_a_site() {
+    for support in [
+        "site/sawhorses.toml",
+        "site/joists.toml",
+        "site/studs.toml",
+        "site/held-board.toml",
+    ] {
+        let on = Design::shipped(support).unwrap();
+        for class in Rules::load().unwrap().names() {
+            let request = Request {
+                base: support,
+                ..of(class)
+            };
+            let scaled = scaled(&request, "own.toml").unwrap();
+            let design = Design::parse(&scaled.text, "own.toml").unwrap();
+            assert!(scaled.settled.shot.drives(), "{class} on {support}");
+            assert_eq!(design.support.kind, on.support.kind, "{class} on {support}");
+            assert_eq!(
+                design.workpiece.thickness, on.workpiece.thickness,
+                "{class} on {support}"
+            );
+        }
+    }
 }
 
 #[test]
