@@ -34,7 +34,7 @@ pub(super) struct Arguments {
     /// Seed of the draws
     #[arg(long, value_name = "SEED", default_value_t = 1)]
     seed: u64,
-    /// Compute nothing: list the studies that are in the program, with status 1 if one is small or outdated
+    /// Compute nothing: list the studies that are in the program, with status 1 if one is missing, small or outdated
     #[arg(long, conflicts_with = "folder")]
     check: bool,
     #[command(flatten)]
@@ -115,17 +115,17 @@ fn all(folder: &Path, store: &Store, request: &Request, progress: &Progress) -> 
     })
 }
 
-/// Lists the studies that are in the program; the status is 1 where one has too few draws, or is of another design or code. A design
-/// without a study is screened by `run`.
+/// Lists the studies that are in the program. The status is 1 where a design has none, or one with too few draws or of another design
+/// or code.
 fn check() -> Result<ExitCode, Error> {
     let states = ProvidedStudy::states()?;
     let is_good =
-        |draws: Option<usize>, changed: &[&str]| draws.is_none_or(|draws| draws >= FEWEST) && changed.is_empty();
+        |draws: Option<usize>, changed: &[&str]| draws.is_some_and(|draws| draws >= FEWEST) && changed.is_empty();
     let rows: Vec<Vec<String>> = states
         .iter()
         .map(|own| {
             let state = match (own.draws, own.changed.as_slice()) {
-                (None, _) => "none: `run` screens it".to_owned(),
+                (None, _) => "none".to_owned(),
                 (Some(draws), []) if draws < FEWEST => format!("fewer than {FEWEST} draws"),
                 (Some(_), []) => "of today".to_owned(),
                 (Some(_), changed) => format!("{} changed since", changed.join(" and ")),
