@@ -7,9 +7,9 @@ use serde::Serialize;
 use serde::de::DeserializeOwned;
 use thiserror::Error;
 
-/// The kept form of a type.
+/// The stored form of a type.
 pub trait Codec<T> {
-    /// Whether anything is kept at all.
+    /// Whether anything is stored at all.
     const KEPT: bool = true;
 
     /// Writes a value.
@@ -21,7 +21,7 @@ pub trait Codec<T> {
     /// Reads a value from its `length` bytes.
     ///
     /// # Errors
-    /// [`Undecodable`] when the bytes are no such value.
+    /// [`Undecodable`] if the bytes do not encode a value of the type.
     fn read(from: &mut dyn Read, length: usize) -> Result<T, Undecodable>;
 }
 
@@ -200,7 +200,7 @@ pub mod matrix {
     }
 }
 
-/// Nothing is kept: the output costs less to compute than to read, or is an intermediate of outputs that are kept.
+/// Nothing is stored: the output costs less to compute than to read, or is an intermediate of stored outputs.
 pub struct Uncached;
 
 impl<T> Codec<T> for Uncached {

@@ -17,8 +17,8 @@ pub struct MovedPart {
     pub received: AtMicrophones,
 }
 
-/// Exhaust with the cap, and body with the trigger vent, from exhaust without vent and body without cap; as they are where
-/// nothing moves. `range_hz` is that in which sources are compared.
+/// Exhaust with the cap, and body with the trigger vent, from exhaust without vent and body without cap; as they are
+/// where nothing moves. Sources are compared over `range_hz`.
 pub fn counted(
     [exhaust, body]: [&SoundSource; 2],
     [cap, vent]: [Option<&SoundSource>; 2],

@@ -57,7 +57,7 @@ pub struct Influence {
     pub figure: f64,
 }
 
-/// By what a shot misses.
+/// Limits by which a shot misses.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) enum Miss {
     /// Length of the nail above the surface.
@@ -340,7 +340,7 @@ impl Stage for Influences {
 
     fn compute(&self, _: &Progress) -> Result<Vec<Influence>, Error> {
         let figure = |cycle: &Cycle| {
-            // A shot that ends with an error has no figure.
+            // A shot that ends with an error yields no figure.
             let record = simulate(&cycle.parameters, &cycle.settings).ok()?;
             Some((record.outcome, self.miss.value(&record, &cycle.parameters)))
         };

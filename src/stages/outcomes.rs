@@ -31,7 +31,7 @@ pub enum ShotOutcome {
 /// Figures of a shot.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Shot {
-    /// Name of the outcome, as in the output.
+    /// Name of the outcome in the output.
     pub outcome: String,
     /// Mean speed of the piston over the nail's length in the wood \[m/s\].
     pub mean_drive_speed: Option<f64>,

@@ -7,7 +7,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 pub trait Observer: Send + Sync {
     /// A stage begins.
     fn stage(&self, name: &str);
-    /// A remark that the user should read beside the result.
+    /// A remark for the user to read with the result.
     fn note(&self, text: &str);
     /// So many items of the command's own work are done, of so many.
     fn done(&self, _items: u64, _of: u64) {}
@@ -97,7 +97,7 @@ impl Progress {
         self.0.stage(name);
     }
 
-    /// A remark that the user should read beside the result.
+    /// A remark for the user to read with the result.
     pub fn note(&self, text: &str) {
         self.0.note(text);
     }

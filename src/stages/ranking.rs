@@ -14,8 +14,8 @@ const CELL: f64 = 1e-4;
 /// Time shown before and after the records \[s\]: the finite range of frequencies spreads a sudden sound to both sides.
 const MARGIN: f64 = 0.01;
 
-/// Largest relative difference between a signal's bins and the spectrum's, beside the interpolation error of the
-/// resistance, which its root shares: 0.04 dB.
+/// Largest relative difference between a signal's bins and the spectrum's, in addition to the interpolation error of
+/// the resistance, which its root shares: 0.04 dB.
 const MISMATCH: f64 = 1e-2;
 
 /// Largest relative difference between a sum of energies and the energy of the whole.

@@ -50,7 +50,7 @@ impl PressureRecord {
 
 /// Signals of all pressure transducers of a shot.
 ///
-/// Its output is not kept: to compute it takes less time than to read it would.
+/// Its output is not stored: computing it takes less time than reading it would.
 #[derive(Serialize)]
 pub struct Transducers {
     /// The transducers.
@@ -110,7 +110,7 @@ impl PressureTransducer {
 /// y' + y/tau = p'      H = s tau/(1 + s tau)
 /// ```
 ///
-/// The solution is exact for a pressure that is linear between its samples, `interval` \[s\] apart.
+/// The solution is exact for a pressure that is linear between its samples at `interval` \[s\].
 fn discharged(pressure: &[f64], interval: f64, tau: f64) -> Vec<f64> {
     let ratio = interval / tau;
     let (kept, gained) = ((-ratio).exp(), -(-ratio).exp_m1() / ratio);

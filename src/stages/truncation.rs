@@ -1,4 +1,4 @@
-//! Truncation: the energy of a part above its top frequency, where the model has no modes.
+//! Truncation: the energy of a part above its top frequency, where the model does not have modes.
 //!
 //! The part does not radiate there. The absent energy is estimated by continuing the slope of its last octave.
 
@@ -26,7 +26,7 @@ pub struct Part {
     pub top_hz: f64,
 }
 
-/// A-weighted energy that a source lacks above the top frequency of a part.
+/// A-weighted energy that is missing from a source above the top frequency of a part.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Truncation {
     /// Name of the part.

@@ -6,7 +6,7 @@ use nailnoise_meshes::{Mesh, MeshError};
 use nalgebra::{Point3, Vector3};
 use serde::Serialize;
 
-/// Cells in which the underside of the workpiece touches what it stands on.
+/// Cells where the underside of the workpiece touches its support.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct ContactCells {
     /// Lengths of the underside along x and y \[m\].

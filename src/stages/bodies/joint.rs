@@ -25,7 +25,7 @@ const NAIL_SPRINGS: usize = 3;
 pub struct Joint {
     /// Its height above the underside of the block \[m\].
     pub height: f64,
-    /// Cells in which the pieces touch.
+    /// Cells where the pieces touch.
     pub cells: ContactCells,
     /// The nail.
     pub nail: NailPlace,

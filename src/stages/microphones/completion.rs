@@ -17,7 +17,7 @@ use super::continuation::Continuation;
 use super::{AtMicrophones, MicrophoneArray, SAMPLE_RATE};
 use crate::stages::sound::SoundSource;
 
-/// How often the factors are corrected for what a signal loses where it is cut at the ends of the record.
+/// How often the factors are corrected for the loss where a signal is cut at the ends of the record.
 const PASSES: usize = 6;
 
 /// Exposures \[A, Z\] by band, and the signal, of each part at one receiver.
@@ -129,7 +129,7 @@ fn exposures_of(
     known.iter().zip(lines).zip(radiated).map(of_part).collect()
 }
 
-/// Energies \[A, Z\] of a source that noise stands for, band by band \[J\].
+/// Energies \[A, Z\] of a source that noise represents, band by band \[J\].
 fn radiated_above(source: &SoundSource, continuation: Option<&Continuation<'_>>, above: &[[f64; 2]]) -> Vec<[f64; 2]> {
     let Some(continuation) = continuation else {
         return vec![[0.0; 2]; above.len()];
@@ -150,8 +150,8 @@ fn shares_of_parts(radiated: &[Vec<[f64; 2]>]) -> Vec<Vec<f64>> {
     radiated.iter().map(of_part).collect()
 }
 
-/// The signals of parts with these lines, scaled so that their sum has the energies `target` in the bands after it was cut at the ends
-/// of the record, and nothing outside but what the cut adds.
+/// The signals of parts with these lines, scaled so that their sum, cut at the ends of the record, has the energies
+/// `target` in the bands. Outside the bands it has only the energy that the cut adds.
 fn scaled(
     spectra: &Spectra,
     lines: &[Vec<Complex<f64>>],

@@ -38,7 +38,7 @@ pub struct ToolSphere {
     pub volume: f64,
 }
 
-/// A part of a source with a frequency grid of its own.
+/// A part of a source with a separate frequency grid.
 pub(super) struct Part {
     /// \[Hz\].
     pub(super) frequency: Vec<f64>,
@@ -54,7 +54,7 @@ pub(super) struct Received<'a> {
     pub(super) how: &'static str,
     /// Range over which the sound at the microphones is given \[Hz\].
     pub(super) range: [f64; 2],
-    /// Frequency up to which the signals have the phases of the source \[Hz\].
+    /// Frequency up to which the signals follow the phases of the source \[Hz\].
     pub(super) phases_to_hz: f64,
     /// Error of interpolated pressures over frequency, relative to the loudest mode at any microphone.
     pub(super) interpolation_error: Option<f64>,
@@ -74,8 +74,9 @@ impl MicrophoneArray {
         self.of_pressures(found, exposure, radiated, end)
     }
 
-    /// Sound of a part of a source from the pressures of the whole and of the part at the same places and frequencies:
-    /// exposures 2 Re(p_i conj p), of either sign, whose sum over all parts is that of the source; signals those of p_i.
+    /// Sound of a part of a source from the pressures of the source and of the part at the same places and frequencies.
+    /// Exposures are 2 Re(p_i conj p), of either sign, and their sum over all parts is that of the source; signals are
+    /// those of p_i.
     ///
     /// # Errors
     /// Those of the levels.
@@ -300,7 +301,7 @@ impl<'a> Receivers<'a> {
         (part, (0..pressures.nrows()).into_par_iter().map(signal).collect())
     }
 
-    /// A part of which only the energy is known, from a point.
+    /// A part with a known energy but unknown pressures, radiated from a point.
     fn spread(&self, centre: Point3<f64>, signals: &PowerSignals) -> Result<(Part, Vec<Vec<f64>>), Error> {
         let (frequency, signal) = (signals.frequency(), signals.combined_signal());
         let mut pressures = DMatrix::zeros(self.positions.len(), frequency.len());

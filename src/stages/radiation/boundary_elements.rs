@@ -1,4 +1,4 @@
-//! Boundary elements of a body on several meshes: what is solved, what it costs, and the radiation matrix.
+//! Boundary elements of a body on several meshes: the problem, its cost, and the radiation matrix.
 
 use nailnoise_acoustics::bem::{
     Boundary, EquationSolver, Exterior, Gap, Gaps, MeanBands, MeanRanges, MeshRange, ModalBem, Patterns, Receivers,
@@ -113,7 +113,7 @@ impl Places {
         }
     }
 
-    /// Checks that they keep away from the surfaces of meshes.
+    /// Checks that they maintain their distance from the surfaces of meshes.
     ///
     /// # Errors
     /// [`Error::MicrophoneNearSurface`].
@@ -165,8 +165,8 @@ impl MeshRanges {
         meshes.map(|(_, bands)| MeanBands::samples(bands) as f64).collect()
     }
 
-    /// Every mesh with the number of its frequencies, and whether operators are stored for all of them: where there
-    /// are more than `few`.
+    /// Every mesh with the number of its frequencies, and whether operators are stored for all of them: only for more
+    /// than `few`.
     fn all(&self, few: f64) -> impl Iterator<Item = (&MeshRange, f64, bool)> {
         let alone = self.levels.len() == 1;
         let single = self.levels.iter().zip(&self.solves);
@@ -185,8 +185,8 @@ impl MeshRanges {
         self.all(few).map(of_mesh).sum()
     }
 
-    /// Peak of memory \[GB\], about: as many frequencies as there are threads on the most expensive mesh, beside the
-    /// integrals that are kept and the velocities of all modes on all meshes.
+    /// Approximate peak of memory \[GB\]: as many frequencies as there are threads on the most expensive mesh, plus the
+    /// stored integrals and the velocities of all modes on all meshes.
     fn gigabytes(&self, few: f64) -> f64 {
         let threads = rayon::current_num_threads() as f64;
         let of_mesh =
@@ -197,13 +197,13 @@ impl MeshRanges {
             let values = |patterns: &Patterns| 8.0 * patterns.velocities.len() as f64;
             mesh.patterns.iter().map(values).sum::<f64>()
         };
-        // Pressures on the surface are kept in 4 bytes.
+        // Pressures on the surface are stored in 4 bytes.
         let pressures = |(mesh, solves): (&MeshRange, &f64)| {
             let modes = mesh.motions();
             4.0 * solves * mesh.problem.estimate().unknowns as f64 * modes as f64
         };
         let kept = self.levels.iter().zip(&self.solves).map(pressures).sum::<f64>();
-        // Two neighbouring meshes keep equations at the same time; the last of several keeps none.
+        // Two neighbouring meshes store equations at the same time; the last of several stores none.
         let sampled = self.levels.iter().take(self.levels.len().max(2) - 1);
         let equations = sampled.map(|mesh| mesh.problem.bytes_of_kept_equations(patterns(mesh)));
         let (both, _) = equations.fold((0.0, 0.0), |(most, last): (f64, f64), own| (most.max(last + own), own));
