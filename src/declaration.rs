@@ -4,8 +4,8 @@
 //! L     level of the design itself          K = 1.645 sigma_t          L_d = L + K
 //! ```
 //!
-//! L and K are stated apart, each rounded to the nearest decibel. sigma_t is the standard deviation over the draws of a study:
-//! inputs from their ranges and errors of the methods, in place of the scatter of measurements and of machines.
+//! L and K are stated separately, each rounded to the nearest decibel. sigma_t is the standard deviation over the draws
+//! of a study: inputs from their ranges and errors of the methods replace the scatter of measurements and of machines.
 
 use crate::result::{Declaration, EarReport};
 use crate::study::StudyResult;
@@ -14,7 +14,7 @@ use crate::study::tolerance::STATED_FROM;
 /// The 95 % quantile of the standard normal distribution, by which K follows from sigma_t (ISO 4871, A.2).
 const QUANTILE: f64 = 1.645;
 
-/// What stands in place of K below [`STATED_FROM`] draws, or where a study contradicts the design.
+/// Text that replaces K below [`STATED_FROM`] draws, or if a study contradicts the design.
 pub const NO_K: &str = "K not stated";
 
 /// A level, or the uncertainty of one, as it is declared: to the nearest decibel \[dB\]. Halves are rounded up, towards more noise.

@@ -1,4 +1,4 @@
-//! What a run tells: the ranked sources, the events, the checks and the time each stage took.
+//! Contents of a run's result: the ranked sources, the events, the checks and the time each stage took.
 //!
 //! The JSON Schema of `run --json` and of `result.json` is derived from these types.
 
@@ -136,7 +136,7 @@ impl From<&Design> for DesignId {
 /// A nailing cycle without its histories.
 #[derive(Debug, Clone, Serialize)]
 pub struct CycleFigures<'a> {
-    /// What the shot did.
+    /// Outcome of the shot.
     pub outcome: Outcome,
     /// Event times \[s\].
     pub events: &'a Events,
@@ -583,8 +583,8 @@ pub struct Total {
     pub lw_db: Option<f64>,
 }
 
-/// Wall time of each stage \[s\], in the order in which they ended, without that of the stages it waits for; some run side
-/// by side.
+/// Wall time of each stage \[s\], in the order of their ends, without that of the stages it waits for; some run side by
+/// side.
 #[derive(Debug, Clone, Default)]
 pub struct Timing(Vec<(&'static str, f64)>);
 

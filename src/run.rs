@@ -97,7 +97,7 @@ impl Chain {
         Ok(changes)
     }
 
-    /// Makes the outputs of the stages and ranks the sources. `design` is that of which the chain was made.
+    /// Makes the outputs of the stages and ranks the sources. `design` is the design of the chain.
     ///
     /// # Errors
     /// [`Error`] of the stage that could not be computed.
@@ -116,7 +116,7 @@ impl Chain {
         Ok(guessed)
     }
 
-    /// Checks what a run requires of its bodies, before any is solved.
+    /// Checks the requirements of a run on its bodies, before any is solved.
     ///
     /// # Errors
     /// Those of meshes, and of bodies that a run cannot use.

@@ -3,7 +3,7 @@
 use std::panic::resume_unwind;
 use std::thread::{Builder, Scope, ScopedJoinHandle};
 
-/// Work that was begun with [`beside`].
+/// Work that [`beside`] has begun.
 pub(crate) enum Begun<'scope, T> {
     /// On a thread.
     There(ScopedJoinHandle<'scope, T>),

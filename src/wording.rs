@@ -106,7 +106,7 @@ pub(crate) fn drawn_structures(count: usize) -> String {
     }
 }
 
-/// The unit in which a person reads a quantity in this SI unit, and the factor to it: mm, ms, kN, g.
+/// A readable unit for a quantity in this SI unit, and the factor to it: mm, ms, kN, g.
 pub(crate) fn readable(unit: &str) -> (&str, f64) {
     match unit {
         "m" => ("mm", 1e3),

@@ -21,7 +21,7 @@ pub(super) struct Motions<'a> {
     graph: &'a Graph,
     bodies: &'a Bodies,
     radiators: &'a Radiators,
-    /// The cycle with the tool's lumped masses alone.
+    /// The cycle with only the tool's lumped masses.
     lumped: Stored<CycleRecord>,
     settings: Settings,
     /// The shot on workpiece and support.
@@ -46,7 +46,7 @@ pub(super) struct Driven {
     pub(super) cycle: Stored<CycleRecord>,
     /// The motion.
     pub(super) vibration: Stored<Vibration>,
-    /// Both together, where they are coupled two ways.
+    /// Both together, if they are coupled two ways.
     pub(super) coupled: Option<Stored<Coupled>>,
 }
 
@@ -54,7 +54,7 @@ impl<'a> Motions<'a> {
     /// For a design with the cycle `lumped` of its lumped masses, and a factor on the forces of the shot on the workpiece.
     ///
     /// # Errors
-    /// Values of the design from which no inputs can be made.
+    /// Values of the design that do not yield inputs.
     pub(super) fn new(
         graph: &'a Graph,
         design: &Design,

@@ -1,5 +1,5 @@
-//! `nailnoise check`: whether a mesh can be trusted, and what its modes will cost; a design without a body is explained as
-//! a whole.
+//! `nailnoise check`: whether a mesh can be trusted, and the cost of its modes; a design without a body is explained in
+//! full.
 
 use std::path::PathBuf;
 use std::process::ExitCode;

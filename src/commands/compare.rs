@@ -207,7 +207,7 @@ fn changes(paired: &PairedStudy) -> String {
     )
 }
 
-/// Runs a design and writes its files to a folder of its own, as `nailnoise run` does.
+/// Runs a design and writes its files to a separate folder, like `nailnoise run`.
 fn finish(
     path: &Path,
     before: &[Finished],

@@ -1,4 +1,4 @@
-//! `nailnoise completions`: what a shell completes.
+//! `nailnoise completions`: completion of commands in a shell.
 
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -57,7 +57,7 @@ fn folder(shell: Shell) -> Result<PathBuf, Error> {
     })
 }
 
-/// What is left to do.
+/// The remaining step for the user.
 fn remark(shell: Shell, path: &Path) -> String {
     let folder = path.parent().unwrap_or(Path::new("")).display();
     match shell {

@@ -1,5 +1,5 @@
-//! `nailnoise check DESIGN`: whether a design can run and drives its nail, what is missing, which values are not plausible,
-//! the effect of each input, what to measure first, and what a run costs.
+//! `nailnoise check DESIGN`: whether a design can run and drives its nail, missing parts, implausible values, the
+//! effect of each input, the first inputs to measure, and the cost of a run.
 
 use std::collections::BTreeMap;
 use std::process::ExitCode;
@@ -45,7 +45,7 @@ struct Explanation {
     digest: String,
     /// Number of values of each provenance.
     provenance: BTreeMap<&'static str, usize>,
-    /// Whether a run is possible: there are no obstacles.
+    /// Whether a run is possible: the list of obstacles is empty.
     runs: bool,
     /// How the shot ends, where the nail is not driven or the exhaust does not open; null otherwise.
     headline: Option<Headline>,
@@ -53,7 +53,7 @@ struct Explanation {
     shot: Option<Shot>,
     /// Values outside the ranges of such tools, or of the design.
     outside: Vec<OutsideValue>,
-    /// What each input does, the largest effect first.
+    /// Effect of each input, the largest first.
     effects: Effects,
     /// What to measure, the largest effect first.
     measure_first: Vec<ToMeasure>,
@@ -63,9 +63,9 @@ struct Explanation {
     /// does not use are left out.
     unknowns: Vec<String>,
     bodies: Vec<BodyPlan>,
-    /// Estimated cost of each stage that is not kept, from the design alone.
+    /// Estimated cost of each stage without a stored result, only from the design.
     stages: Vec<StageCost>,
-    /// The thin gap below the workpiece, and the error of its panels; null where there is none.
+    /// The thin gap below the workpiece, and the error of its panels; null without a gap.
     gap: Option<String>,
     /// Obstacles to a run, and their remedies.
     obstacles: Vec<String>,
@@ -105,7 +105,7 @@ struct BodyPlan {
     checked: bool,
 }
 
-/// What is asked of a design.
+/// The requests on a design.
 pub(super) struct Asked {
     /// Memory that a stage may need.
     pub(super) memory: MemoryLimit,
@@ -188,7 +188,7 @@ fn explain(design: &Design, mut stages: Vec<StageCost>, asked: &Asked) -> Result
     }
     let record = match record {
         Ok(record) => Some(record),
-        // As a dry fire: an obstacle like others, next to which all else is stated.
+        // The same for a dry fire: an obstacle like others, next to which all else is stated.
         Err(error @ Error::Cycle(_)) => {
             obstacles.push(format!("nailing cycle: {}", error.in_words()));
             None

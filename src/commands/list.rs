@@ -155,7 +155,7 @@ fn number(value: &Value) -> Option<f64> {
     }
 }
 
-/// A value over a scale, with a mark where it is an estimate and, if asked for, its range.
+/// A value over a scale, with a mark for an estimate and, on request, its range.
 fn cell(named: &Named, key: &str, (scale, digits): (f64, usize), with_range: bool) -> String {
     let Some(own) = value(named, key) else {
         return "-".to_owned();

@@ -1,7 +1,7 @@
 //! `nailnoise optimise`: the designs of the lowest level, by the optimiser of the Python package.
 //!
-//! Well-kept optimisers with constraints, integers, choices and fronts are at home in Python (Optuna). The package `nailnoise` calls
-//! them; this command passes its arguments on.
+//! Well-maintained optimisers with constraints, integers, choices and fronts are at home in Python (Optuna). The
+//! package `nailnoise` calls them; this command passes its arguments on.
 
 use std::ffi::OsString;
 use std::process::ExitCode;

@@ -22,7 +22,7 @@ use crate::store::Store;
 use crate::study::{self, Draws, Estimate, Part, Request, StudyResult};
 use crate::{figures, report, shipped};
 
-/// The file that is written last, so that a folder that holds it holds all the rest.
+/// The last file to be written, so that a folder with it has all the rest.
 const LAST: &str = "study.json";
 
 #[derive(Args)]
@@ -333,7 +333,7 @@ fn arguments_of(request: &Request) -> Vec<String> {
         .collect()
 }
 
-/// States what a task did.
+/// States the result of a task.
 fn execute_task(task: Task, made: &Draws, folder: &Path, json: bool, progress: &Progress) -> Result<ExitCode, Error> {
     progress.end();
     report_failures("draw", &made.failures);
@@ -363,7 +363,7 @@ fn draws(store: &Store, design: &Design, request: &Request, progress: &Progress)
     Ok((study::draws(&graph, design, request, progress)?, graph))
 }
 
-/// A study of a design, kept for later runs, and its draws.
+/// A study of a design, stored for later runs, and its draws.
 pub(super) fn compute(
     store: &Store,
     design: &Design,

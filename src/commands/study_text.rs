@@ -80,7 +80,7 @@ fn of_surrogates(surrogates: &[Surrogate]) -> String {
     text
 }
 
-/// What the largest contribution exceeds by chance.
+/// The value that the largest contribution exceeds by chance.
 fn by_chance(own: &Contributions) -> String {
     match own.by_chance_of_structures {
         None => format!("{:.2}", own.by_chance),

@@ -56,7 +56,7 @@ pub(super) fn dash<T>(value: Option<T>, words: impl FnOnce(T) -> String) -> Stri
     value.map_or_else(|| "-".to_owned(), words)
 }
 
-/// A number with so many decimals; a dash where there is none.
+/// A number with so many decimals; a dash for none.
 pub(super) fn fixed(value: Option<f64>, decimals: usize) -> String {
     dash(value, |value| format!("{value:.decimals$}"))
 }

@@ -32,12 +32,12 @@ pub struct Input {
     pub key: String,
     /// Its value, quantities in SI units.
     pub value: serde_json::Value,
-    /// Unit of the value; empty where it has none.
+    /// Unit of the value; empty if it has none.
     pub unit: String,
 }
 
 impl Finished {
-    /// Whether `path` names a finished result and not a design: a `.json` file, or a folder that holds `result.json`.
+    /// Whether `path` names a finished result and not a design: a `.json` file, or a folder with a `result.json`.
     pub fn is_at(path: &Path) -> Option<PathBuf> {
         if path.is_dir() {
             Some(path.join("result.json"))
@@ -69,7 +69,7 @@ impl Finished {
         Ok(result)
     }
 
-    /// Reads what a `result.json` holds; `path` is named in errors.
+    /// Reads the content of a `result.json`; `path` is named in errors.
     ///
     /// # Errors
     /// [`Error::NotAResult`].

@@ -1,4 +1,4 @@
-//! Designs side by side: what differs in them, and what that does to sources, bands, intervals and cycle.
+//! Designs side by side: their differences, and the effects of these on sources, bands, intervals and cycle.
 //!
 //! A comparison needs finished results only, so that designs of different days compare as well as those just run. The
 //! first result is the reference: changes are those of the others from it.
@@ -25,18 +25,18 @@ pub struct Comparison {
     pub schema: &'static str,
     /// Names of the designs, the reference first.
     pub designs: Vec<String>,
-    /// Frequency range of the levels of each \[Hz\], where they are not all the same; null where they are. Changes are then not
-    /// those of the designs.
+    /// Frequency range of the levels of each \[Hz\], if they are not all the same; null if they are. Changes are then
+    /// not those of the designs.
     pub unlike_ranges: Option<Vec<[f64; 2]>>,
     /// Keys whose values differ.
     pub inputs: Vec<InputRow>,
-    /// What the shots did.
+    /// Outcomes of the shots.
     pub outcomes: Vec<String>,
     /// Headline of each shot; null where the nail is driven and the exhaust opens.
     pub headlines: Vec<Option<Headline>>,
     /// Why the levels must not be compared, where the shots do not end alike; null where they do.
     pub unlike: Option<String>,
-    /// Sources in the order of the reference's ranking; sources that it lacks follow.
+    /// Sources in the order of the reference's ranking; sources that are not in it follow.
     pub sources: Vec<SourceRow>,
     /// A-weighted level of all sources together \[dB re 1 pW s\].
     pub total: Levels,
@@ -55,7 +55,7 @@ pub struct InputRow {
     pub key: String,
     /// Unit of its values; empty where they have none.
     pub unit: String,
-    /// Its values; null where a design lacks the key.
+    /// Its values; null if the key is not in a design.
     pub values: Vec<serde_json::Value>,
 }
 
@@ -66,7 +66,7 @@ pub struct ValueRow {
     pub name: String,
     /// Unit of its values; empty where they have none.
     pub unit: &'static str,
-    /// Its values; null where there is none.
+    /// Its values; null for none.
     pub values: Vec<Option<f64>>,
 }
 
@@ -226,7 +226,8 @@ impl Comparison {
         }
     }
 
-    /// What exceeds a limit, each in words. The reference is not held to it: it is what the others are proposals to better.
+    /// What exceeds a limit, each in words. The limits do not apply to the reference: the others are proposals for its
+    /// improvement.
     pub fn exceeded(&self, limits: &[Limit]) -> Vec<String> {
         let mut found = Vec::new();
         for limit in limits {
@@ -252,7 +253,7 @@ impl Comparison {
     }
 }
 
-/// All names that the results have, in the order in which they first appear.
+/// All names that the results have, in the order of their first appearance.
 fn in_order(results: &[Finished], names: impl Fn(&Finished) -> Vec<String>) -> Vec<String> {
     let mut all: Vec<String> = Vec::new();
     for name in results.iter().flat_map(names) {

@@ -1,14 +1,14 @@
-//! Values of a design that do not go together: what a message says of them, their keys, and the remedy.
+//! Conflicting values of a design: the message, their keys, and the remedy.
 
 use nailnoise_quantities::dimension::*;
 
 use super::show::{Short, mm, show};
 use super::springs::Sprung;
 
-/// Compression up to which the printed polynomial of the closing spring (Eq. 4.60) holds \[m\].
+/// Compression up to which the printed polynomial of the closing spring (Eq. 4.60) is valid \[m\].
 pub(super) const SPRING_LIMIT: f64 = 5e-3;
 
-/// Two or more values that do not go together, with their numbers in SI units.
+/// Two or more conflicting values, with their numbers in SI units.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Conflict {
@@ -162,7 +162,7 @@ pub enum Conflict {
     /// A fitting and a muffler on the same holes.
     #[error("`exhaust.fitting.kind` and `exhaust.muffler.kind` put a fitting and a muffler on the same holes")]
     FittingAndMuffler,
-    /// Nothing carries a body that stands on springs.
+    /// Nothing carries a body that rests on springs.
     #[error("nothing carries the {}: it stands on springs, and none on it has a `stiffness_z` above 0", body.as_str())]
     NotCarried {
         /// The body.

@@ -1,4 +1,4 @@
-//! What is wrong with a design, where, and what to do about it.
+//! The fault of a design, its place, and the remedy.
 
 use std::error::Error;
 use std::fmt::{self, Display};
@@ -21,15 +21,16 @@ use super::surfaces::SurfaceProblem;
 pub struct DesignError {
     /// What is wrong.
     pub problem: Problem,
-    /// The key to look at, or the `base` key that asks for a file; none where a whole file is meant or no file gives the key.
+    /// The key in question, or the `base` key that names a file; none if the error concerns an entire file or no file
+    /// gives the key.
     pub at: Option<Box<Place>>,
 }
 
-/// What is wrong with a design.
+/// The fault of a design.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Problem {
-    /// There is no such file.
+    /// The file does not exist.
     #[error("there is no design file `{}`", path.display())]
     NotFound {
         /// The file asked for.
@@ -42,10 +43,10 @@ pub enum Problem {
     Unreadable {
         /// The file.
         path: PathBuf,
-        /// What the system says.
+        /// Message of the system.
         source: io::Error,
     },
-    /// The file holds bytes that are no UTF-8 text.
+    /// The file contains bytes that are not UTF-8 text.
     #[error("the design file `{}` is not text: line {line} holds bytes that are not UTF-8", path.display())]
     NotText {
         /// The file.
@@ -56,7 +57,7 @@ pub enum Problem {
     /// The text is no TOML.
     #[error("this is not TOML: {message}")]
     Syntax {
-        /// What the reader stumbled over.
+        /// Fault that the reader found.
         message: String,
     },
     /// A file inherits from itself, directly or through others.
@@ -72,7 +73,7 @@ pub enum Problem {
         key: String,
         /// The key most like it, if one is.
         nearest: Option<String>,
-        /// The keys that may stand in its place.
+        /// The permitted keys at this place.
         known: Vec<String>,
     },
     /// A key of an earlier version.
@@ -90,7 +91,7 @@ pub enum Problem {
         group: String,
         /// The group most like it, if one is.
         nearest: Option<String>,
-        /// The groups that may stand in its place.
+        /// The permitted groups at this place.
         known: Vec<String>,
     },
     /// A member of a list whose name could not be one in results and files.
@@ -106,7 +107,7 @@ pub enum Problem {
         key: String,
         /// What stands there.
         found: String,
-        /// What may stand there.
+        /// The permitted value or text.
         expected: String,
     },
     /// A text that does not begin with a number.
@@ -124,7 +125,7 @@ pub enum Problem {
     BadUnit {
         /// Full name of the key.
         key: String,
-        /// What is wrong with the unit.
+        /// The fault of the unit.
         problem: UnitError,
         /// What is expected.
         expected: Dimension,
@@ -134,7 +135,7 @@ pub enum Problem {
     WrongUnit {
         /// Full name of the key.
         key: String,
-        /// The unit found; empty where there is none.
+        /// The unit found; empty if there is none.
         unit: String,
         /// Its dimension.
         found: Dimension,
@@ -157,7 +158,7 @@ pub enum Problem {
         /// What stands there.
         found: String,
     },
-    /// A value outside what the physics allows.
+    /// A value outside the physical limits.
     #[error("`{key}` is {found}, it must be {allowed}")]
     OutsideLimits {
         /// Full name of the key.
@@ -214,7 +215,7 @@ pub enum Problem {
         key: String,
         /// The file.
         path: PathBuf,
-        /// What the system said.
+        /// Message of the system.
         reason: String,
     },
     /// A name that no catalogue has.
@@ -251,7 +252,7 @@ pub enum Problem {
         /// The primary quantities and their values.
         primaries: Vec<(&'static str, String)>,
     },
-    /// Values that do not go together.
+    /// Conflicting values.
     #[error("{conflict}")]
     Conflict {
         /// The conflict with its numbers.
@@ -259,12 +260,12 @@ pub enum Problem {
         /// The other keys and their places.
         others: Vec<(&'static str, String)>,
     },
-    /// A sensor that cannot measure what it is asked for.
+    /// A sensor that cannot make the requested measurement.
     #[error("the sensor `{name}` {problem}")]
     Sensor {
         /// Its name.
         name: String,
-        /// What is wrong with it.
+        /// The fault of the sensor.
         problem: SensorProblem,
     },
     /// A stage that needs more memory than allowed.
@@ -272,9 +273,9 @@ pub enum Problem {
     TooCostly {
         /// Name of the stage.
         stage: &'static str,
-        /// What it needs, in words.
+        /// Its requirements, in words.
         needs: String,
-        /// What is allowed, in words.
+        /// The permitted values, in words.
         allowed: String,
         /// The keys that change it most, and what to do with each.
         keys: &'static [(&'static str, &'static str)],
@@ -284,7 +285,7 @@ pub enum Problem {
     Surface {
         /// Its name.
         name: String,
-        /// What is wrong with it.
+        /// The fault of the surface.
         problem: SurfaceProblem,
     },
     /// A cap that cannot be separated from the rest of the tool body, where its outer side counts to the exhaust.
@@ -352,7 +353,7 @@ impl DesignError {
         self.at.as_deref()
     }
 
-    /// Full name of the key that it is about; none where it is about none or about several.
+    /// Full name of the key in question; none if the problem concerns no key or several.
     pub fn key(&self) -> Option<&str> {
         self.problem.key()
     }
@@ -522,7 +523,7 @@ impl Problem {
         }
     }
 
-    /// The name of its kind, and what is said at its place.
+    /// The name of its kind, and the label at its place.
     fn words(&self) -> [&'static str; 2] {
         match self {
             Self::NotFound { .. } => ["not_found", "asked for here"],
@@ -584,7 +585,7 @@ impl Diagnostic for DesignError {
     }
 }
 
-/// Something about a design that the user should know; it does not stop the run.
+/// A remark on a design for the user; it does not stop the run.
 #[derive(Debug, Clone, thiserror::Error)]
 #[non_exhaustive]
 pub enum Warning {
@@ -602,7 +603,7 @@ pub enum Warning {
         /// Where the value is given.
         at: Box<Place>,
     },
-    /// A base that is not there, in whose place stands the design of this name that comes with the program.
+    /// The base is missing, and the design of this name that comes with the program replaces it.
     #[error("`base = \"{name}\"` is not found beside the design: it is the one that comes with nailnoise {}", env!("CARGO_PKG_VERSION"))]
     ShippedBase {
         /// The base as it is named.
@@ -623,7 +624,7 @@ pub enum Warning {
 }
 
 impl Warning {
-    /// What it points at.
+    /// The place in question.
     pub fn place(&self) -> &Place {
         match self {
             Self::OutsideRange { at, .. } | Self::Computed { at, .. } | Self::ShippedBase { at, .. } => at,

@@ -1,4 +1,4 @@
-//! What a chain of files says about one key before it is resolved.
+//! Values, ranges and texts of one key from a chain of files, before it is resolved.
 
 use nailnoise_quantities::KeySpec;
 
@@ -8,7 +8,7 @@ use super::provenance::Provenance;
 use super::range::GivenRange;
 use super::settings::Given;
 
-/// What the files say about one key, the nearest file last.
+/// Values, ranges and texts of one key from the files, the nearest file last.
 #[derive(Debug)]
 pub(crate) struct Merged {
     pub(super) spec: &'static KeySpec,
@@ -20,7 +20,7 @@ pub(crate) struct Merged {
     pub(super) provenance: Provenance,
     pub(super) source: String,
     pub(super) note: String,
-    /// How many files stand between this one and the design itself.
+    /// Number of files between this one and the design itself.
     pub(super) depth: usize,
 }
 
@@ -30,7 +30,7 @@ impl Merged {
         self.value.as_ref().map(|(given, ..)| given.clone())
     }
 
-    /// Drops what is said of its range.
+    /// Drops the statements on its range.
     pub(crate) fn forget_range(&mut self) {
         (self.range, self.value_of_range, self.distribution) = (None, None, None);
     }

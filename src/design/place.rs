@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use miette::NamedSource;
 
-/// A place in a design file, to which an error points.
+/// A place in a design file, the target of an error.
 #[derive(Debug, Clone)]
 pub struct Place {
     pub(crate) source: NamedSource<Arc<str>>,

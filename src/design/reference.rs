@@ -8,7 +8,7 @@ use super::derived::DERIVED;
 use super::facts::{KeyFacts, facts};
 use super::groups::Values;
 
-/// All groups and keys of the design file as Markdown: key, what may stand there, symbol, description.
+/// All groups and keys of the design file as Markdown: key, permitted values, symbol, description.
 pub fn reference() -> String {
     let mut text = String::from(INTRODUCTION);
     for (name, group) in Values::SPEC.groups {

@@ -46,7 +46,7 @@ group! {
     }
 }
 
-/// What is wrong with a sensor, with the numbers.
+/// The fault of a sensor, with the numbers.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum SensorProblem {

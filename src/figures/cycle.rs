@@ -5,7 +5,7 @@ use nailnoise_dynamics::CycleRecord;
 use super::chart::{Axis, Chart, Panel, Series, Shape, events};
 use crate::design::Values;
 
-/// The charts of a nailing cycle, [`energy`](super::energy) last. `subject` says what they are of.
+/// The charts of a nailing cycle, [`energy`](super::energy) last. `subject` names their subject.
 pub fn cycle(subject: &str, design: &Values, record: &CycleRecord) -> Vec<Chart> {
     let (r, f) = (record, &record.forces);
     let time: Vec<f64> = (0..r.len()).map(|index| 1e3 * r.time(index)).collect();

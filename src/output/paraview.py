@@ -30,7 +30,7 @@ with open(os.path.join(here, "result.json")) as file:
     result = json.load(file)
 value = {entry["key"]: entry["value"] for entry in result["inputs"]}
 
-# The tool's axes begin at the tip of its nose, which stands on the workpiece.
+# The tool's axes begin at the tip of its nose, which rests on the workpiece.
 NOSE = [value["nail.offset_along"], value["nail.offset_across"], value["workpiece.thickness"]]
 
 # Levels shown below the highest [dB], and the share of the highest velocity at which colours end.

@@ -1,5 +1,5 @@
-//! What the sensors recorded: `sensors.csv`, `sensors-spectrum.csv`, `transducers.csv`, and `sensors.uff` and `transducers.uff`
-//! for modal-test software.
+//! Records of the sensors: `sensors.csv`, `sensors-spectrum.csv`, `transducers.csv`, and `sensors.uff` and
+//! `transducers.uff` for modal-test software.
 
 use nailnoise_acoustics::fourier::{Transform, TransformSettings};
 use nailnoise_meshes::uff::{History, Ordinate};
@@ -24,7 +24,7 @@ pub(super) fn files(run: &Run, all: bool) -> Result<Vec<File>, Error> {
     Ok(files)
 }
 
-/// Name of a sensor and where it is.
+/// Name and place of a sensor.
 fn title(name: &str, place: &str) -> String {
     format!("{name} ({place})")
 }

@@ -6,7 +6,7 @@ use crate::design::{Design, Entry, Provenance, RangeOrigin};
 
 use super::tables::plain;
 
-/// The inputs by provenance; estimates, which a designer should look at first, are open.
+/// The inputs by provenance; estimates, the first inputs for a designer to check, are open.
 pub(super) fn section(design: &Design) -> Markup {
     let entries = design.entries();
     let of = |provenance: Provenance| -> Vec<&Entry> {

@@ -7,7 +7,7 @@ use nalgebra::{Matrix3, Vector3};
 /// Each pixel is the mean of so many by so many.
 const SAMPLES: usize = 2;
 
-/// Margin around what is shown, as part of the picture.
+/// Margin around the content, as part of the picture.
 const MARGIN: f64 = 0.03;
 
 /// Brightness of a face whose normal is across the view; one that faces the viewer has 1.

@@ -16,7 +16,7 @@ pub enum ScalingError {
         /// The names of the classes.
         known: String,
     },
-    /// Dimensions that do not go together.
+    /// Conflicting dimensions.
     #[error("no design of a {tool} follows from the rules: {source}")]
     Together {
         /// Class, bore, stroke and mass.

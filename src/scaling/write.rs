@@ -121,7 +121,7 @@ impl File<'_> {
         Ok(())
     }
 
-    /// What was asked for or is of the class.
+    /// Values that were requested or belong to the class.
     fn given(&mut self, tool: &Tool, ratios: Ratios, setting: Setting) -> Result<(), ScalingError> {
         let source = &tool.class.source;
         let own = |chosen: Chosen| match chosen.given {

@@ -1,4 +1,4 @@
-//! Jobs on threads of their own. The pool of threads serves the stages within a job, which wait for each other.
+//! Jobs on separate threads. The pool of threads serves the stages within a job, which wait for each other.
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
@@ -35,7 +35,7 @@ pub(super) fn on_threads<T: Send>(count: usize, compute: impl Fn(usize) -> T + S
     results.into_iter().flatten().collect()
 }
 
-/// The levels of the shot of a chain, where they are kept.
+/// The levels of the shot of a chain, if they are stored.
 pub(super) fn kept_levels(graph: &Graph, chain: Result<Chain, Error>) -> Result<Levels, Error> {
     let kept = graph
         .store()

@@ -72,7 +72,7 @@ pub(super) fn outputs(table: &LevelTable, names: &[String]) -> Vec<(String, Vec<
     outputs
 }
 
-/// A number for what a variable is in a draw.
+/// A number for the value of a variable in a draw.
 pub(super) fn number(drawn: Option<Drawn>) -> Option<f64> {
     match drawn? {
         Drawn::Value(Value::Number(value)) => Some(value),
@@ -83,7 +83,7 @@ pub(super) fn number(drawn: Option<Drawn>) -> Option<f64> {
     }
 }
 
-/// What a variable is in each draw, as a number; NaN where it is held.
+/// Value of a variable in each draw, as a number; NaN if it is fixed.
 pub fn column(made: &Draws, variable: &str) -> Vec<f64> {
     let own = made.variables.iter().enumerate().find(|(_, own)| own.name == variable);
     let drawn = |draw: &Draw| own.and_then(|(place, variable)| variable.drawn(draw.shares[place]));

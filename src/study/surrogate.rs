@@ -104,7 +104,7 @@ pub(super) fn surrogates(design: &Design, made: &Draws, names: &[String]) -> Vec
         .collect()
 }
 
-/// The reason why none of them states indices, where it is the same for all.
+/// The reason why none of them states indices, if it is the same for all.
 pub fn common_reason(surrogates: &[Surrogate]) -> Option<&str> {
     let reason = surrogates.first()?.not_resolved.as_deref()?;
     let same = |own: &Surrogate| own.not_resolved.as_deref() == Some(reason);

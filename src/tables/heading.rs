@@ -25,7 +25,7 @@ pub(crate) struct Heading {
     pub(crate) text: String,
     /// Without unit.
     pub(crate) name: String,
-    /// The unit; empty where there is none.
+    /// The unit; empty if there is none.
     pub(crate) unit: String,
 }
 
@@ -81,7 +81,7 @@ impl Heading {
     /// SI units in a unit of its numbers; 1 without a unit.
     ///
     /// # Errors
-    /// What is wrong with the unit.
+    /// The fault of the unit.
     pub(crate) fn factor(&self, of: ColumnOf) -> Result<f64, String> {
         match suffix(&self.name.to_lowercase(), of) {
             Some(factor) if self.unit.is_empty() => Ok(factor),

@@ -4,13 +4,13 @@ use super::heading::Heading;
 use super::label::dimension_of;
 use super::rows::number;
 
-/// Separators in the order in which they are tried: a heading or a decimal number may contain a comma.
+/// Separators in the order of trial: a heading or a decimal number may contain a comma.
 const SEPARATORS: [u8; 4] = [b';', b'\t', b',', b'|'];
 
 /// Lines of a file within which its headings are looked for.
 const PREAMBLE: usize = 200;
 
-/// Lines behind the headings of which one has numbers: a row of units and a damaged one may come before it.
+/// Number of lines after the headings to search for numbers: a row of units and a damaged one may come before it.
 const BEHIND: usize = 4;
 
 /// Where rows begin.
@@ -110,8 +110,8 @@ fn is_units(fields: &[String], columns: usize) -> bool {
     (1..=columns).contains(&count) && fields.iter().all(unit)
 }
 
-/// Finds the headings of a table: the first line that `is_header` accepts with numbers close behind it, else that
-/// before the first line of numbers, else the first line that is accepted, so that an error is about what is there.
+/// Finds the headings of a table: the first line that `is_header` accepts with numbers close after it, else that before
+/// the first line of numbers, else the first line that is accepted, so that an error concerns the content of the file.
 pub(super) fn find(text: &str, is_header: impl Fn(&[Heading]) -> bool) -> Option<Layout> {
     let mut lines = lines(text);
     let stated = lines.first().and_then(stated);

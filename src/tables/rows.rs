@@ -34,7 +34,7 @@ impl Table {
     /// Columns of numbers. A column may end before the others; a number behind its end is an error.
     ///
     /// # Errors
-    /// [`TableFault::Line`] for the first field that is no number, with its place in `columns`.
+    /// [`TableFault::Line`] for the first field that is not a number, with its place in `columns`.
     pub(crate) fn columns(&self, columns: &[usize]) -> Result<Columns, TableFault> {
         let mut found = Columns {
             values: vec![Vec::new(); columns.len()],
@@ -90,7 +90,7 @@ impl Table {
         Ok(found)
     }
 
-    /// Whether a comma may stand between thousands: only where commas separate the columns, so that it was quoted.
+    /// Whether a comma may separate thousands: only if commas separate the columns, so that it was quoted.
     fn is_ambiguous(&self, field: &str) -> bool {
         let Some((whole, decimals)) = field.trim_start_matches(['+', '-']).split_once(',') else {
             return false;

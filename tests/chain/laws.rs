@@ -1,4 +1,4 @@
-//! Laws of the whole chain that hold for every design.
+//! Laws of the full chain that apply to every design.
 
 use crate::common::{body, graph, run_with_chain, store};
 use nailnoise::Design;

@@ -1,4 +1,5 @@
-//! Files of sound at the microphones: they hold what `microphones.csv` and `microphones-bands.csv` state, read as a user reads them.
+//! Files of sound at the microphones: they agree with `microphones.csv` and `microphones-bands.csv`, read as a user
+//! reads them.
 
 use std::collections::BTreeMap;
 use std::sync::LazyLock;

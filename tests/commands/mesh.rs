@@ -21,7 +21,7 @@ fn said(output: &Output) -> String {
     text.split_whitespace().collect::<Vec<_>>().join(" ")
 }
 
-/// The command ends with status 2 and names what is wrong.
+/// The command ends with status 2 and names the fault.
 #[track_caller]
 fn refused(output: &Output, expected: &str) {
     assert_eq!(output.status.code(), Some(2), "{}", said(output));

@@ -85,7 +85,7 @@ fn the_figure_of_an_underdriven_nail_is_the_length_that_protrudes() {
     );
 }
 
-/// Each input that is named does what is said of it: the cycle is computed anew with the value that is shown.
+/// Each named input has the stated effect: the cycle is computed anew with the value that is shown.
 #[test]
 fn the_named_inputs_change_the_shot_as_stated() {
     let (_, _, keys) = MISSED[0];
@@ -138,7 +138,7 @@ fn the_terminal_begins_and_ends_with_the_miss_and_the_page_shows_it_before_the_l
             .contains("does not open"),
         "{text}"
     );
-    // Without a terminal there is no colour.
+    // Output that is not a terminal has no colour.
     assert!(!text.contains('\u{1b}'), "{text}");
     let (miss, level) = (
         page.find("class=\"missed\"").unwrap(),

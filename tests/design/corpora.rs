@@ -1,5 +1,5 @@
-//! Bytes of any kind in the place of files, and numbers of any size in the place of values: the fuzz targets' corpora, and
-//! values drawn over all magnitudes.
+//! Bytes of any kind as files, and numbers of any size as values: the fuzz targets' corpora, and values drawn over all
+//! magnitudes.
 
 #[allow(unreachable_pub)] // public in the crate of the fuzz targets
 #[path = "../../fuzz/src/lib.rs"]
@@ -51,7 +51,7 @@ fn numbers() -> Vec<(String, Kind)> {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(2000))]
 
-    /// A value of any magnitude is read or refused by its key, and what is read lies in the domain.
+    /// A value of any magnitude is read or refused by its key, and every value that is read lies in the domain.
     #[test]
     fn a_value_of_any_magnitude_is_read_within_its_domain_or_refused(
         index in any::<prop::sample::Index>(), exponent in -300.0..300.0_f64, negative in any::<bool>(),

@@ -19,7 +19,7 @@ STILL = ["--set", "test.pressure_scatter=0", "--set", "test.resistance_scatter=0
 
 def value(program, *arguments):
     done = subprocess.run([program, *arguments, "--json", "--quiet"], capture_output=True, text=True)
-    # Status 3 is a failed check of a result that stands.
+    # Status 3 is a failed check of a valid result.
     assert done.returncode in (0, 3), done.stderr
     return json.loads(done.stdout)
 

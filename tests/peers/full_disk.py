@@ -114,7 +114,7 @@ def main(program: str, design: str, steps: int) -> None:
                 whole = 0
                 for step in range(steps):
                     full.restore()
-                    # Up to 2.2 times what the old result takes: while files change places, both results are there.
+                    # Up to 2.2 times the size of the old result: while files change places, both results are there.
                     limit = begin + max(1, step * begin * 12 // (steps * 10))
                     whole += full.step(limits.format(limit), anew)
                 assert 0 < whole < steps, f"{what}: {whole} of {steps} runs left the new result"

@@ -140,7 +140,7 @@ def keys(schema, path=""):
             yield from keys(node, f"{full}.")
 
 
-# What the design says, the command, the expected status and words of the message.
+# The content of the design, the command, the expected status and words of the message.
 NAMED = [
     ('nail.length = "65 mm"\nnail.diameter = "2.9 mm"', ["cycle", "--json"], {3}, ["overdriven", "below the surface"]),
     ('nail.tip_gap = "26 mm"', ["check"], {2}, ["nail.tip_gap", "piston.rod_protrusion"]),

@@ -206,7 +206,7 @@ def end_studies(runs: "Runs", kills: int, chance: random.Random) -> None:
     for _ in range(kills):
         process = subprocess.Popen(command, **quiet)
         try:
-            # Later kills fall on a study of which much is kept.
+            # Later kills hit a study with many stored results.
             process.wait(timeout=chance.uniform(0.0, whole) * chance.random())
         except subprocess.TimeoutExpired:
             end(process, chance.choice((signal.SIGKILL, signal.SIGTERM)))

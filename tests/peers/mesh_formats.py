@@ -208,7 +208,7 @@ def partitions():
 
 def grids(path, found):
     """The written VTU and MSH files hold the same mesh to meshio."""
-    # meshio knows no prisms of 15 nodes.
+    # meshio does not support prisms of 15 nodes.
     if path.name.startswith("prisms"):
         return
     vtu, msh = path.with_suffix(".vtu"), path.with_name(path.stem + "-own.msh")

@@ -103,7 +103,7 @@ def main():
     wrong, counts, tried, driving = [], {"inside": 0, "outcome differs": 0, "outside": 0}, 0, []
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
-        # The same design with a screening: small.toml asks for none.
+        # The same design with a screening: small.toml does not request one.
         design = folder / "base.toml"
         design.write_text(f'base = "{Path(options.design).resolve()}"\n[study]\nscreening = {options.screening}\n')
         keys = keys_of(program, str(design))

@@ -29,7 +29,7 @@ pub(crate) fn support(design: &Design) -> String {
     }
 }
 
-/// What counts to another source by the convention of wrapping; nothing by the physical one.
+/// Parts that count to another source by the convention of wrapping; none by the physical one.
 pub(crate) fn convention(design: &Design) -> Option<String> {
     let own = &design.sources;
     if own.convention == Convention::Physical {
