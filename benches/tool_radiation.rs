@@ -1,4 +1,4 @@
-//! One frequency of the tool's radiation far above what its own mesh resolves, with the dense and with the compressed
+//! One frequency of the tool's radiation far above the resolution of its mesh, with the dense and with the compressed
 //! matrix: `cargo bench -p nailnoise --bench tool_radiation -- [HZ ...]`, 8 kHz unless given.
 //!
 //! The body of the N80CB moves in all its modes. Times are processor time of the complete process, with its modes in

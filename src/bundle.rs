@@ -195,7 +195,7 @@ pub fn deliver(
         fields,
     };
     let place = || {
-        // Every file, be it the same as before or not: to see that would cost more.
+        // Every file, whether or not it is the same as before: a comparison would cost more.
         let write = |file: &File| staging.write_unsynced(&file.path, &file.content);
         bundle.files.par_iter().try_for_each(write)?;
         wanted.write(&staging)?;
@@ -236,7 +236,7 @@ fn with_pictures(graph: &Graph, design: &Design) -> Result<(Chain, Stored<Pictur
     Ok((chain, pictures))
 }
 
-/// A run with what its files are made of.
+/// A run with the inputs of its files.
 struct Made {
     run: Run,
     pictures: Arc<Pictures>,
@@ -373,7 +373,7 @@ fn heard_at(files: &[File], run: &Run, microphone: usize) -> Vec<Recording> {
 }
 
 impl Bundle {
-    /// Writes the files that differ from those in `folder`, and nothing where all are in their places.
+    /// Writes the files that differ from those in `folder`, and nothing if all are in their places.
     fn restore(&self, folder: &Path, fields: &Wanted, outdated: &[PathBuf]) -> Result<(), Error> {
         let differs = |file: &&File| !fs::read(folder.join(&file.path)).is_ok_and(|there| there == file.content);
         let mut differing: Vec<&File> = self.files.par_iter().filter(differs).collect();

@@ -43,7 +43,7 @@ use sources::Sources;
 /// Changes of the physics for a run of the same design; for studies and tests of laws.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Options {
-    /// Factor on the forces of the shot on the workpiece, where a cycle drives it one way \[-\].
+    /// Factor on the forces of the shot on the workpiece, if a cycle drives it one way \[-\].
     pub workpiece_force_scale: f64,
     /// Seed of the jets' noise at the microphones; its levels do not depend on it.
     pub noise_seed: u32,
@@ -52,7 +52,7 @@ pub struct Options {
 }
 
 impl Default for Options {
-    /// The design as it is.
+    /// The design without changes.
     fn default() -> Self {
         Self {
             workpiece_force_scale: 1.0,
@@ -89,7 +89,7 @@ pub struct Chain {
     pub body: Stored<SurfaceSource>,
     /// Only the levels of all sources.
     pub levels: Stored<Levels>,
-    /// Keys of modes and of radiation in standard air: what shots on the same structures share.
+    /// Keys of modes and of radiation in standard air, which shots on the same structures share.
     pub(crate) structures: Vec<Digest>,
     /// Signals of the sensors.
     pub sensors: Stored<Vec<SensorRecord>>,
@@ -105,7 +105,7 @@ pub struct Chain {
     pub(crate) tool_report: Option<Stored<ToolChecks>>,
     /// The same shot one way, for a two-way coupled one.
     pub(crate) one_way: Option<OneWay>,
-    /// Linear motion with the frozen and with the complete impedance of the air, where its mass acts.
+    /// Linear motion with the frozen and with the complete impedance of the air, if its mass acts.
     pub(crate) loading: Option<ImpedanceComparison>,
     /// As in [`Options`].
     pub(crate) noise_seed: u32,
@@ -342,7 +342,7 @@ pub fn cycle_as_published(design: &Design, preset: Preset) -> Result<CycleRecord
     cycle_stage(design)?.published(preset).compute(&Progress::silent())
 }
 
-/// The same design without the muffler behind its exhaust holes, if the insertion loss of that was measured.
+/// The same design without the muffler after its exhaust holes, if the insertion loss of that was measured.
 fn without_measured_muffler(design: &Design) -> Option<Design> {
     (design.exhaust.muffler.kind == MufflerKind::InsertionLoss).then(|| {
         let mut bare = design.clone();

@@ -95,7 +95,7 @@ pub enum Error {
         python: String,
         /// Requirement in addition to the package.
         needed: &'static str,
-        /// What it said.
+        /// Message of the program.
         reason: String,
     },
     /// Python was ended from outside.
@@ -148,7 +148,7 @@ pub enum Error {
         missing: usize,
         /// All draws.
         draws: usize,
-        /// Where they should be.
+        /// The store where they should be.
         store: PathBuf,
     },
     /// A finished result contains no ranges to draw from.
@@ -162,7 +162,7 @@ pub enum Error {
     #[error("the sweep cannot vary this: {error}")]
     #[diagnostic(help("give a key of the design and its values, as in supply.pressure=80psig..110psig:7"))]
     NoAxis {
-        /// What is wrong.
+        /// The fault.
         error: crate::design::AssignmentError,
     },
     /// A sweep of too many points.
@@ -244,7 +244,7 @@ pub enum Error {
     NoSuchBody {
         /// Name of the design.
         design: String,
-        /// The body asked for.
+        /// The requested body.
         body: &'static str,
         /// Support of its workpiece.
         support: &'static str,
@@ -324,7 +324,7 @@ pub enum Error {
     NoLoadSurface {
         /// Name of the surface.
         group: &'static str,
-        /// What acts there.
+        /// The load that acts there.
         what: &'static str,
         /// The names there are.
         known: String,
@@ -338,7 +338,7 @@ pub enum Error {
     NoneOfSurface {
         /// Name of the surface.
         group: &'static str,
-        /// What acts there.
+        /// The load that acts there.
         what: &'static str,
     },
     /// A place of the design is on no face of its body.
@@ -384,7 +384,7 @@ pub enum Error {
         /// Its centroid \[m\].
         centre: [f64; 3],
     },
-    /// Pieces of a body cannot be tied as its surfaces say.
+    /// Pieces of a body cannot be tied according to its surfaces.
     #[error("the pieces of the {body} cannot be joined: {cause}")]
     #[diagnostic(help(
         "the surfaces NAME_slave and NAME_master must lie on each other within a tenth of the longest element side; mesh \
@@ -432,7 +432,7 @@ pub enum Error {
          radiates from the faces of its own mesh"
     ))]
     NotBoxes {
-        /// Where it differs.
+        /// Place of the difference.
         #[source]
         cause: nailnoise_acoustics::AcousticsError,
     },
@@ -443,7 +443,7 @@ pub enum Error {
          nail's place and the tool's height"
     ))]
     MicrophoneNearSurface {
-        /// Where it is, and how close.
+        /// Its place and its distance.
         #[source]
         cause: nailnoise_acoustics::ReceiverError,
     },
@@ -605,7 +605,7 @@ pub enum Error {
         /// The variable that would name the folder.
         variable: &'static str,
     },
-    /// A shell whose completions are asked for is not named.
+    /// A shell is not named although its completions are requested.
     #[error("which shell you use is not known")]
     #[diagnostic(help("name it: nailnoise completions bash --install"))]
     NoShell,
@@ -657,9 +657,9 @@ pub enum Error {
         path: PathBuf,
         /// Path of the number in it.
         at: String,
-        /// What is there.
+        /// Actual content.
         found: String,
-        /// What should be.
+        /// Expected content.
         expected: String,
     },
     /// A name that a list does not have.
@@ -766,7 +766,7 @@ impl Error {
         !matches!(self, Self::Upstream { .. })
     }
 
-    /// The error in one line: causes and remedy behind it.
+    /// The error in one line, followed by causes and remedy.
     pub(crate) fn in_words(&self) -> String {
         let help = Diagnostic::help(self).map_or_else(String::new, |help| format!("; {help}"));
         let causes = std::iter::successors(std::error::Error::source(self), |cause| cause.source());

@@ -60,7 +60,7 @@ pub(crate) fn install() {
     }
     // With a handler, a file that would exceed `ulimit -f` is an error of the write, which names the file.
     let _ = signal_hook::flag::register(SIGXFSZ, Arc::new(AtomicBool::new(false)));
-    // Without memory the standard library says so and aborts.
+    // Without memory the standard library reports it and aborts.
     let _ = signal_hook::flag::register_conditional_shutdown(SIGABRT, FAILED, Arc::new(AtomicBool::new(true)));
 }
 

@@ -226,7 +226,7 @@ pub struct RankedSource {
     pub intervals: Vec<IntervalLevel>,
 }
 
-/// The largest by a level; none where all are silent.
+/// The largest by a level; none if all are silent.
 pub(crate) fn loudest<T>(items: &[T], level: impl Fn(&T) -> Option<f64>) -> Option<&T> {
     let with_levels = items.iter().filter_map(|item| Some((item, level(item)?)));
     with_levels.max_by(|a, b| a.1.total_cmp(&b.1)).map(|(item, _)| item)
@@ -588,7 +588,7 @@ pub struct Total {
 #[derive(Debug, Clone, Default)]
 pub struct Timing(Vec<(&'static str, f64)>);
 
-/// The whole run, in the list of its stages.
+/// The complete run, in the list of its stages.
 const WHOLE: &str = "whole run";
 
 impl Timing {

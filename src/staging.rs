@@ -1,9 +1,9 @@
 //! Files that take their places together: all of them, or none.
 //!
 //! All files are first written next to their places, in a hidden folder of the same file system. Only renames follow.
-//! If one of them fails, those before it are undone, by copies where the system refuses renames, so that the folder is
-//! as it was. What cannot be put back either way is left in the hidden folder, which the error names. A full disk is
-//! met before the first rename.
+//! If one of them fails, those before it are undone, by copies if the system refuses renames, so that the folder is
+//! restored. Files that cannot be put back either way are left in the hidden folder, which the error names. A full disk
+//! is met before the first rename.
 
 use std::fs::{self, File};
 use std::io::{self, BufWriter, ErrorKind, Write as _};
@@ -34,8 +34,8 @@ pub struct Staging {
 }
 
 impl Staging {
-    /// For files that belong under `folder`, which is created if it does not exist. What killed processes left half-written there
-    /// is removed.
+    /// For files that belong under `folder`, which is created if it does not exist. Half-written files of killed
+    /// processes there are removed.
     ///
     /// # Errors
     /// [`Error::Write`].
@@ -113,7 +113,7 @@ impl Staging {
     /// it is removed first and put back last, so that a process that is killed meanwhile leaves a folder without it.
     ///
     /// # Errors
-    /// [`Error::Write`]; the folder is then as it was before. [`Error::NotRestored`] with the place of the older files where
+    /// [`Error::Write`]; the folder is then unchanged. [`Error::NotRestored`] with the place of the older files where
     /// they could not be put back.
     pub fn place(self, outdated: &[PathBuf], last: &Path) -> Result<(), Error> {
         self.place_by(&|from, to| fs::rename(from, to), outdated, last)
@@ -173,12 +173,12 @@ impl GrowingFile {
     }
 }
 
-/// Removes what killed processes left half-written in a folder.
+/// Removes half-written files of killed processes from a folder.
 pub(crate) fn sweep(folder: &Path) {
     temporary::sweep(folder, UNFINISHED);
 }
 
-/// Writes one file whole: a killed process or a full disk leaves the old file or none.
+/// Writes one file completely: a killed process or a full disk leaves the old file or none.
 ///
 /// # Errors
 /// [`Error::Write`].
@@ -283,8 +283,8 @@ impl Swap<'_> {
         Ok(())
     }
 
-    /// Restores the folder; what could not be put back. The file that represents all others was set aside first, so
-    /// that it comes back last, and only if all others have.
+    /// Restores the folder; returns the files that could not be put back. The file that represents all others was set
+    /// aside first, so that it comes back last, and only if all others have.
     fn undo(&mut self) -> Vec<PathBuf> {
         let mut lost = Vec::new();
         while let Some(step) = self.done.pop() {
@@ -296,7 +296,7 @@ impl Swap<'_> {
                         lost.push(path);
                     }
                 }
-                // Where the new file stays, the old one replaces it, or it is a file more.
+                // If the new file stays, the old one replaces it, or it is an additional file.
                 Step::Placed(path) => drop(fs::remove_file(self.folder.join(path))),
                 // Another process may use it by now.
                 Step::Created(folder) => drop(fs::remove_dir(folder)),

@@ -23,7 +23,7 @@ pub(crate) fn beside<'scope, T: Send + 'scope>(
 }
 
 impl<T> Begun<'_, T> {
-    /// The result. A panic goes on as it began.
+    /// The result. A panic continues unchanged.
     pub(crate) fn join(self) -> T {
         match self {
             Self::There(thread) => thread.join().unwrap_or_else(|panic| resume_unwind(panic)),

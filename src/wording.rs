@@ -2,8 +2,8 @@
 
 use std::borrow::Cow;
 
-/// A text as a terminal may show it: control characters, which could move its cursor or set its title, and those that reverse
-/// the direction of writing as escapes. `colours` leaves the sequences of colours, `ESC [ ... m`, as they are.
+/// A text as a terminal may show it: control characters, which could move its cursor or set its title, and those that
+/// reverse the direction of writing as escapes. `colours` leaves the sequences of colours, `ESC [ ... m`, unchanged.
 ///
 /// Names of files and texts of files are chosen by others, and may have any characters.
 pub(crate) fn visible(text: &str, colours: bool) -> Cow<'_, str> {

@@ -88,7 +88,8 @@ impl<'a> Motions<'a> {
         })
     }
 
-    /// Whether the complete impedance of the air acts: it is asked for, and the contact neither opens nor acts back on the cycle.
+    /// Whether the complete impedance of the air acts: it is requested, and the contact neither opens nor acts back on
+    /// the cycle.
     pub(super) fn is_linear(&self) -> bool {
         self.radiators.acts == Loading::Full && !self.two_way && !self.shot.can_lose_contact()
     }
@@ -145,7 +146,7 @@ impl<'a> Motions<'a> {
         [frozen, complete]
     }
 
-    /// Spectra of workpiece and support, with the signals of their sensors if asked for.
+    /// Spectra of workpiece and support, with the signals of their sensors on request.
     pub(super) fn analysed(&self, vibration: &Stored<Vibration>, with_sensors: bool) -> Vec<Stored<BodyMotion>> {
         let bodies = self.bodies.structure.iter().zip(&self.on_structure).enumerate();
         let analysis = bodies.map(|(index, (stages, sensors))| BodyAnalysis {

@@ -23,7 +23,7 @@ pub(super) struct Radiators {
     pub(super) workpiece: WorkpieceStages,
     /// Fluid loads of the air on the modes of workpiece and support.
     pub(super) workpiece_loads: Stored<Vec<FluidLoads>>,
-    /// The tool, where boundary elements are asked for.
+    /// The tool, if boundary elements are requested.
     pub(super) tool: Option<ToolStages>,
     /// Fluid loads of the air that act on the modes.
     pub(super) acts: Loading,
@@ -45,7 +45,7 @@ pub(super) struct WorkpieceStages {
 pub(super) struct ToolStages {
     /// Its boundary elements.
     pub(super) elements: ToolRadiation,
-    /// The whole body.
+    /// The full body.
     pub(super) whole: ToolMatrix,
     /// A second column for each mode with only the cap in motion, if the cap belongs to another source.
     pub(super) cap: Option<ToolMatrix>,
@@ -108,7 +108,7 @@ impl Radiators {
     }
 }
 
-/// Damping ratios of structures with these loss factors, where the air's mass acts.
+/// Damping ratios of structures with these loss factors, if the air's mass acts.
 fn damping_ratios(acts: Loading, loss_factors: impl Iterator<Item = f64>) -> Option<Vec<f64>> {
     (acts == Loading::Full).then(|| loss_factors.map(|loss_factor| 0.5 * loss_factor).collect())
 }

@@ -14,7 +14,7 @@ use crate::stages::radiation::{
 };
 use crate::stages::{Digest, Stored};
 
-/// Whether other designs have the shape of a design's bodies. Where none does, boundary elements are solved for its own modes,
+/// Whether other designs have the shape of a design's bodies. If none does, boundary elements are solved for its modes,
 /// and standard bodies need no modes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct SharedShapes {
@@ -56,7 +56,7 @@ impl SharedShapes {
     }
 }
 
-/// The first standard bodies in the shape of a design's; none where these have no standard.
+/// The first standard bodies in the shape of a design's; none if these have no standard.
 fn standard_bodies(graph: &Graph, design: &Design, kinds: &[BodyKind]) -> Result<Option<Vec<Stored<Body>>>, Error> {
     let standards = inputs::shape::standards(design, kinds)?;
     standards
@@ -75,7 +75,7 @@ fn bodies(graph: &Graph, design: &Design, kinds: &[BodyKind]) -> Result<Vec<Stor
 /// Structures whose modes may represent the motion of a design's bodies, in the order of trial, with their names.
 pub(super) type Standards = Vec<(SurfaceModes, &'static str)>;
 
-/// Standard structures in the shape of a design's tool, or of its workpiece and table; none where these have no standard.
+/// Standard structures in the shape of a design's tool, or of its workpiece and table; none if these have no standard.
 ///
 /// # Errors
 /// Those of the bodies' materials and mesh files.
@@ -167,7 +167,7 @@ pub(super) fn by_shape(
     }
 }
 
-/// What boundary elements give for the modes of bodies.
+/// Results of boundary elements for the modes of bodies.
 fn solved(graph: &Graph, (shape, places): (&RadiatingShape, &Places), modes: SurfaceModes) -> Radiation {
     let bodies = modes.0.first().cloned().unwrap_or_default();
     let solution = solution(graph, shape, modes);
@@ -215,7 +215,7 @@ mod tests {
     use crate::stages::radiation::WorkpieceRadiation;
     use crate::stages::sound_fields::FieldMethod;
 
-    /// Key of what boundary elements solve for the workpiece, and that of the matrix of the design's own modes.
+    /// Key of the boundary-element solution of the workpiece, and that of the matrix of the design's modes.
     fn solved_keys(design: &Design) -> [Digest; 2] {
         let graph = Graph::default();
         let WorkpieceRadiation::BoundaryElements(elements) = inputs::radiation::workpiece(design).unwrap() else {
@@ -294,7 +294,7 @@ mod tests {
         assert_eq!(shared(|design| design.body.cap_radius *= 1.1), [true, false]);
     }
 
-    /// Whether each of the standards represents the motion of a design's workpiece and table; and the largest
+    /// Whether each of the standards represents the motion of a design's workpiece and table. Also the largest
     /// difference in power \[dB\] between the radiation by shape and boundary elements with the design's modes, under a
     /// force of 1 N at the nail's head and 1 N on the middle of the table.
     fn carried_over(design: &Design) -> (Vec<bool>, f64) {

@@ -26,7 +26,7 @@ pub(super) fn identity(paths: &[PathBuf]) -> String {
     hexadecimal(&digest.finalize())
 }
 
-/// `OUT/compare-A-B.html`, with a number behind it where the page of another comparison has this name.
+/// `OUT/compare-A-B.html`, with a number appended if the page of another comparison has this name.
 pub(super) fn place(out: &Path, designs: &[String], identity: &str) -> PathBuf {
     let stem = stem(designs);
     let names = (1..).map(|number: u32| match number {

@@ -45,7 +45,7 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
     Ok(ExitCode::SUCCESS)
 }
 
-/// Where a shell looks for a user's completions, or may be told to.
+/// Folder of a user's completions, either the shell's default or one that can be set.
 fn folder(shell: Shell) -> Result<PathBuf, Error> {
     let what = "the completions of this shell";
     Ok(match shell {

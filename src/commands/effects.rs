@@ -185,7 +185,7 @@ impl Effects {
         self
     }
 
-    /// What to measure, the largest effect first: inputs that can be measured and are not.
+    /// Inputs to measure, the largest effect first: those that can be measured and are not.
     pub(super) fn to_measure(&self, design: &Design) -> Vec<ToMeasure> {
         let entries = design.entries();
         let measured = |key: &str| {

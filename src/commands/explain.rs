@@ -31,7 +31,8 @@ const LISTED: usize = 12;
 /// Quantities to measure in their table.
 const MEASURED: usize = 8;
 
-/// Degrees of freedom up to which the bodies are meshed and checked here \[-\]: a million take 7 s and 1.6 GB.
+/// Largest number of degrees of freedom of the bodies that are meshed and checked here \[-\]: a million take 7 s and
+/// 1.6 GB.
 const MESHED: f64 = 1e6;
 
 /// How much longer gmsh takes for a degree of freedom than the built-in meshers.
@@ -47,15 +48,15 @@ struct Explanation {
     provenance: BTreeMap<&'static str, usize>,
     /// Whether a run is possible: the list of obstacles is empty.
     runs: bool,
-    /// How the shot ends, where the nail is not driven or the exhaust does not open; null otherwise.
+    /// How the shot ends, if the nail is not driven or the exhaust does not open; null otherwise.
     headline: Option<Headline>,
-    /// The shot; null where it cannot be computed.
+    /// The shot; null if it cannot be computed.
     shot: Option<Shot>,
     /// Values outside the ranges of such tools, or of the design.
     outside: Vec<OutsideValue>,
     /// Effect of each input, the largest first.
     effects: Effects,
-    /// What to measure, the largest effect first.
+    /// Inputs to measure, the largest effect first.
     measure_first: Vec<ToMeasure>,
     /// Estimates with their ranges, widest first; those that this design does not use are left out.
     estimates: Vec<Estimate>,
@@ -77,7 +78,7 @@ struct Estimate {
     value: f64,
     unit: String,
     range: [f64; 2],
-    /// Width of the range over the value, where the value is not zero.
+    /// Width of the range over the value, if the value is not zero.
     relative: Option<f64>,
     source: String,
 }
@@ -188,7 +189,7 @@ fn explain(design: &Design, mut stages: Vec<StageCost>, asked: &Asked) -> Result
     }
     let record = match record {
         Ok(record) => Some(record),
-        // The same for a dry fire: an obstacle like others, next to which all else is stated.
+        // The same for a dry fire: an obstacle like others, reported together with all else.
         Err(error @ Error::Cycle(_)) => {
             obstacles.push(format!("nailing cycle: {}", error.in_words()));
             None
@@ -230,8 +231,8 @@ fn explain(design: &Design, mut stages: Vec<StageCost>, asked: &Asked) -> Result
     })
 }
 
-/// Error of the panels below a workpiece near the floor, where its radiation is by boundary elements. That of a user's mesh
-/// is known when it is read.
+/// Error of the panels below a workpiece near the floor, if its radiation is by boundary elements. That of a user's
+/// mesh is known when it is read.
 fn gap(design: &Design) -> Result<Option<String>, Error> {
     if !design.workpiece.mesh.is_empty() {
         return Ok(None);

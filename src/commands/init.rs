@@ -261,7 +261,7 @@ fn with_bases(path: &Path, name: &str, text: &str) -> Vec<Planned> {
     files
 }
 
-/// The name of a design's base as it is written, and the name of its file.
+/// The name of a design's base as written, and the name of its file.
 fn base(text: &str) -> Option<(&str, &str)> {
     let line = text.lines().find_map(|line| line.strip_prefix("base = \""))?;
     let (name, _) = line.split_once('"')?;

@@ -99,7 +99,7 @@ fn failed(name: impl Into<Cow<'static, str>>) -> Check {
 pub(super) struct NotKnown {
     /// The reason.
     pub(super) reason: String,
-    /// The check that failed, where the design contradicts its draws.
+    /// The check that failed, if the design contradicts its draws.
     pub(super) check: Option<Check>,
 }
 
@@ -115,7 +115,7 @@ impl From<Error> for NotKnown {
 /// A study that is known of a design.
 pub(super) struct Known {
     result: StudyResult,
-    /// Where it is from, if it is not the user's own; empty otherwise.
+    /// Its origin, if it is not the user's study; empty otherwise.
     origin: String,
     weighting: Option<Weighting>,
     shot: OwnShot,
@@ -229,7 +229,7 @@ pub(super) fn study_of(store: &Store, design: &Design, shot: &OwnShot, progress:
     })
 }
 
-/// Where a study is from that comes with the program.
+/// Origin of a study that comes with the program.
 fn origin(study: &ProvidedStudy) -> String {
     let made = format!(
         "  this study comes with the program: `{}`, version {}",
@@ -276,7 +276,7 @@ pub(super) fn of_report(study: &Known, text: &Text) -> Intervals {
     }
 }
 
-/// K of a declaration \[dB\], and where its sigma comes from; none with few draws, or where the design contradicts them.
+/// K of a declaration \[dB\], and the origin of its sigma; none with few draws, or if the design contradicts them.
 pub(super) fn k_of(study: &Known) -> Option<(i32, String)> {
     match study.check() {
         Some(_) => None,

@@ -63,7 +63,7 @@ use crate::wording::visible;
 use progress::progress;
 use table::texts;
 
-/// What `--version` says.
+/// The text of `--version`.
 const BUILD: &str = concat!(
     env!("CARGO_PKG_VERSION"),
     "\ncommit: ",
@@ -213,7 +213,7 @@ struct Keeping {
 }
 
 impl Keeping {
-    /// The user's cache. Where it cannot be used, a warning says so, and nothing is cached.
+    /// The user's cache. If it cannot be used, a warning says so, and nothing is cached.
     fn cache(&self) -> Result<Store, Error> {
         if self.no_cache {
             return Ok(Store::none());
@@ -228,7 +228,7 @@ impl Keeping {
     }
 }
 
-/// A run without a cache that was not asked for.
+/// A run without a cache although the user did not request that.
 #[derive(Debug, thiserror::Error, miette::Diagnostic)]
 #[error("results are not cached: {cause}")]
 #[diagnostic(
@@ -274,7 +274,7 @@ impl Changes {
     }
 }
 
-/// Values outside their ranges up to which each is shown at its place in the file; more are shown as a table.
+/// Largest number of values outside their ranges that are shown at their places in the file; more are shown as a table.
 const AT_THEIR_PLACE: usize = 3;
 
 /// Whether a warning is of a value outside its range.
@@ -308,7 +308,7 @@ struct Threads {
 }
 
 impl Threads {
-    /// Sets the size of the thread pool of the whole process; all cores without a number.
+    /// Sets the size of the thread pool of the process; all cores without a number.
     fn start(&self) -> Result<(), Error> {
         let number = match self.threads {
             Some(number) => usize::from(number),
@@ -430,7 +430,7 @@ fn status_of(checks: &[Check]) -> ExitCode {
     }
 }
 
-/// Writes a line to standard error. If nobody can read it, the work goes on.
+/// Writes a line to standard error. If nobody can read it, the work continues.
 fn message(text: &str) {
     let _ = writeln!(std::io::stderr(), "{}", visible(text, coloured()));
 }

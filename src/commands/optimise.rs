@@ -25,7 +25,7 @@ pub(super) struct Arguments {
 }
 
 pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
-    // The flag of this command may be before its name, where the arguments do not have it.
+    // The flag of this command may precede its name, and then the arguments do not have it.
     let quiet = progress::is_quiet().then(|| OsString::from("--quiet"));
     let all: Vec<OsString> = quiet.into_iter().chain(arguments.arguments.iter().cloned()).collect();
     python::call("optuna", "optimise", &all)

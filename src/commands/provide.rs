@@ -52,7 +52,7 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
     all(folder, &arguments.keeping.cache()?, &request, &progress())
 }
 
-/// What made a study, in words.
+/// The command that made a study, in words.
 pub(super) fn command(path: &str, result: &StudyResult, options: &str) -> String {
     format!(
         "nailnoise study designs/{path} -n {} --seed {}{options}",
@@ -115,8 +115,8 @@ fn all(folder: &Path, store: &Store, request: &Request, progress: &Progress) -> 
     })
 }
 
-/// Lists the studies that are in the program; the status is 1 where one has too few draws, or is of another design or code. A design
-/// without a study is screened by `run`.
+/// Lists the studies that are in the program; the status is 1 if one has too few draws, or is of another design or
+/// code. A design without a study is screened by `run`.
 fn check() -> Result<ExitCode, Error> {
     let states = ProvidedStudy::states()?;
     let is_good =

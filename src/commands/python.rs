@@ -63,7 +63,7 @@ pub(super) struct Cluster<'a> {
 }
 
 impl Cluster<'_> {
-    /// Computes on the cluster what `python -m nailnoise COMMAND DESIGN` computes with these arguments.
+    /// Computes on the cluster the same as `python -m nailnoise COMMAND DESIGN` with these arguments.
     pub(super) fn fill(
         &self,
         command: &str,

@@ -234,7 +234,7 @@ fn with_intervals(text: &Text, study: Result<&Known, &NotKnown>) -> String {
     });
     let (alarm, after) = match &text.headline {
         None => (String::new(), after.clone()),
-        // The last line must not say less than the first.
+        // The last line must state no less than the first.
         Some(headline) => (
             super::alarm(&headline.lines()),
             format!("\n  {}\n{after}", super::red(&headline.text)),

@@ -111,7 +111,7 @@ struct TaskResult {
     store: PathBuf,
 }
 
-/// Draws at first, where a limit says how many there are at last.
+/// Number of draws in the first step, if a limit determines the final number.
 const AT_FIRST: usize = 32;
 
 /// A limit for half of an interval.
@@ -212,7 +212,7 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
             cluster.fill("study-on", (common, &design), &arguments_of(&request))?;
         }
         let (result, made) = compute(&store, &design, &request, &progress)?;
-        // Where candidates run out, more are of no use.
+        // If candidates run out, more draws are useless.
         if request.draws >= most
             || result.draws < request.draws
             || arguments.until.iter().all(|own| own.is_met(&result))
@@ -290,7 +290,7 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
     })
 }
 
-/// Reports what cannot be computed, each reason once, in the order of the first that has it.
+/// Reports the points or draws that cannot be computed, each reason once, in the order of first appearance.
 fn report_failures<N: std::fmt::Display>(what: &str, failures: &[(N, String)]) {
     let mut reasons: Vec<(&str, &N, usize)> = Vec::new();
     for (number, reason) in failures {
@@ -357,7 +357,7 @@ fn execute_task(task: Task, made: &Draws, folder: &Path, json: bool, progress: &
     Ok(ExitCode::SUCCESS)
 }
 
-/// The draws that are asked for, and the graph that made them.
+/// The requested draws, and the graph that made them.
 fn draws(store: &Store, design: &Design, request: &Request, progress: &Progress) -> Result<(Draws, Graph), Error> {
     let graph = Graph::quiet(store, progress.observer());
     Ok((study::draws(&graph, design, request, progress)?, graph))

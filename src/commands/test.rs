@@ -63,7 +63,7 @@ struct TestResult {
     design: DesignId,
     wraps: Wraps,
     seed: u64,
-    /// How the design's shot ends, where it does not drive; null otherwise.
+    /// How the design's shot ends, if it does not drive; null otherwise.
     headline: Option<Headline>,
     /// Without scatter: the design's own shot.
     exact: ExactTest,

@@ -73,7 +73,7 @@ struct Watching<'a> {
 }
 
 impl Watching<'_> {
-    /// Runs the design as it is now, and waits until it is another.
+    /// Runs the current design, and waits until it changes.
     fn follow(&mut self) -> Result<(), Error> {
         let Arguments { design, changes, .. } = self.arguments;
         let watched = Arc::new(Watched::new(design, &changes.set));
@@ -200,7 +200,7 @@ fn shown(diagnostic: &dyn Diagnostic) -> String {
         .with_links(false)
         .with_width(100)
         .with_context_lines(1);
-    // What cannot be drawn is said in words.
+    // A diagnostic that cannot be drawn is written in words.
     if handler.render_report(&mut text, diagnostic).is_err() {
         text = diagnostic.to_string();
     }
@@ -223,7 +223,7 @@ struct Interested {
 
 impl Interested {
     fn look(&self) {
-        // One thread looks, the others go on.
+        // One thread checks, the others continue.
         let Ok(mut looked) = self.looked.try_lock() else { return };
         if looked.elapsed() < LOOK {
             return;

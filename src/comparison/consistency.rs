@@ -141,8 +141,8 @@ fn source_sums(source: &RankedSource, at: &str) -> Result<(), Fault> {
     sum(&weighted, source.lwa_db, &intervals, "intervals")
 }
 
-/// A level is that of the energies of its parts. A part of a surface that takes sound from the others has no level, and
-/// those of the others then sum to more.
+/// A level is that of the energies of its parts. A part of a surface that takes sound from the others does not have a
+/// level, and those of the others then sum to more.
 fn sum_of_surfaces(at: &str, whole: Option<f64>, parts: &[f64], what: &str) -> Result<(), Fault> {
     let radiated: f64 = parts.iter().sum();
     let absorbs = parts.contains(&0.0);

@@ -97,12 +97,12 @@ impl Finished {
         &self.design.name
     }
 
-    /// Gives the design another name, where two of a comparison have the same.
+    /// Gives the design another name, if two of a comparison have the same.
     pub fn rename(&mut self, name: String) {
         self.design.name = name;
     }
 
-    /// The headline of its shot; none where the nail is driven and the exhaust opens.
+    /// The headline of its shot; none if the nail is driven and the exhaust opens.
     pub(super) fn headline(&self) -> Option<Headline> {
         let figure = |name: &str| self.cycle.get(name).and_then(serde_json::Value::as_f64);
         let exhaust_opens = self.events.get("t13").is_some_and(Option::is_some);

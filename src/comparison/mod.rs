@@ -32,9 +32,9 @@ pub struct Comparison {
     pub inputs: Vec<InputRow>,
     /// Outcomes of the shots.
     pub outcomes: Vec<String>,
-    /// Headline of each shot; null where the nail is driven and the exhaust opens.
+    /// Headline of each shot; null if the nail is driven and the exhaust opens.
     pub headlines: Vec<Option<Headline>>,
-    /// Why the levels must not be compared, where the shots do not end alike; null where they do.
+    /// Why the levels must not be compared, if the shots do not end alike; null if they do.
     pub unlike: Option<String>,
     /// Sources in the order of the reference's ranking; sources that are not in it follow.
     pub sources: Vec<SourceRow>,
@@ -53,7 +53,7 @@ pub struct Comparison {
 pub struct InputRow {
     /// Its full name.
     pub key: String,
-    /// Unit of its values; empty where they have none.
+    /// Unit of its values; empty if they have none.
     pub unit: String,
     /// Its values; null if the key is not in a design.
     pub values: Vec<serde_json::Value>,
@@ -62,16 +62,16 @@ pub struct InputRow {
 /// A number of each result.
 #[derive(Debug, Clone, Serialize)]
 pub struct ValueRow {
-    /// What it is.
+    /// Name of the quantity.
     pub name: String,
-    /// Unit of its values; empty where they have none.
+    /// Unit of its values; empty if they have none.
     pub unit: &'static str,
     /// Its values; null for none.
     pub values: Vec<Option<f64>>,
 }
 
 impl ValueRow {
-    /// Its name in words, with the unit behind it.
+    /// Its name in words, followed by the unit.
     pub(crate) fn labelled(&self, before: &str, behind: &str) -> String {
         let name = self.name.replace('_', " ");
         match self.unit {
@@ -86,7 +86,7 @@ impl ValueRow {
 pub struct Levels {
     /// Levels \[dB\]; null when silent.
     pub level_db: Vec<Option<f64>>,
-    /// Their changes from the reference \[dB\]; null where one of the two is silent.
+    /// Their changes from the reference \[dB\]; null if one of the two is silent.
     pub change_db: Vec<Option<f64>>,
 }
 
@@ -106,9 +106,9 @@ pub struct SourceRow {
     /// A-weighted level over the common range \[dB re 1 pW s\].
     #[serde(flatten)]
     pub levels: Levels,
-    /// How each was computed; where the methods differ, their errors do not cancel in the change.
+    /// How each was computed; if the methods differ, their errors do not cancel in the change.
     pub methods: Vec<Option<String>>,
-    /// Band of each method, \[dB\] below and above the level; null where the method gives no bound.
+    /// Band of each method, \[dB\] below and above the level; null if the method gives no bound.
     pub uncertainty_db: Vec<[Option<f64>; 2]>,
     /// A-weighted one-third-octave levels, by nominal mid-band frequency \[Hz\].
     pub bands: Vec<Labelled>,
@@ -226,8 +226,8 @@ impl Comparison {
         }
     }
 
-    /// What exceeds a limit, each in words. The limits do not apply to the reference: the others are proposals for its
-    /// improvement.
+    /// Values that exceed a limit, each in words. The limits do not apply to the reference: the others are proposals
+    /// for its improvement.
     pub fn exceeded(&self, limits: &[Limit]) -> Vec<String> {
         let mut found = Vec::new();
         for limit in limits {

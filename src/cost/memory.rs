@@ -2,7 +2,7 @@
 
 use std::str::FromStr;
 
-/// Share of the free memory that a run may use unless the user says otherwise.
+/// Share of the free memory that a run may use by default.
 const SHARE: f64 = 0.75;
 
 /// The most memory that one stage may need.
@@ -64,7 +64,7 @@ impl FromStr for MemoryLimit {
 }
 
 /// Memory that the system can give this process \[GB\]: the available memory of the machine, or of its control group if
-/// that is less. None where the system does not say.
+/// that is less. None if the system does not state it.
 pub fn available() -> Option<f64> {
     let read = |path: &str| std::fs::read_to_string(path).ok();
     let machine = read("/proc/meminfo").and_then(|text| {
@@ -85,7 +85,7 @@ pub fn address_space() -> Option<f64> {
     limit_of_address_space(&limits)
 }
 
-/// The soft limit in the table of `/proc/self/limits` \[GB\]; none where it says `unlimited`.
+/// The soft limit in the table of `/proc/self/limits` \[GB\]; none for `unlimited`.
 fn limit_of_address_space(limits: &str) -> Option<f64> {
     let line = limits.lines().find_map(|line| line.strip_prefix("Max address space"))?;
     let bytes: f64 = line.split_whitespace().next()?.parse().ok()?;

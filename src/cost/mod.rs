@@ -24,7 +24,7 @@ pub use memory::{MemoryLimit, address_space, available};
 pub struct StageCost {
     /// Name of the stage.
     pub stage: &'static str,
-    /// What its cost follows from, each count with its name.
+    /// Counts that determine its cost, each with its name.
     pub counts: Vec<(&'static str, f64)>,
     /// Memory \[GB\].
     pub gigabytes: f64,
@@ -34,7 +34,7 @@ pub struct StageCost {
     pub keys: &'static [Remedy],
 }
 
-/// A key, and what to do with it for a cheaper stage: "raise" or "lower".
+/// A key, and its change for a cheaper stage: "raise" or "lower".
 pub type Remedy = (&'static str, &'static str);
 
 /// The count of a body's degrees of freedom.

@@ -366,7 +366,7 @@ impl Grain {
 
 impl Wood {
     /// The constants in the axes of the block: 1 along its length, 2 along its width, 3 along its thickness, with the
-    /// growth rings as `driven` says.
+    /// growth rings according to `driven`.
     pub fn block_axes(&self) -> Orthotropic {
         let Orthotropic {
             e1,

@@ -1,4 +1,4 @@
-//! The files that a design is made of: for whoever waits for their changes.
+//! The files of a design: for code that waits for their changes.
 
 use std::path::{Path, PathBuf};
 

@@ -1,7 +1,7 @@
 //! Quantities that follow from the primary ones, each by one formula.
 //!
-//! They are computed and never given twice. A design that gives one all the same is refused where the two disagree by
-//! more than [`AGREEMENT`], and warned that it has no effect where they agree.
+//! They are computed and never given twice. A design that nevertheless gives one is refused if the two disagree by more
+//! than [`AGREEMENT`]. If they agree, the user is warned that it has no effect.
 
 use std::f64::consts::PI;
 

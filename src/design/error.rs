@@ -19,7 +19,7 @@ use super::surfaces::SurfaceProblem;
 /// Why a design cannot be used. As a [`Diagnostic`] it shows the place and the remedy.
 #[derive(Debug)]
 pub struct DesignError {
-    /// What is wrong.
+    /// The fault.
     pub problem: Problem,
     /// The key in question, or the `base` key that names a file; none if the error concerns an entire file or no file
     /// gives the key.
@@ -33,7 +33,7 @@ pub enum Problem {
     /// The file does not exist.
     #[error("there is no design file `{}`", path.display())]
     NotFound {
-        /// The file asked for.
+        /// The requested file.
         path: PathBuf,
         /// A design file nearby whose name is most like it.
         nearest: Option<PathBuf>,
@@ -105,7 +105,7 @@ pub enum Problem {
     WrongKind {
         /// Full name of the key.
         key: String,
-        /// What stands there.
+        /// The text at that place.
         found: String,
         /// The permitted value or text.
         expected: String,
@@ -115,9 +115,9 @@ pub enum Problem {
     BadNumber {
         /// Full name of the key.
         key: String,
-        /// What stands there.
+        /// The text at that place.
         found: String,
-        /// What is expected.
+        /// The expected dimension.
         expected: Dimension,
     },
     /// A unit that is not known or not clear.
@@ -127,10 +127,10 @@ pub enum Problem {
         key: String,
         /// The fault of the unit.
         problem: UnitError,
-        /// What is expected.
+        /// The expected dimension.
         expected: Dimension,
     },
-    /// A unit of another dimension, or none where one is needed.
+    /// A unit of another dimension, or a required unit that is missing.
     #[error("`{key}` is {expected}, found {}", found_unit(unit, found))]
     WrongUnit {
         /// Full name of the key.
@@ -155,7 +155,7 @@ pub enum Problem {
     NotFinite {
         /// Full name of the key.
         key: String,
-        /// What stands there.
+        /// The text at that place.
         found: String,
     },
     /// A value outside the physical limits.
@@ -163,7 +163,7 @@ pub enum Problem {
     OutsideLimits {
         /// Full name of the key.
         key: String,
-        /// What stands there.
+        /// The text at that place.
         found: String,
         /// The limit in words.
         allowed: String,
@@ -190,12 +190,12 @@ pub enum Problem {
         /// Upper end as shown.
         high: String,
     },
-    /// A provenance that is none of the known ones.
+    /// An unknown provenance.
     #[error("`{key}` has the provenance \"{found}\"")]
     BadProvenance {
         /// Full name of the key.
         key: String,
-        /// What stands there.
+        /// The text at that place.
         found: String,
     },
     /// A distribution that a quantity cannot have.
@@ -203,7 +203,7 @@ pub enum Problem {
     BadDistribution {
         /// Full name of the key.
         key: String,
-        /// What stands there.
+        /// The distribution in question.
         distribution: &'static str,
         /// Why not.
         because: &'static str,
@@ -240,7 +240,7 @@ pub enum Problem {
         /// How many keys are missing.
         count: usize,
     },
-    /// A derived quantity that differs from what its primary quantities give.
+    /// A derived quantity that disagrees with its primary quantities.
     #[error("`{key}` is given as {given}, but it is computed: {}", computed(value, primaries))]
     Derived {
         /// Full name of the derived quantity.
@@ -277,7 +277,7 @@ pub enum Problem {
         needs: String,
         /// The permitted values, in words.
         allowed: String,
-        /// The keys that change it most, and what to do with each.
+        /// The keys that change it most, and the direction for each.
         keys: &'static [(&'static str, &'static str)],
     },
     /// A place that is not that of a surface.
@@ -288,7 +288,7 @@ pub enum Problem {
         /// The fault of the surface.
         problem: SurfaceProblem,
     },
-    /// A cap that cannot be separated from the rest of the tool body, where its outer side counts to the exhaust.
+    /// A cap that cannot be separated from the rest of the tool body, if its outer side counts to the exhaust.
     #[error("{} of {} panels of the tool's outline are its cap, which by this convention counts to the exhaust", panels[0],
         panels[1])]
     Cap {
@@ -305,7 +305,7 @@ pub enum Problem {
         name: String,
         /// Its body.
         body: Sprung,
-        /// Where it is \[m\].
+        /// Its position \[m\].
         point: [f64; 3],
         /// How far from the body \[m\].
         distance: f64,
@@ -348,7 +348,7 @@ impl DesignError {
         problem.at(at.cloned().map(Box::new))
     }
 
-    /// Where the error is; none where a whole file is missing or unreadable.
+    /// Place of the error; none if an entire file is missing or unreadable.
     pub fn place(&self) -> Option<&Place> {
         self.at.as_deref()
     }
@@ -358,7 +358,7 @@ impl DesignError {
         self.problem.key()
     }
 
-    /// What to do about it.
+    /// The remedy.
     pub fn remedy(&self) -> String {
         self.problem.remedy(self.place())
     }
@@ -600,15 +600,15 @@ pub enum Warning {
         low: String,
         /// Upper end of the range as shown.
         high: String,
-        /// Where the value is given.
+        /// Place of the value.
         at: Box<Place>,
     },
     /// The base is missing, and the design of this name that comes with the program replaces it.
     #[error("`base = \"{name}\"` is not found beside the design: it is the one that comes with nailnoise {}", env!("CARGO_PKG_VERSION"))]
     ShippedBase {
-        /// The base as it is named.
+        /// The name of the base as given.
         name: String,
-        /// Where it is named.
+        /// Place of the name.
         at: Box<Place>,
     },
     /// A derived quantity is given and agrees with its primary ones.
@@ -618,7 +618,7 @@ pub enum Warning {
         key: &'static str,
         /// The primary quantities.
         primaries: Vec<&'static str>,
-        /// Where it is given.
+        /// Place of the key.
         at: Box<Place>,
     },
 }

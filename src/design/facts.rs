@@ -57,7 +57,7 @@ pub struct OutsideValue {
     pub range: [String; 2],
     /// Whose range it is: `class` for tools of this class, `design` for the range that the design gives.
     pub of: &'static str,
-    /// What that means.
+    /// The consequence.
     pub consequence: String,
 }
 

@@ -25,7 +25,7 @@ impl Values {
         })
     }
 
-    /// The body that rests only on springs and has none along z, and the key that says so.
+    /// The body that rests only on springs and has none along z, and the key that states it.
     pub(crate) fn not_carried(&self) -> Option<(Sprung, &'static str)> {
         let (body, key) = match (self.support.kind, self.support.worktable.foot) {
             (SupportKind::Springs, _) => (Sprung::Workpiece, "support.kind"),

@@ -14,7 +14,7 @@ pub(crate) struct Merged {
     pub(super) spec: &'static KeySpec,
     pub(super) value: Option<(Given, String, Box<Place>)>,
     pub(super) range: Option<(GivenRange, Box<Place>)>,
-    /// The value in the file that states the range, where a nearer file gives another one.
+    /// The value in the file that states the range, if a nearer file gives another one.
     pub(super) value_of_range: Option<Given>,
     pub(super) distribution: Option<(Distribution, Box<Place>)>,
     pub(super) provenance: Provenance,
@@ -25,7 +25,7 @@ pub(crate) struct Merged {
 }
 
 impl Merged {
-    /// The value as it is given so far.
+    /// The value given so far.
     pub(crate) fn given(&self) -> Option<Given> {
         self.value.as_ref().map(|(given, ..)| given.clone())
     }

@@ -84,7 +84,7 @@ pub(crate) use show::{mm as length_in_words, show as quantity_in_words};
 pub(crate) use source::File;
 pub(crate) use suggest::word as nearest_word;
 
-/// A design: every quantity in SI units, and where each comes from.
+/// A design: every quantity in SI units, with its origin.
 ///
 /// The groups are fields of the design: `design.supply.pressure` is the supply pressure in Pa. A program may change
 /// them; [`digest`](Self::digest) and [`entries`](Self::entries) follow, and [`conflict`](Values::conflict) checks the
@@ -118,12 +118,12 @@ pub struct Entry {
     pub unit: String,
     /// Range of plausible values, in SI units; two equal ends for a value that is exact.
     pub range: Option<[f64; 2]>,
-    /// Where the range comes from; none without one.
+    /// Origin of the range; none without one.
     pub range_origin: Option<RangeOrigin>,
     /// Distribution over the range.
     #[serde(skip)]
     pub distribution: Distribution,
-    /// Where the value comes from.
+    /// Origin of the value.
     pub provenance: Provenance,
     /// The source in words; may be empty.
     pub source: String,
@@ -200,7 +200,7 @@ impl Design {
         &self.name
     }
 
-    /// The file, as it was asked for.
+    /// The file, as requested.
     pub fn path(&self) -> &Path {
         &self.path
     }
@@ -233,8 +233,8 @@ impl Design {
 
     /// SHA-256 of all values in hexadecimal digits.
     ///
-    /// It is the same for two designs whose values agree to twelve digits, however and in whichever files and units
-    /// they are written, and whatever is said about provenance and range.
+    /// It is the same for two designs whose values agree to twelve digits, regardless of how and in which files and
+    /// units they are written, and of provenance and range.
     pub fn digest(&self) -> String {
         self.digest_without(&[])
     }
@@ -306,8 +306,8 @@ impl Design {
         resolve::surface(name, problem, &self.records)
     }
 
-    /// Every key with its value in a readable unit, in the order of the reference. A file has a part of the digest of its
-    /// content behind its name.
+    /// Every key with its value in a readable unit, in the order of the reference. The name of a file is followed by a
+    /// part of the digest of its content.
     pub fn in_words(&self) -> Vec<(String, String)> {
         let mut words = Vec::new();
         self.values.visit("", &mut |key, spec, value| {
@@ -331,7 +331,7 @@ impl Design {
         words
     }
 
-    /// Every key with its value and where it comes from, in the order of the reference.
+    /// Every key with its value and origin, in the order of the reference.
     ///
     /// A value changed by the program since the design was read has the provenance "design".
     pub fn entries(&self) -> Vec<Entry> {
@@ -346,7 +346,7 @@ impl Design {
                 place,
                 ..
             } = record;
-            // A numerical setting is one with whatever value.
+            // A numerical setting remains one with any value.
             let changed = value != record.value && record.provenance != Provenance::Numerical;
             entries.push(Entry {
                 key: key.to_owned(),
@@ -392,7 +392,7 @@ impl DerefMut for Design {
     }
 }
 
-/// Another value of a key of this kind; none where only one is possible.
+/// Another value of a key of this kind; none if only one is possible.
 #[cfg(test)]
 pub(crate) fn another(value: &Value, kind: Kind) -> Option<Value> {
     Some(match (kind, value) {

@@ -16,7 +16,7 @@ pub struct Place {
 }
 
 impl Place {
-    /// The file as it was named.
+    /// The file as given.
     pub fn file(&self) -> &str {
         self.source.name()
     }

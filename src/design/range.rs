@@ -13,7 +13,7 @@
 
 use nailnoise_quantities::{Dimension, Measured, QuantityError, quantity, range};
 
-/// Relative difference up to which two values are the same; the conversion of units rounds.
+/// Relative tolerance for equal values; the conversion of units rounds.
 const SAME: f64 = 1e-12;
 
 /// Relative tolerance at the ends of a range: "96 psig" as a value and in a range may differ by a rounding.
@@ -80,7 +80,7 @@ impl GivenRange {
     }
 }
 
-/// The range of a value that is given without one, where a base states a range.
+/// The range of a value that is given without one, if a base states a range.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub(crate) enum DefaultRange {
     /// That of the base in proportion.
@@ -126,12 +126,12 @@ impl RangeOrigin {
     }
 }
 
-/// A range with where it comes from.
+/// A range with its origin.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Ranged {
     pub(crate) range: [f64; 2],
     pub(crate) origin: RangeOrigin,
-    /// The range that the base states, where the value is given without one.
+    /// The range that the base states, if the value is given without one.
     pub(crate) of_base: Option<[f64; 2]>,
 }
 

@@ -30,7 +30,7 @@ pub(crate) struct Record {
     pub(crate) value: Value,
     pub(crate) range: Option<[f64; 2]>,
     pub(crate) range_origin: Option<RangeOrigin>,
-    /// The range that the base states, where the value is given without one.
+    /// The range that the base states, if the value is given without one.
     range_of_base: Option<[f64; 2]>,
     pub(crate) distribution: Distribution,
     pub(crate) provenance: Provenance,
@@ -185,7 +185,7 @@ fn merge(merged: &mut HashMap<String, Merged>, setting: Setting, depth: usize) {
             entry.value_of_range = entry.given();
         }
         entry.value = value;
-        // A numerical setting is one with whatever value.
+        // A numerical setting remains one with any value.
         if entry.provenance != Provenance::Numerical {
             entry.provenance = Provenance::Design;
         }
@@ -415,7 +415,7 @@ fn last_set(list: &str, name: &str, keys: &[&str], records: &Records) -> Option<
     last.map(|record| record.place.clone())
 }
 
-/// Values outside the range of their base, from which the range of a value without one is assumed.
+/// Values outside the range of their base, which is the source for the range of a value without one.
 fn outside_range(values: &Values, records: &Records) -> Vec<Warning> {
     let mut warnings = Vec::new();
     values.visit("", &mut |key, spec, value| {
@@ -446,7 +446,7 @@ fn outside_range(values: &Values, records: &Records) -> Vec<Warning> {
     warnings
 }
 
-/// A derived quantity that a file gives all the same.
+/// A derived quantity that a file nevertheless gives.
 struct Agreeing {
     derived: &'static Derived,
     value: Measured,

@@ -85,7 +85,7 @@ impl SensorProblem {
         }
     }
 
-    /// What to do about it.
+    /// The remedy.
     pub(crate) fn remedy(&self) -> String {
         match self {
             Self::NoDirection => "give its axis: along_z = 1 for up".to_owned(),

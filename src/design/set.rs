@@ -6,7 +6,7 @@ use super::derived::{Derived, Solution};
 use super::groups::Values;
 use super::suggest;
 
-/// Why a key cannot be set. The values are then as they were.
+/// Why a key cannot be set. The values are then unchanged.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum SetError {
@@ -35,7 +35,7 @@ pub enum SetError {
         key: String,
         /// The value given, in SI units.
         value: f64,
-        /// What is allowed.
+        /// The permitted values.
         allowed: String,
     },
 }

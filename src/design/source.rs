@@ -186,7 +186,7 @@ impl File {
     }
 }
 
-/// The path without `a/..`, where that names the same folder: `..` behind a symbolic link may not.
+/// The path without `a/..`, if that names the same folder: `..` after a symbolic link may not.
 fn tidy(path: &Path) -> PathBuf {
     let mut tidy = PathBuf::new();
     for part in path.components() {

@@ -1,4 +1,5 @@
-//! `[study]` of a design file: what a study of the design draws in addition to its ranges, and which shots count.
+//! `[study]` of a design file: variables of a study in addition to the design's ranges, and the definition of shots
+//! that count.
 //!
 //! ```toml
 //! [study]
@@ -48,7 +49,7 @@ pub(super) fn outcomes() -> impl Iterator<Item = &'static str> {
 /// Sources by their names.
 pub const SOURCES: [&str; 3] = ["workpiece", "exhaust", "body"];
 
-/// What a study draws in addition to the ranges of the design, and which shots count.
+/// Variables of a study in addition to the ranges of the design, and the definition of shots that count.
 #[derive(Debug, Clone, Default, PartialEq, Serialize)]
 pub struct StudySettings {
     /// A shot counts if it has one of these outcomes; all shots count if this is empty.
@@ -86,7 +87,7 @@ pub struct Correlation {
 /// A group of quantities that are correlated, with its place in the file.
 type Placed<T> = (T, Box<Place>);
 
-/// What one file says in `[study]`.
+/// Settings of one file in `[study]`.
 #[derive(Debug, Default)]
 pub(crate) struct StudyLayer {
     require: Option<Vec<&'static str>>,
@@ -153,7 +154,7 @@ impl StudyLayer {
     }
 }
 
-/// The range of values without one, by the nearest of the files that says so.
+/// The range of values without one, by the nearest of the files that states it.
 pub(crate) fn default_range(layers: &[StudyLayer]) -> DefaultRange {
     layers
         .iter()
@@ -162,8 +163,8 @@ pub(crate) fn default_range(layers: &[StudyLayer]) -> DefaultRange {
         .unwrap_or_default()
 }
 
-/// Joins the settings of the files, the nearest last. `names` are the names of its wood and nail, `ranged` says whether
-/// a key has a range, and `ambient` is the pressure to which gauge pressures refer \[Pa\].
+/// Joins the settings of the files, the nearest last. `names` are the names of its wood and nail, `ranged` tests
+/// whether a key has a range, and `ambient` is the reference of gauge pressures \[Pa\].
 pub(crate) fn joined(
     layers: Vec<StudyLayer>,
     names: &Names,

@@ -154,7 +154,7 @@ impl SurfaceProblem {
         }
     }
 
-    /// What to do about it.
+    /// The remedy.
     pub(crate) fn remedy(&self) -> String {
         match self {
             Self::OfOtherBody { body, .. } => {

@@ -201,7 +201,7 @@ impl Series {
         }
     }
 
-    /// A dashed grey line over the whole axis.
+    /// A dashed grey line over the full axis.
     pub(crate) fn rule(name: impl Into<String>, axis: &Axis, value: f64) -> Self {
         Self {
             x: axis.range.to_vec(),
@@ -231,7 +231,7 @@ pub(crate) fn events(events: &Events) -> Vec<Event> {
     events
 }
 
-/// `t13` with its number as subscript; other names as they are.
+/// `t13` with its number as subscript; other names unchanged.
 pub(crate) fn symbol(event: &str) -> String {
     let subscript = |digit: char| char::from_u32(0x2080 + digit.to_digit(10)?);
     match event

@@ -93,8 +93,8 @@ pub fn cycle(subject: &str, design: &Values, record: &CycleRecord) -> Vec<Chart>
         line("trigger vent", 3, scaled(&r.vent.mass_flow, 1e3)),
     ];
 
-    // The thesis judges the exhaust by the chamber, P_a/P_1; the holes, where the sound is made, see P_a/P_m. A ratio is
-    // drawn where its passage is open.
+    // The thesis judges the exhaust by the chamber, P_a/P_1; the holes, the origin of the sound, have P_a/P_m. A ratio
+    // is drawn where its passage is open.
     let gamma = design.ambient.heat_capacity_ratio;
     let critical = (2.0 / (gamma + 1.0)).powf(gamma / (gamma - 1.0));
     let (above, motion) = (&r.above_piston.pressure, &r.motion.valve_lift);

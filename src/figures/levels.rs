@@ -155,7 +155,7 @@ pub fn power(subject: &str, record: &CycleRecord, powers: &[SoundPower]) -> Char
     };
     let series: Vec<Series> = powers.iter().enumerate().map(curve).collect();
     let levels = Axis::levels("A-weighted sound power level", "dB re 1 pW", SHOWN, &series);
-    // To the last level that is shown, which is behind the end of the cycle where a body rings on.
+    // To the last level that is shown, which is after the end of the cycle if a body rings on.
     let shown = series.iter().flat_map(|own| own.x.iter().zip(&own.y));
     let shown = shown.filter(|(_, level)| **level >= levels.range[0]);
     let end = shown.map(|(time, _)| *time).fold(1.0, f64::max);

@@ -61,7 +61,7 @@ pub fn study(result: &StudyResult) -> Vec<Chart> {
     charts
 }
 
-/// Changes of a level, the inputs that change it most first; none where no input does.
+/// Changes of a level, the inputs that change it most first; none if no input does.
 fn swings(own: &OneAtATime, output: usize, name: &str) -> Option<Panel> {
     let mut inputs: Vec<&InputChanges> = own
         .inputs

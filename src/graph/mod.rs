@@ -101,7 +101,7 @@ impl Graph {
             .clone()
     }
 
-    /// Where progress goes.
+    /// Target of the progress.
     pub fn progress(&self) -> &Progress {
         &self.context.progress
     }

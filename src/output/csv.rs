@@ -1,5 +1,6 @@
-//! Tables of a run: `ranking.csv`, `levels.csv`, `intervals.csv`, `power.csv`, `events.csv`, `log.csv`, `histories.csv`,
-//! `modes.csv`. A header says `name [unit]`; names of columns are an interface, which docs/output.md lists.
+//! Tables of a run: `ranking.csv`, `levels.csv`, `intervals.csv`, `power.csv`, `events.csv`, `log.csv`,
+//! `histories.csv`, `modes.csv`. A header has the form `name [unit]`; names of columns are an interface, which
+//! docs/output.md lists.
 
 use nailnoise_acoustics::levels::energy_level;
 use nailnoise_dynamics::{CycleRecord, Events, LogEntry};

@@ -102,7 +102,7 @@ if films:
     film = view_of(films, lambda sources: "velocity [m/s]", speeds, lambda name: "velocity (m/s)")
     scene = GetAnimationScene()
     scene.UpdateAnimationUsingDataTimeSteps()
-    # Where the rod meets the nail there is something to see.
+    # The place of the blow, where the rod meets the nail.
     steps, strike = list(scene.TimeKeeper.TimestepValues), result["events"].get("t8")
     if steps and strike is not None:
         scene.AnimationTime = min(steps, key=lambda time: abs(time - strike - 3e-4))

@@ -29,7 +29,7 @@ struct Index {
 /// the `.vtu` of each band, and `sound.json`, which names them.
 ///
 /// # Errors
-/// [`Error::Write`] or [`Error::Mesh`] with the file that could not be written; the folder is then as it was.
+/// [`Error::Write`] or [`Error::Mesh`] with the file that could not be written; the folder is then unchanged.
 pub fn write_sound_fields(folder: &Path, digest: &str, found: &Fields) -> Result<(), Error> {
     let staging = Staging::within(folder)?;
     found.series.iter().try_for_each(|series| write(&staging, series))?;

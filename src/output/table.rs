@@ -54,7 +54,7 @@ fn plain(field: &[u8]) -> Vec<u8> {
     }
 }
 
-/// Shortest interval between the rows of a table of histories that is not asked for whole \[s\].
+/// Shortest interval between the rows of a table of histories, unless it is requested in full \[s\].
 const COARSE: f64 = 1e-5;
 
 /// Stride of samples with this interval \[s\] in such a table: only samples, without values between them.
@@ -62,8 +62,8 @@ pub(super) fn coarse(interval: f64) -> usize {
     (COARSE / interval - 1e-6).ceil().max(1.0) as usize
 }
 
-/// A long table of numbers: for every `stride`-th row an abscissa with so many decimals, then a value of each column with so
-/// many digits behind its first.
+/// A long table of numbers: for every `stride`-th row an abscissa with so many decimals, then a value of each column
+/// with so many digits after its first.
 ///
 /// # Errors
 /// [`Error::Table`] where the header does not name each column.

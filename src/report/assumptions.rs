@@ -60,7 +60,7 @@ pub(super) fn section(design: &Design) -> Markup {
     }
 }
 
-/// The range of a value and, if no file states it, where it comes from.
+/// The range of a value and, if no file states it, its origin.
 fn range(entry: &Entry) -> Markup {
     html! {
         @match entry.range {

@@ -75,7 +75,7 @@ pub(crate) fn capitalised(text: &str) -> String {
         .map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
 }
 
-/// For whom and by whom, as the design says it.
+/// For whom and by whom, according to the design.
 fn byline(design: &Design) -> Markup {
     let report = design.report();
     let said = [
@@ -124,7 +124,7 @@ fn given(design: &Design) -> Markup {
     html! { dl.given { @for (what, value) in facts { div { dt { (what) } dd { (value) } } } } }
 }
 
-/// The word under a key, before other text; nothing if the design has no such key or none is chosen.
+/// The word under a key, before other text; nothing if the key is missing from the design or none is chosen.
 fn named(design: &Design, key: &str) -> String {
     let entry = design.entries().into_iter().find(|entry| entry.key == key);
     match entry.map(|entry| entry.value) {

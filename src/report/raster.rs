@@ -66,7 +66,7 @@ pub(super) fn picture(triangles: &[Triangle], [width, height]: [usize; 2]) -> St
     format!("data:image/png;base64,{}", STANDARD.encode(&bytes))
 }
 
-/// The colour of each sample; none where nothing is seen.
+/// The colour of each sample; none for an empty one.
 fn draw(triangles: &[Triangle], [width, height]: [usize; 2]) -> Vec<Option<[f64; 3]>> {
     let view = view();
     let seen: Vec<[Vector3<f64>; 3]> = triangles

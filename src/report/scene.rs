@@ -160,7 +160,8 @@ fn image(surfaces: &[Triangles<'_>], view: &View) -> String {
     picture(&triangles, SIZE)
 }
 
-/// Points in whole steps, corners of triangles, and levels of the free ones for each view, as base64 of little-endian numbers.
+/// Points in integer steps, corners of triangles, and levels of the free ones for each view, as base64 of little-endian
+/// numbers.
 fn data(surfaces: &[Triangles<'_>], views: &[View]) -> serde_json::Value {
     let reach = surfaces
         .iter()

@@ -10,9 +10,9 @@ use crate::wording;
 /// A recording that belongs to a run.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Recording {
-    /// What is heard.
+    /// Name of the sound.
     pub name: String,
-    /// A whole WAV file.
+    /// A complete WAV file.
     pub wav: Vec<u8>,
 }
 
@@ -140,7 +140,7 @@ pub(super) fn players(recordings: &[Recording]) -> Markup {
     } }
 }
 
-/// How long a recording lasts, where it can be read.
+/// Duration of a recording, if it can be read.
 fn duration(wav: &[u8]) -> String {
     let reader = hound::WavReader::new(wav).ok();
     reader.map_or_else(String::new, |reader| {

@@ -154,7 +154,7 @@ pub(super) fn figures(object: &Value) -> Markup {
     }
 }
 
-/// A number in another unit; other values as they are.
+/// A number in another unit; other values unchanged.
 pub(super) fn scaled(value: &Value, factor: f64) -> Value {
     value
         .as_f64()
@@ -253,7 +253,7 @@ fn words(key: &str) -> String {
     key.replace('_', " ")
 }
 
-/// A key in words, with the unit that its ending says.
+/// A key in words, with the unit of its ending.
 fn titled(key: &str) -> String {
     const UNITS: [(&str, &str); 8] = [
         ("_db", "dB"),
@@ -276,7 +276,7 @@ fn titled(key: &str) -> String {
     }
 }
 
-/// The value of a key: a share in percent, levels to a thousandth of a decibel. What rounds to nothing is 0.
+/// The value of a key: a share in percent, levels to a thousandth of a decibel. A value that rounds to nothing is 0.
 fn of_key(key: &str, value: &Value) -> String {
     match value {
         Value::Array(items) => items

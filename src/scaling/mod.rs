@@ -37,7 +37,7 @@ pub struct Request {
     pub bore: Option<f64>,
     /// Travel of the piston \[m\].
     pub stroke: Option<f64>,
-    /// Mass of the whole tool without fasteners \[kg\].
+    /// Mass of the complete tool without fasteners \[kg\].
     pub mass: Option<f64>,
     /// The fastener.
     pub fastener: Option<Fastener>,

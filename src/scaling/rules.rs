@@ -36,7 +36,7 @@ pub struct Class {
     pub magazine: String,
     /// Provenance of the defaults.
     pub source: String,
-    /// Drive energy that a maker states for a tool of the class, where one was found.
+    /// Drive energy that a maker states for a tool of the class, if one was found.
     pub energy: Option<String>,
     /// Source of that energy.
     pub energy_source: Option<String>,

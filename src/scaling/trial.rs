@@ -45,10 +45,10 @@ pub struct Settled {
     pub setting: Setting,
     /// The shot at that setting.
     pub shot: Shot,
-    /// Work of the penetration law over the whole fastener \[J\].
+    /// Work of the penetration law over the length of the fastener \[J\].
     pub needed: f64,
-    /// Energy that the tool gives until the head is flush, at 100 psig \[J\]: what makers state as the energy of a tool. None
-    /// where the tool is so strong that nothing stops its piston.
+    /// Energy that the tool gives until the head is flush, at 100 psig \[J\]: makers state this as the energy of a
+    /// tool. None where the tool is so strong that nothing stops its piston.
     pub tool_energy: Option<f64>,
 }
 

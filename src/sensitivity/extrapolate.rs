@@ -21,14 +21,14 @@ pub(super) struct Estimate {
 /// the one with the least error is taken. Its error is the larger of its distance to its two ancestors and the noise in
 /// it. This noise is noise over step in the first column and goes through the tableau with the sum of the weights'
 /// magnitudes: truncation makes the first large at long steps, noise the second at short ones. A difference that is
-/// missing ends the tableau; fewer than two give nothing.
+/// missing ends the tableau; fewer than two yield none.
 pub(super) fn extrapolate(differences: &[Option<f64>], first: f64, order: i32, noise: f64) -> Option<Estimate> {
     let known: Vec<(usize, f64)> = differences
         .iter()
         .enumerate()
         .filter_map(|(k, d)| Some((k, (*d)?)))
         .collect();
-    // Steps that are missing at the long end, where the design would be no design, leave a shorter tableau.
+    // Steps that are missing at the long end, because the design would not be valid, leave a shorter tableau.
     let start = known.first()?.0;
     let run: Vec<f64> = known
         .iter()

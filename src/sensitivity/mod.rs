@@ -4,10 +4,10 @@
 //! differences at steps of 8, 4, 2 and 1 % of the parameter's size, extrapolated to the step zero. If a step leads out
 //! of the limits of a design, the differences are one-sided. The cycle has contacts and switches. Its figures are
 //! smooth in the parameters as long as these occur in the same order, so that differences through events are
-//! derivatives through events. If the order changes, the differences do not agree and the error says so.
+//! derivatives through events. If the order changes, the differences do not agree, which the error shows.
 //!
-//! Parameters rank by what their ranges do to a figure: the derivative times half the range, unless the runs at the ends
-//! of the range, which are made too, show that the figure does not follow it so far.
+//! Parameters rank by the effect of their ranges on a figure: the derivative times half the range, unless the runs at
+//! the ends of the range, which are also made, show that the figure does not follow it so far.
 //!
 //! The tolerance of the integration is a hundred times tighter than the design's. The remaining error, and that of the
 //! sampling of peaks, is measured by running the design at two tolerances and intervals, and is part of the error of
@@ -58,7 +58,7 @@ pub struct OutputSensitivity {
     pub name: &'static str,
     /// SI unit.
     pub unit: &'static str,
-    /// Value in the design; null where its phase does not occur.
+    /// Value in the design; null if its phase does not occur.
     pub value: Option<f64>,
     /// How far integration and sampling leave the value uncertain.
     pub noise: f64,
@@ -77,7 +77,7 @@ pub struct Derivative {
     pub error: f64,
     /// Derivative times half the parameter's range: effect of the parameter's uncertainty on the figure.
     pub effect: f64,
-    /// By how much the parameter's range moves the figure: the size of `effect`; where the figure does not follow its
+    /// By how much the parameter's range moves the figure: the size of `effect`; if the figure does not follow its
     /// derivative to the ends of the range, the larger of its moves to them.
     pub weight: f64,
     /// Smallest step of the parameter the derivative is made of.
@@ -108,13 +108,13 @@ pub struct ParameterOutcome {
     /// The parameter.
     #[serde(flatten)]
     pub parameter: Parameter,
-    /// What happens at the lower and upper end of the range, all else equal.
+    /// The outcome at the lower and upper end of the range, all else equal.
     pub ends: [End; 2],
     /// Whether an end of the range, or one of the steps, has another outcome than the design.
     pub outcome_changes: bool,
 }
 
-/// What happens with a parameter at an end of its range.
+/// The outcome with a parameter at an end of its range.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum End {
@@ -149,7 +149,7 @@ pub fn sensitivity(
     progress: &Progress,
 ) -> Result<Sensitivity, Error> {
     let mut parameters = taking_part(design)?;
-    // A derivative with respect to a whole number is none.
+    // A derivative with respect to an integer does not exist.
     parameters.retain(|parameter| matches!(parameter.value, Value::Number(_)));
     if let Some(keys) = keys {
         if let Some(key) = keys.iter().find(|key| !parameters.iter().any(|own| own.key == **key)) {
@@ -243,7 +243,7 @@ fn first_step(parameter: &Parameter) -> f64 {
     FIRST_STEP * size
 }
 
-/// Where a parameter is set: up and down by each step, then to the ends of its range.
+/// The values of a parameter: up and down by each step, then to the ends of its range.
 fn points(parameter: &Parameter) -> Vec<f64> {
     let (value, first) = (parameter.number(), first_step(parameter));
     let step = |k: usize| first / f64::from(1_u32 << k);

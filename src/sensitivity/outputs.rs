@@ -1,4 +1,4 @@
-//! Figures of a shot whose sensitivity can be asked for.
+//! Figures of a shot with a sensitivity on request.
 
 use nailnoise_dynamics::CycleRecord;
 
@@ -100,7 +100,7 @@ pub const OUTPUTS: &[Output] = &[
     output("supply_mass", "masses", "kg", |r| Some(r.summary.supply_mass)),
 ];
 
-/// The figures that are asked for unless others are named.
+/// The default figures, unless others are named.
 pub const USUAL: [&str; 7] = [
     "speed_before_impact",
     "mean_drive_speed",

@@ -37,7 +37,7 @@ impl Undecodable {
     }
 }
 
-/// The postcard format: for whatever serde can write.
+/// The postcard format: for any serde type.
 pub struct Postcard;
 
 impl<T: Serialize + DeserializeOwned> Codec<T> for Postcard {
@@ -100,7 +100,7 @@ entry!(f32, f64);
 /// Numbers that are encoded or decoded at once.
 const PART: usize = 1 << 13;
 
-/// A large matrix with what belongs to it, read straight into place:
+/// A large matrix and its further data, read straight into place:
 ///
 /// ```text
 /// 8 bytes  length of the head
@@ -151,7 +151,7 @@ impl<T: HasMatrix + Serialize + DeserializeOwned> Codec<T> for WithMatrix {
     }
 }
 
-/// A small matrix or vector as a field of what serde writes.
+/// A small matrix or vector as a field of a serde type.
 pub mod matrix {
     use nalgebra::{DMatrix, DVector};
     use serde::de::Error;

@@ -34,7 +34,7 @@ pub struct ShotLevels {
     pub bodies: Vec<Stored<Body>>,
     /// Their responses, whose checks count.
     pub responses: Vec<Stored<Vibration>>,
-    /// Sensors, where the design has any.
+    /// Sensors, if the design has any.
     pub sensors: Option<Sensors>,
 }
 

@@ -45,7 +45,7 @@ use crate::error::Error;
 
 /// A step of the chain: its inputs and its output.
 pub trait Stage: Serialize + Send + Sync + 'static {
-    /// What it makes.
+    /// Its output.
     type Output: Send + Sync + 'static;
     /// How the output is stored between runs: [`Postcard`], [`Uncached`], or a dedicated form.
     type Codec: Codec<Self::Output>;
@@ -91,7 +91,7 @@ pub struct Stored<T> {
     source: Arc<dyn Source<T>>,
 }
 
-/// Where a [`Stored`] value comes from.
+/// Origin of a [`Stored`] value.
 pub trait Source<T>: Send + Sync {
     /// The value, looked up or computed.
     ///
@@ -153,7 +153,7 @@ pub(crate) fn all<T>(inputs: &[Stored<T>]) -> Result<Vec<Arc<T>>, Error> {
     inputs.iter().map(Stored::get).collect()
 }
 
-/// An input of a stage, whatever its type.
+/// An input of a stage, of any type.
 pub trait Input: Send + Sync {
     /// Makes the value, if it is not made yet.
     ///

@@ -18,7 +18,7 @@ pub struct NoteInputs<'a> {
     pub range_high: f64,
     /// Radiation of workpiece and tool.
     pub radiation: [Option<&'a RadiationReport>; 2],
-    /// Levels with the frozen and the complete impedance of the air, where its mass acts.
+    /// Levels with the frozen and the complete impedance of the air, if its mass acts.
     pub fluid_loading_changes: &'a [FluidLoadingChange],
     /// Stiffness of an elastic tool body at the cycle's contacts.
     pub stiffness: Option<&'a [Stiffness; 2]>,
@@ -30,7 +30,7 @@ pub struct NoteInputs<'a> {
     pub idle_sensors: Vec<&'a str>,
     /// Sensors whose band ends with the modes of their body, and the frequency of that end \[Hz\].
     pub limited_sensors: Vec<(&'a str, f64)>,
-    /// Where the shot lies in the range of a fitted penetration law, in words.
+    /// Place of the shot in the range of a fitted penetration law, in words.
     pub fitted_law: Vec<String>,
     /// Values outside the ranges that the design gives, in words.
     pub outside_ranges: Vec<String>,
@@ -286,7 +286,7 @@ fn radiation_note(what: &str, report: &RadiationReport) -> String {
 /// Added mass of a mode, relative to its own, beyond which it should act on the motion.
 const NOTABLE_MASS: f64 = 0.02;
 
-/// What fluid loading changes in some sources.
+/// Effect of fluid loading on some sources.
 fn loading_note(sources: &[(&str, &FluidLoading)]) -> Option<String> {
     let mut parts = Vec::new();
     let mut heaviest = None;

@@ -1,4 +1,4 @@
-//! How far a computation has got, for whoever waits for it.
+//! Progress of a computation, for its observers.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -53,7 +53,7 @@ impl Observer for WithoutStages {
 pub struct Task {
     /// Its name.
     pub name: &'static str,
-    /// What is counted.
+    /// The counted items.
     pub items: &'static str,
     /// How many items are done.
     pub done: u64,
@@ -87,7 +87,7 @@ impl Progress {
         Self(Arc::new(Silent))
     }
 
-    /// Where progress goes.
+    /// Target of the progress.
     pub fn observer(&self) -> Arc<dyn Observer> {
         Arc::clone(&self.0)
     }

@@ -18,7 +18,7 @@ const MARGIN: f64 = 0.01;
 /// the resistance, which its root shares: 0.04 dB.
 const MISMATCH: f64 = 1e-2;
 
-/// Largest relative difference between a sum of energies and the energy of the whole.
+/// Largest relative difference between a sum of energies and the total energy.
 const ROUNDING: f64 = 1e-9;
 
 /// A source's A-weighted power over time, in the common range.
@@ -206,7 +206,7 @@ mod tests {
         let part = 1e-6;
         assert!((gap(1.0 - part, 20, energy_level(1.0)) / part - 1.0).abs() < 1e-6);
         assert!((gap(1.0 + part, 0, energy_level(1.0)) / part - 1.0).abs() < 1e-6);
-        // A silent source, with and without bands that say otherwise.
+        // A silent source, with and without bands that contradict it.
         assert_eq!(gap(0.0, 27, None), 0.0);
         assert!(gap(1e-12, 0, None) > 1.0);
     }

@@ -134,8 +134,8 @@ impl Sensors {
     }
 }
 
-/// Signals of sensors on a time grid (`step` \[s\], number of `samples`), cut where all have come to rest. Sensors without a motion
-/// of their body are on a rigid tool, which moves as in the cycle.
+/// Signals of sensors on a time grid (`step` \[s\], number of `samples`), cut once all have come to rest. Sensors
+/// without a motion of their body are on a rigid tool, which moves as in the cycle.
 ///
 /// # Errors
 /// Those of the filter.

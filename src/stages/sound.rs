@@ -89,7 +89,7 @@ impl SoundSource {
         }
     }
 
-    /// Analyses a part of a surface, whose energy may have either sign; it is as uncertain as `uncertainty` says.
+    /// Analyses a part of a surface, whose energy may have either sign; `uncertainty` is its uncertainty.
     pub(super) fn of_part(
         part: PartOfSurface,
         uncertainty: Uncertainty,

@@ -14,7 +14,7 @@ use crate::result::TransducerRange;
 pub struct PressureTransducer {
     /// Name in the design.
     pub name: String,
-    /// Where it is.
+    /// Its chamber.
     pub chamber: Chamber,
     /// Travel of the piston at which it passes a transducer in the cylinder's wall \[m\].
     pub position: f64,
@@ -27,7 +27,7 @@ pub struct PressureTransducer {
 pub struct PressureRecord {
     /// Name in the design.
     pub name: String,
-    /// Where it is.
+    /// Its chamber.
     pub chamber: Chamber,
     /// Sampling interval, the first sample at t = 0 \[s\].
     pub interval: f64,
@@ -104,7 +104,7 @@ impl PressureTransducer {
     }
 }
 
-/// A signal behind the first-order high-pass of a discharging charge, from rest at its first value.
+/// A signal after the first-order high-pass of a discharging charge, from rest at its first value.
 ///
 /// ```text
 /// y' + y/tau = p'      H = s tau/(1 + s tau)

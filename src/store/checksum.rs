@@ -15,7 +15,7 @@ pub(crate) fn checksum(bytes: &[u8]) -> Checksum {
     XxHash3_128::oneshot(bytes).to_le_bytes()
 }
 
-/// Reads or writes on and sums up what passes.
+/// Continues to read or write and sums up the bytes.
 pub(super) struct Summed<W> {
     to: W,
     sum: XxHash3_128,

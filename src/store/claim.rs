@@ -4,8 +4,8 @@
 //! too) and removed once the entry is written. There are no locks: the owner sets the time of the file every [`BEAT`].
 //! A claim whose time has not changed for [`Patience::stale`] is taken over. The clock of the waiting process decides,
 //! because clocks of machines differ. A claim whose owner is a process of this machine that has ended is taken over at
-//! once. A claim that cannot be read has a time all the same. Every wait is limited: an object that is not a file, an
-//! object that cannot be removed, and an owner that does not finish end it, each with its cause.
+//! once. A claim that cannot be read still has a time. Every wait is limited: an object that is not a file, an object
+//! that cannot be removed, and an owner that does not finish end it, each with its cause.
 //!
 //! A claim is advice. Entries are written completely and verified whoever wrote them, so that two owners at once only
 //! cost time.
@@ -37,7 +37,7 @@ pub(super) struct Patience {
     reported: Duration,
     /// Without a change for this long, the owner of a claim is taken to have ended.
     stale: Duration,
-    /// After this, an entry is computed whoever else computes it.
+    /// After this, an entry is computed regardless of other processes.
     longest: Duration,
 }
 
@@ -66,7 +66,7 @@ pub(super) enum Unclaimed {
     Obstacle {
         /// The claim.
         path: PathBuf,
-        /// What it is.
+        /// Kind of the object.
         kind: &'static str,
     },
     /// The claim of an ended process stays.
@@ -107,8 +107,8 @@ fn beside(entry: &Path) -> PathBuf {
     entry.with_file_name(name)
 }
 
-/// The claim on an entry, once nobody else has it; none where the entry has appeared meanwhile. While another process has it,
-/// `step` is called now and then, and `report` once with the cause of a wait that is not short.
+/// The claim on an entry, once nobody else has it; none if the entry has appeared meanwhile. While another process has
+/// it, `step` is called now and then, and `report` once with the cause of a wait that is not short.
 ///
 /// # Errors
 /// [`Unclaimed`]: the entry is then computed without a claim.
@@ -131,7 +131,7 @@ pub(super) fn wait(
         if appeared() {
             return Ok(None);
         }
-        // Where the claim has gone, the next round makes one.
+        // If the claim has gone, the next round makes one.
         let owner = if let Some(now) = Seen::look(&path)? {
             let since = last.take().filter(|(seen, _)| *seen == now);
             let since = since.map_or_else(Instant::now, |(_, since)| since);
@@ -172,7 +172,7 @@ pub(super) fn wait(
 #[derive(Debug, PartialEq, Eq)]
 enum Token {
     Text(String),
-    /// Another user may have made a claim that only they can read; its time can be seen all the same.
+    /// Another user may have made a claim that only they can read; its time is still visible.
     Unreadable(ErrorKind),
 }
 
@@ -188,7 +188,8 @@ impl Seen {
     /// its server.
     ///
     /// # Errors
-    /// [`Unclaimed::Obstacle`] for anything but a file: no process of this program makes it, so that nobody will remove it.
+    /// [`Unclaimed::Obstacle`] for anything but a file: processes of this program do not make such an object, so that
+    /// nobody will remove it.
     fn look(path: &Path) -> Result<Option<Self>, Unclaimed> {
         // Only a file can be opened without waiting: a pipe waits for a writer.
         match fs::symlink_metadata(path) {
@@ -227,14 +228,15 @@ impl Seen {
         matches!(&self.token, Token::Text(own) if own == token)
     }
 
-    /// Machine, number and start of the owner; none where the token does not state them.
+    /// Machine, number and start of the owner; none if the token does not state them.
     fn process(&self) -> Option<(&str, u32, &str)> {
         let Token::Text(text) = &self.token else { return None };
         let mut parts = text.split_whitespace();
         Some((parts.next()?, parts.next()?.parse().ok()?, parts.next()?))
     }
 
-    /// Whether the owner was a process of this machine that no longer runs. A token that is not yet written says nothing.
+    /// Whether the owner was a process of this machine that no longer runs. A token that is not yet written proves
+    /// nothing.
     fn owner_has_ended(&self) -> bool {
         self.process().is_some_and(|(machine, process, started)| {
             this_machine().is_some_and(|own| own == machine) && start_of(process).as_deref() != Some(started)
@@ -254,7 +256,8 @@ impl Seen {
     }
 }
 
-/// Removes a claim that is nobody's. Of several who try, one renames it; a claim that was taken over meanwhile is put back.
+/// Removes a claim without an owner. Of several who try, one renames it; a claim that was taken over meanwhile is put
+/// back.
 ///
 /// # Errors
 /// If the claim cannot be renamed, for example where only owners may rename their files in a folder.
@@ -286,7 +289,7 @@ fn this_machine() -> Option<String> {
     Some(format!("{}/{}", boot.trim(), space.display()))
 }
 
-/// When a process of this machine started, in ticks of its clock; none where it does not run.
+/// When a process of this machine started, in ticks of its clock; none if it does not run.
 fn start_of(process: u32) -> Option<String> {
     let text = fs::read_to_string(format!("/proc/{process}/stat")).ok()?;
     // The name of the command, in brackets, may contain spaces; the start is the 20th field after it.
@@ -439,7 +442,7 @@ mod tests {
         fs::remove_dir_all(entry.parent().unwrap()).unwrap();
     }
 
-    /// Empty, not text, half-written, and far longer than a claim: each is a file that nobody renews.
+    /// Empty, not text, half-written, and far longer than a claim: each is a file without renewal.
     #[test]
     fn a_claim_without_a_legible_owner_is_taken_over_when_it_is_stale_and_the_wait_is_reported() {
         let entry = entry("illegible");
@@ -500,7 +503,7 @@ mod tests {
         fs::remove_dir_all(entry.parent().unwrap()).unwrap();
     }
 
-    /// A file, and below a file: the system says `AlreadyExists` of the first, as it does of a claim.
+    /// A file, and below a file: the system reports `AlreadyExists` for the first, the same as for a claim.
     #[test]
     fn a_folder_that_cannot_be_is_no_claim_of_another_process() {
         let entry = entry("no-folder");

@@ -11,13 +11,13 @@ use thiserror::Error;
 use super::Listed;
 use super::entry::{Damage, is_file, is_name, is_own, renew};
 
-/// Bytes the entries may take together when nothing else is said: 4 GiB.
+/// Bytes the entries may take together by default: 4 GiB.
 pub const LIMIT: u64 = 4 << 30;
 
 /// How far clocks of machines that share a folder may differ.
 const AHEAD: Duration = Duration::from_secs(3600);
 
-/// Age at which a half-written file is nobody's.
+/// Age beyond which a half-written file is abandoned.
 const ABANDONED: Duration = Duration::from_secs(3600);
 
 /// Why there is no cache.
@@ -34,7 +34,7 @@ pub enum StoreError {
     Unusable {
         /// The path.
         path: PathBuf,
-        /// What is there.
+        /// The object at that path.
         obstacle: Obstacle,
     },
     /// The folder that the user named for results cannot be used.
@@ -43,20 +43,20 @@ pub enum StoreError {
     NoStore {
         /// The path.
         path: PathBuf,
-        /// What is there.
+        /// The object at that path.
         obstacle: Obstacle,
     },
     /// The limit is not a size.
     #[error("NAILNOISE_CACHE_LIMIT is \"{found}\", which is no size in GiB")]
     #[diagnostic(help("give a number above zero, for instance 4 or 0.5"))]
     Limit {
-        /// What it holds.
+        /// Its content.
         found: String,
     },
 }
 
 impl StoreError {
-    /// Whether a command can do its work all the same, without a cache.
+    /// Whether a command can still do its work, without a cache.
     pub fn is_dispensable(&self) -> bool {
         matches!(self, Self::NoFolder | Self::Unusable { .. })
     }
@@ -201,7 +201,7 @@ pub(super) fn bound(folder: &Path, limit: u64) -> io::Result<u64> {
     sweep(folder)?;
     let (mut sum, mut left) = (0_u64, 0);
     let mut entries = entries(folder)?;
-    // A clock that was set back leaves times in the future, whose order says nothing: they count as used now.
+    // A clock that was set back leaves times in the future, whose order is meaningless: they count as used now.
     let soon = SystemTime::now() + AHEAD;
     for entry in entries.iter().filter(|entry| entry.used > soon) {
         renew(&entry.path);
@@ -217,7 +217,7 @@ pub(super) fn bound(folder: &Path, limit: u64) -> io::Result<u64> {
     Ok(left)
 }
 
-/// Removes what killed processes left half-written; a file of the last hour may still be under way.
+/// Removes half-written files of killed processes; a file of the last hour may still be under way.
 fn sweep(folder: &Path) -> io::Result<()> {
     for file in files(folder)? {
         let path = file.path();
@@ -228,7 +228,7 @@ fn sweep(folder: &Path) -> io::Result<()> {
                 .file_name()
                 .is_some_and(|name| name.to_string_lossy().starts_with('.'));
         if old && is_own {
-            // What another user left stays where only owners may remove their files.
+            // Files of another user stay if only owners may remove their files.
             let _ = remove(&path);
         }
     }

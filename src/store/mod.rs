@@ -2,9 +2,9 @@
 //!
 //! An entry is one file, named by its stage and by the SHA-256 of its inputs and of the sources of this program; it
 //! contains the checksum of its content. Truncated, altered or foreign entries are noticed, reported and computed anew.
-//! Values have the same bytes on every machine. Files are written whole, so that several processes may share a folder
-//! and a killed one leaves nothing half-written. The least recently used entries go first when the folder outgrows its
-//! limit.
+//! Values have the same bytes on every machine. Files are written completely, so that several processes may share a
+//! folder and a killed one leaves nothing half-written. The least recently used entries go first when the folder
+//! outgrows its limit.
 
 mod checksum;
 mod claim;
@@ -120,7 +120,7 @@ impl Store {
         }
     }
 
-    /// In a folder that the user named for results, and that nobody bounds; it is created if it does not exist.
+    /// In a folder that the user named for results, and that has no limit; it is created if it does not exist.
     ///
     /// # Errors
     /// [`StoreError::NoStore`] where no files can be written in it.
@@ -252,7 +252,7 @@ impl Store {
         })
     }
 
-    /// Names of the entries that were read or written since this was last asked, by this value and its clones.
+    /// Names of the entries that were read or written since the last call, by this value and its clones.
     pub fn take_used(&self) -> Vec<String> {
         let mut used = self.used.lock().unwrap_or_else(PoisonError::into_inner);
         std::mem::take(&mut *used).into_iter().collect()
@@ -277,7 +277,7 @@ impl Store {
         }
     }
 
-    /// An entry that is of use though nobody reads it counts as used.
+    /// An entry that is useful without being read counts as used.
     pub fn renew(&self, stage: &str, key: &Digest) {
         if let Some(place) = &self.place {
             entry::renew(&place.folder.join(entry::name(stage, &in_this_layout(key))));

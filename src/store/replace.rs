@@ -1,4 +1,4 @@
-//! Entries that are whole or absent.
+//! Entries that are complete or absent.
 
 use std::fs::File;
 use std::io;

@@ -1,10 +1,10 @@
 //! Which inputs decide whether a shot counts: first-order contributions to the variance of that, over all candidates with a shot.
 //!
-//! Y is 1 where a shot counts, else 0, and S_i = Var E[Y|X_i]/Var Y. E[Y|X_i] is the share of candidates that count in
+//! Y is 1 if a shot counts, else 0, and S_i = Var E[Y|X_i]/Var Y. E[Y|X_i] is the share of candidates that count in
 //! each of [`BINS`] equal parts of the input's distribution, so that a study stores counts and no candidates. The
 //! scatter of these parts is taken off as for the levels (Kelley 1935). Resamples draw the number of counting shots in
 //! each part from its binomial distribution; they scatter around those of the sample, so that the correction is made
-//! twice there. Where an input does nothing, n times the uncorrected estimate has the chi-squared distribution of
+//! twice there. For an input without effect, n times the uncorrected estimate has the chi-squared distribution of
 //! `BINS` - 1 degrees of freedom.
 
 use nailnoise_acoustics::random::uniform;
@@ -26,7 +26,7 @@ const CHANCE: f64 = 0.05;
 const FEWEST: u64 = 200;
 const FEWEST_OF_A_KIND: u64 = 20;
 
-/// Variance from which a binomial number is drawn as a normal one.
+/// Variance beyond which a binomial number is drawn as a normal one.
 const NORMAL: f64 = 50.0;
 
 const SEED: u64 = 0x5EED_C0DE;
@@ -140,7 +140,7 @@ fn chi_squared(degrees: f64, p: f64) -> f64 {
     degrees * (1.0 - part + normal::quantile(p) * part.sqrt()).powi(3)
 }
 
-/// States which of the variables decide; none with too few shots, or if nearly all of them count or none.
+/// States the variables that decide; none with too few shots, or if nearly all of them count or none.
 pub(super) fn condition(counts: &Counts, variables: &[Variable]) -> Option<Condition> {
     let (shots, counting) = (counts.shots, counts.counting);
     if shots < FEWEST || counting.min(shots - counting) < FEWEST_OF_A_KIND {

@@ -120,7 +120,7 @@ pub(super) fn contributions(
         });
         let mut found: Vec<Found<'_>> = found.collect();
         found.sort_by(|a, b| b.first_order.total_cmp(&a.first_order));
-        // Where no input is above its limit, no resample is needed.
+        // If no input is above its limit, resamples are not needed.
         let figures_of = |counts: &[u32]| {
             let sums = sums_of(counts);
             let figures = |own: &Found<'_>| {

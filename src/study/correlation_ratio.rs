@@ -43,7 +43,7 @@ impl Unit {
     pub(super) const ALL: [Self; 2] = [Self::Draw, Self::Structure];
 }
 
-/// Structures of draws, numbered from 0 on; none where all draws are on that of the design.
+/// Structures of draws, numbered from 0 on; none if all draws are on that of the design.
 pub(super) struct Structures {
     of_draws: Vec<usize>,
     /// The first draw on each.
@@ -51,7 +51,7 @@ pub(super) struct Structures {
 }
 
 impl Structures {
-    /// From a number of each draw's structure; `drawn` says whether structures differ at all.
+    /// From a number of each draw's structure; `drawn` is whether structures differ at all.
     pub(super) fn new(numbers: &[usize], drawn: bool) -> Self {
         let mut known = numbers.to_vec();
         known.sort_unstable();

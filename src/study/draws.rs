@@ -1,9 +1,9 @@
 //! The draws of a study: each a design with the levels of its shot.
 //!
-//! Structures (modes and radiation matrices) are dear, shots on them are cheap. Where structures are drawn, each serves several
-//! shots: a joint draw of structure and shot that is accepted gives the structure, and further shots are drawn on it. Both have
-//! the distribution of independent joint draws under the condition, because an accepted pair is a draw of the structure given
-//! that it is accepted.
+//! Structures (modes and radiation matrices) are dear, shots on them are cheap. If structures are drawn, each serves
+//! several shots: a joint draw of structure and shot that is accepted gives the structure, and further shots are drawn
+//! on it. Both have the distribution of independent joint draws under the condition, because an accepted pair is a draw
+//! of the structure given that it is accepted.
 //!
 //! The only output is the outcomes of candidates and the levels of draws, as outputs of stages in the store: a study
 //! that ended early continues from there, and a larger one begins with the draws of a smaller one.
@@ -50,7 +50,7 @@ pub struct Draws {
     pub draws: Vec<Draw>,
     /// Structures that were drawn; 0 if they are those of the design.
     pub structures: usize,
-    /// What became of all candidates.
+    /// Outcomes of all candidates.
     pub tally: Tally,
     /// Draws whose sound cannot be computed, with the message.
     pub failures: Vec<(usize, String)>,
@@ -75,7 +75,7 @@ pub(super) struct Planned {
     pub(super) candidate: Candidate,
 }
 
-/// Makes the draws that are asked for on a graph, and says on `progress` how far they are.
+/// Makes the requested draws on a graph, and reports their number on `progress`.
 ///
 /// # Errors
 /// Those of the chain of the design itself; [`Error::NothingDrawn`] where no candidate is accepted; [`Error::NoLevels`] where those
@@ -312,7 +312,7 @@ fn open_ends(sampler: &Sampler, draws: &[Draw]) -> Vec<String> {
     open.into_iter().collect()
 }
 
-/// Levels of the design itself; none where its shot or its sound cannot be computed.
+/// Levels of the design itself; none if its shot or its sound cannot be computed.
 ///
 /// # Errors
 /// Those of the chain's inputs.

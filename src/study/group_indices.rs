@@ -21,7 +21,7 @@ pub(super) struct Row {
     pub(super) partners: Vec<[f64; 2]>,
 }
 
-/// First-order and total contribution of each group, and the variance \[dB2\]; none where the level does not vary.
+/// First-order and total contribution of each group, and the variance \[dB2\]; none if the level does not vary.
 pub(super) fn indices(rows: &[Row]) -> Option<(Vec<[Estimate; 2]>, f64)> {
     let groups = rows.first()?.partners.len();
     let all = |row: &Row| -> Vec<f64> {

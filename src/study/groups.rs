@@ -1,8 +1,8 @@
 //! Which groups of inputs decide a level: each draw has two partners for each group, one that shares the group with it
 //! and one that shares all else. The part that is not shared is drawn anew until the shot counts.
 //!
-//! A group is what one decision or one measurement settles: tables of the design file, and the errors of methods. Quantities with a
-//! common rule or correlation stay together, in the group of the first of them.
+//! One decision or one measurement settles a group: tables of the design file, and the errors of methods. Quantities
+//! with a common rule or correlation stay together, in the group of the first of them.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -107,7 +107,7 @@ fn groups(sampler: &Sampler) -> Vec<(String, Vec<usize>)> {
     groups
 }
 
-/// A draw, one of its groups, what its partner shares, and the partner.
+/// A draw, one of its groups, the set that its partner shares, and the partner.
 struct PartnerDraw {
     row: usize,
     group: usize,
@@ -194,7 +194,7 @@ struct Levels {
 }
 
 impl Levels {
-    /// What `figure` says of the draw and of all its partners; none where one is missing.
+    /// Values of `figure` for the draw and for all its partners; none if one is missing.
     fn row(&self, figure: impl Fn(&[f64]) -> f64) -> Option<Row> {
         let pair = |[group, rest]: &[Option<Vec<f64>>; 2]| Some([figure(group.as_ref()?), figure(rest.as_ref()?)]);
         Some(Row {

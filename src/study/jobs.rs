@@ -27,7 +27,7 @@ pub(super) fn on_threads<T: Send>(count: usize, compute: impl Fn(usize) -> T + S
             .map(|_| beside(scope, &work))
             .collect();
         work();
-        // A panic goes on as it began: it may be the end of work that was abandoned.
+        // A panic continues unchanged: it may be the end of work that was abandoned.
         others.into_iter().for_each(Begun::join);
     });
     // Every job has a result here, since a panic has gone on.

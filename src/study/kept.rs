@@ -34,7 +34,7 @@ struct Kept {
 /// A study that serves a design.
 #[derive(Debug, Clone)]
 pub struct Found {
-    /// What it states.
+    /// Its results.
     pub result: StudyResult,
     /// How the draws of another study are weighted; none if they are of this population.
     pub weighting: Option<Weighting>,

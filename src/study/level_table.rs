@@ -51,15 +51,15 @@ impl LevelTable {
     }
 }
 
-/// Level of all sources of a shot together \[dB re 1 pW s\]; none where all are silent.
+/// Level of all sources of a shot together \[dB re 1 pW s\]; none if all are silent.
 pub(super) fn total_of(levels: &Levels) -> Option<f64> {
     let sources = levels.sources.iter();
     let total = energy_sum(sources.map(|source| source.lwa_db.unwrap_or(f64::NEG_INFINITY)));
     total.is_finite().then_some(total)
 }
 
-/// Levels of the total, each source, and the difference of the two loudest, in each draw \[dB\], where none is silent; `names` are the
-/// sources in their order.
+/// Levels of the total, each source, and the difference of the two loudest, in each draw \[dB\], if none is silent;
+/// `names` are the sources in their order.
 pub(super) fn outputs(table: &LevelTable, names: &[String]) -> Vec<(String, Vec<f64>)> {
     let of = |name: &String| table.column(table.place(name));
     let mut outputs: Vec<(String, Vec<f64>)> = vec![(TOTAL.to_owned(), table.totals())];

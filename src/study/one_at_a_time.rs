@@ -1,8 +1,8 @@
 //! Effect of each input on the levels of the design itself: levels at the 5th and the 95th percentile of its
 //! distribution, with all other inputs as in the design.
 //!
-//! Such changes are valid only at the design. Where inputs act together, or a shot no longer drives the nail, they say
-//! nothing of other designs; contributions to the variance do.
+//! Such changes are valid only at the design. If inputs act together, or a shot no longer drives the nail, they do not
+//! apply to other designs; contributions to the variance do.
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 

@@ -144,7 +144,7 @@ impl Parameter {
         let [low, high] = self.range;
         let mode = self.number();
         let x = match self.distribution {
-            // Every whole number of the range is as likely.
+            // Every integer of the range is as likely.
             Distribution::Uniform if matches!(self.value, Value::Count(_)) => (low.ceil()
                 + u * (high.floor() - low.ceil() + 1.0))
                 .floor()

@@ -57,7 +57,7 @@ impl Candidates {
         let mut terms: Vec<Term> = vec![Vec::new()];
         let mut last = 0..1;
         for _ in 0..degree {
-            // One degree more: in the last input of a term or in one behind it, so that each product comes once.
+            // One degree more: in the last input of a term or in a later one, so that each product appears once.
             let mut next = Vec::new();
             for term in &terms[last.clone()] {
                 let (begin, rest) = term.split_at(term.len().saturating_sub(1));
@@ -92,7 +92,7 @@ impl Candidates {
         }
     }
 
-    /// The polynomial of levels at the points, each of which belongs to a fold.
+    /// The polynomial of levels at the points; each point belongs to a fold.
     pub(super) fn fitted(&self, levels: &[f64], folds: &[u64]) -> Polynomial {
         let most = (levels.len() / 4).min(MOST_TERMS).min(self.terms.len() - 1);
         // Sum of squared errors at the points of a fold for every number of terms, predicted from the other folds.

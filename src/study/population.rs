@@ -1,7 +1,7 @@
 //! The population of a study's draws, and its comparison with that of another design.
 //!
-//! A study may be used for a design whose drawn quantities have the same distributions and which agrees in everything else. Where
-//! some distributions differ, its draws may be weighted by the ratio of the densities (importance sampling),
+//! A study may be used for a design whose drawn quantities have the same distributions and which agrees in everything
+//! else. If some distributions differ, its draws may be weighted by the ratio of the densities (importance sampling),
 //!
 //! ```text
 //! w_i = prod_j q_j(x_ij)/p_j(x_ij)        n_eff = (sum w_i)^2 / sum w_i^2        (Kish 1965)
@@ -29,7 +29,7 @@ pub(super) struct Marginal {
     pub(super) key: String,
     range: [f64; 2],
     distribution: Distribution,
-    /// The value of the design, where the distribution depends on it.
+    /// The value of the design, if the distribution depends on it.
     mode: Option<f64>,
     is_count: bool,
 }
@@ -103,7 +103,7 @@ pub(super) struct Population {
     drawn: Vec<Marginal>,
     /// Keys with a range that the study does not draw: they change no level, or belong to fixed structures.
     not_drawn: Vec<String>,
-    /// Digest of all values that are not drawn, and of what `[study]` says.
+    /// Digest of all values that are not drawn, and of the settings in `[study]`.
     rest: String,
 }
 

@@ -33,7 +33,7 @@ impl Request {
 pub enum Part {
     /// All draws.
     All,
-    /// Every `of`-th structure, where structures are drawn, else every `of`-th draw: the `number`-th of them, from 1.
+    /// Every `of`-th structure, if structures are drawn, else every `of`-th draw: the `number`-th of them, from 1.
     Task {
         /// Its number, 1 .. `of`.
         number: u32,

@@ -123,7 +123,7 @@ impl LevelStudy {
     }
 }
 
-/// What [`LevelStudy::ends`] of so many draws are called.
+/// Names of [`LevelStudy::ends`] for so many draws.
 pub fn names_of_ends(draws: usize) -> [&'static str; 2] {
     match draws {
         STATED_FROM.. => ["P5", "P95"],

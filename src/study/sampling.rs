@@ -3,9 +3,9 @@
 //! Point `i` of the sequence depends only on `i`, the seed and the list of variables, so that more draws do not change
 //! the first ones, and threads and machines do not matter.
 //!
-//! Some values conflict: a seat wider than the valve, say. The variables of such rules form connected components.
-//! Values are rejected and drawn anew *within a component*, which gives the same distribution as to reject whole
-//! designs, and leaves all other variables their low-discrepancy points.
+//! Some values conflict, for example a seat wider than the valve. The variables of such rules form connected
+//! components. Values are rejected and drawn anew *within a component*, which gives the same distribution as rejecting
+//! entire designs, and leaves all other variables their low-discrepancy points.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -15,7 +15,7 @@ use super::normal;
 use super::variables::{Drawn, Variable};
 use crate::design::{Correlation, Design, Value, Values};
 
-/// Dimensions and length of the sequence: beyond them it goes on with another scramble.
+/// Dimensions and length of the sequence: beyond them it continues with another scramble.
 const DIMENSIONS: usize = 256;
 const LENGTH: u64 = 1 << 16;
 

@@ -20,7 +20,7 @@ use crate::stages::outcomes::{Outcomes, ShotOutcome};
 /// twice as many each time.
 pub(super) const BLOCK: u64 = 64;
 const FIRST_BLOCK: u64 = 2;
-/// Candidates drawn at most for each draw asked for, and before any is accepted.
+/// Maximum number of candidates for each requested draw, and before any is accepted.
 const MOST: u64 = 1000;
 const MOST_IN_VAIN: u64 = 4096;
 /// Interval of the samples, which no outcome needs \[s\].
@@ -31,13 +31,13 @@ const SAMPLES: f64 = 1e-3;
 pub struct Candidate {
     /// Its number in the sequence.
     pub index: u64,
-    /// What is drawn.
+    /// The drawn point.
     pub point: Point,
-    /// What became of its shot in each design.
+    /// Outcome of its shot in each design.
     pub outcomes: Vec<ShotOutcome>,
 }
 
-/// What became of all candidates.
+/// Outcomes of all candidates.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Tally {
     /// Candidates drawn.
@@ -50,7 +50,7 @@ pub struct Tally {
     pub outcomes: BTreeMap<String, u64>,
     /// Candidates whose shot cannot be computed, with the message.
     pub failures: Vec<(u64, String)>,
-    /// Where in the distributions the shots are that count.
+    /// Places of the counting shots in the distributions.
     pub condition: Counts,
 }
 

@@ -29,7 +29,7 @@ pub struct Shots {
     pub parameters: Vec<Parameter>,
     /// Names of the scores by which a fitted penetration law is drawn.
     pub scores: Vec<String>,
-    /// What became of the candidates.
+    /// Outcomes of the candidates.
     #[serde(flatten)]
     pub counted: Counted,
     /// The designs, in the order they were drawn.
@@ -43,7 +43,7 @@ pub struct DrawnShot {
     pub candidate: usize,
     /// Values of the parameters, then the scores, in their order.
     pub values: Vec<Value>,
-    /// What became of it.
+    /// Outcome of its shot.
     pub outcome: ShotOutcome,
 }
 
@@ -70,7 +70,7 @@ pub fn shots(graph: &Graph, design: &Design, count: usize, seed: u64, progress: 
     })
 }
 
-/// What became of the candidates for drawn shots.
+/// Outcomes of the candidates for drawn shots.
 #[derive(Debug, Clone, Default, PartialEq, Serialize)]
 pub struct Counted {
     /// Number of designs drawn. It is the length of their list, so that it is not written.

@@ -1,8 +1,8 @@
 //! Quantiles, probabilities of orders and losses of decisions from draws, each with its bootstrap interval.
 //!
 //! Levels are in dB re 1 pW s; minus infinity is silence. Quantiles of draws interpolate linearly between neighbouring
-//! ones, at the place p (n + 1) (type 6 of Hyndman and Fan, "Sample quantiles in statistical packages", The American
-//! Statistician 50, 361 (1996)): a further draw lies below with the probability p, whatever the distribution. Those of
+//! ones, at the place p (n + 1): a further draw lies below with the probability p, whatever the distribution (type 6 of
+//! Hyndman and Fan, "Sample quantiles in statistical packages", The American Statistician 50, 361 (1996)). Those of
 //! resamples are of type 7.
 
 use std::collections::BTreeMap;
@@ -27,7 +27,7 @@ pub struct Estimate {
 }
 
 impl Estimate {
-    /// Half the width of the interval; none where silence is in it.
+    /// Half the width of the interval; none if silence is in it.
     pub fn half_width(&self) -> Option<f64> {
         let [low, high] = self.interval;
         Some(0.5 * (high? - low?))
@@ -85,7 +85,7 @@ pub(super) fn energy_sum(levels: impl IntoIterator<Item = f64>) -> f64 {
 /// Resampled draws. A resample is made on demand: the count of each draw in it takes 4 bytes a draw for as long as one
 /// estimate uses it, whereas all resamples together would take 4 kB a draw.
 pub(super) struct Bootstrap {
-    /// Draws of each cluster; none where single draws are resampled.
+    /// Draws of each cluster; none if single draws are resampled.
     clusters: Option<Vec<Vec<u32>>>,
     /// Clusters, or draws.
     units: usize,
@@ -111,7 +111,7 @@ impl Bootstrap {
         Self { clusters, units, draws }
     }
 
-    /// What `statistic` says of each resample, from how often each draw is in it.
+    /// Value of `statistic` for each resample, from the count of each draw in it.
     fn resampled<T>(&self, mut statistic: impl FnMut(&[u32]) -> T) -> Vec<T> {
         let mut counts = vec![0; self.draws];
         let resample = |resample: u64| {
@@ -147,7 +147,7 @@ impl Bootstrap {
         self.estimate(|counts| weighted_mean(figures, counts))
     }
 
-    /// The share of the draws for which something is true. Where it is true of all or of none, no resample differs: the
+    /// The share of the draws for which something is true. If it is true of all or of none, no resample differs: the
     /// interval is then that of the binomial distribution, beyond whose end so many draws would show it with 5 %
     /// (Clopper and Pearson 1934).
     pub(super) fn share(&self, is_so: &[bool]) -> Estimate {

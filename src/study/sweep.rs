@@ -43,15 +43,15 @@ pub struct SweptPoint {
     pub levels: Option<Levels>,
     /// Level of all sources together \[dB re 1 pW s\].
     pub total_db: Option<f64>,
-    /// Headline of its shot, where that does not drive.
+    /// Headline of its shot, if that does not drive.
     pub headline: Option<Headline>,
-    /// Why there are no levels; empty otherwise.
+    /// Why levels are missing; empty otherwise.
     pub refused: String,
-    /// Folder of its films; none where none were asked for.
+    /// Folder of its films; none without a request.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub folder: Option<String>,
-    /// Each source, then the total, over draws that all points have in common, and the change from the first point; none where
-    /// no draws are asked for.
+    /// Each source, then the total, over draws that all points have in common, and the change from the first point;
+    /// none if no draws are requested.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub drawn: Option<Vec<Change>>,
 }
@@ -111,7 +111,7 @@ fn range(low: &str, rest: &str) -> Result<Vec<String>, String> {
     Ok((0..count).map(value).collect())
 }
 
-/// A number and the unit behind it.
+/// A number and the unit that follows it.
 fn number(text: &str) -> Result<(f64, String), String> {
     let text = text.trim();
     let ends = (1..=text.len()).rev().filter(|end| text.is_char_boundary(*end));
@@ -135,7 +135,7 @@ fn grid(axes: &[Axis]) -> Vec<Vec<String>> {
     })
 }
 
-/// What gives the values of a point.
+/// Assignments for the values of a point.
 fn assignments(axes: &[Axis], values: &[String]) -> Result<Vec<Assignment>, AssignmentError> {
     let pairs = axes.iter().zip(values);
     pairs

@@ -11,7 +11,7 @@ use crate::output;
 /// \[dB\], figures of the shot, then the variables in SI units; empty for a fixed one.
 ///
 /// # Errors
-/// [`Error::Table`], where rows differ in length.
+/// [`Error::Table`], if rows differ in length.
 pub fn csv(made: &Draws) -> Result<Vec<u8>, Error> {
     let levels = LevelTable::new(&made.draws);
     let sources = &levels.names;

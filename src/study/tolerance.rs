@@ -6,8 +6,8 @@
 //! ```
 //!
 //! S. S. Wilks, "Determination of sample sizes for setting tolerance limits", Ann. Math. Statist. 12, 91 (1941). The
-//! draws must be independent. Those of a study are evenly distributed candidates, few of which count, which is nearly
-//! the same.
+//! draws must be independent. Those of a study are evenly distributed candidates, and few of them count, which is
+//! nearly the same.
 
 /// Fewest draws for a statement of percentiles, probabilities and K; fewer show their range. In the mean, 1.6 of 32
 /// draws lie beyond the percentile of 5 % or 95 %.

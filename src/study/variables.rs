@@ -30,9 +30,9 @@ pub enum Scope {
 pub struct Variable {
     /// Key, name of alternatives, `wood.penetration_fit.SCORE`, or `method.SOURCE`.
     pub name: String,
-    /// What it changes.
+    /// The outputs that it changes.
     pub scope: Scope,
-    /// What is drawn.
+    /// The kind of quantity.
     pub kind: Kind,
 }
 
@@ -152,9 +152,9 @@ fn keys(design: &Design) -> Result<Keys, Error> {
     })
 }
 
-/// The variables of a study of `design`, in the order of the reference: every key with a range that changes the levels,
-/// unless it is a property of the numerical method; the alternatives; the scores of a fitted penetration law; the error
-/// of each source's method.
+/// The variables of a study of `design`, in the order of the reference. They are every key with a range that changes
+/// the levels, unless it is a property of the numerical method; the alternatives; the scores of a fitted penetration
+/// law; and the error of each source's method.
 ///
 /// A key changes the levels where the digest of their inputs changes with it. Keys of a form of the physics that is not
 /// chosen may be included; they have no effect on the levels.

@@ -14,7 +14,7 @@ pub struct Board {
     news: Condvar,
 }
 
-/// What is shown.
+/// Content of the page.
 #[derive(Debug, Clone, Default)]
 pub(super) struct State {
     /// Counts everything that changes.
@@ -27,7 +27,7 @@ pub(super) struct State {
     pub(super) before: Option<Arc<Shot>>,
     /// The run that others are compared with.
     pub(super) pinned: Option<Arc<Shot>>,
-    /// Why the last saved version has no result.
+    /// Why there is no result of the last saved version.
     pub(super) failure: Option<String>,
     /// Warnings for the user about the design of the last run.
     pub(super) warnings: Vec<String>,
@@ -87,7 +87,7 @@ impl Board {
         });
     }
 
-    /// The saved version has no result; the last one stays.
+    /// The saved version yields an error; the last result stays.
     pub fn fail(&self, message: String) {
         self.change(|state| (state.doing, state.failure) = (None, Some(message)));
     }
@@ -104,7 +104,7 @@ impl Board {
         waited.unwrap_or_else(PoisonError::into_inner).0.clone()
     }
 
-    /// The state as it is.
+    /// The current state.
     pub(super) fn now(&self) -> State {
         self.state().clone()
     }

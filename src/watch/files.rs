@@ -1,9 +1,9 @@
 //! When the files of a design change: by their content, read again and again.
 //!
-//! Contents do not depend on how an editor saves: in place, by a new file of the same name, or by removing the old one first.
-//! They are read instead of the system's events (crate `notify`), which are per folder, do not come from network file systems
-//! and from outside of a container, and after which the contents would have to be read all the same. A design is a handful of
-//! small files, which are read in less than a millisecond.
+//! Contents do not depend on how an editor saves: in place, by a new file of the same name, or by removing the old one
+//! first. They are read instead of the system's events (crate `notify`), which are per folder, do not come from network
+//! file systems and from outside of a container, and after which the contents would still have to be read. A design is
+//! a handful of small files, which are read in less than a millisecond.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -18,7 +18,7 @@ use crate::store::{Checksum, checksum};
 /// Between two looks.
 const PAUSE: Duration = Duration::from_millis(40);
 
-/// How long files must stay as they are before they count as saved.
+/// How long files must stay unchanged before they count as saved.
 const QUIET: Duration = Duration::from_millis(60);
 
 /// How long a file may be missing between its removal and its successor before it counts as removed.
@@ -49,7 +49,7 @@ impl Stamp {
     }
 }
 
-/// The files of a design as they were at one moment.
+/// The files of a design at one moment.
 #[derive(Debug, Clone)]
 pub struct Watched {
     files: Vec<PathBuf>,
@@ -57,7 +57,7 @@ pub struct Watched {
 }
 
 impl Watched {
-    /// The files of a design as they are. Content that is read later is this or newer: a change is never missed.
+    /// The current files of a design. Content that is read later is this or newer: a change is never missed.
     pub fn new(design: &Path, assignments: &[Assignment]) -> Self {
         let mut files = dependencies(design, assignments);
         loop {
@@ -71,7 +71,7 @@ impl Watched {
         }
     }
 
-    /// Whether a file is no longer as it was.
+    /// Whether a file has changed.
     pub fn changed(&self) -> bool {
         stamps(&self.files) != self.stamps
     }
@@ -83,7 +83,7 @@ impl Watched {
         }
     }
 
-    /// Waits until the files stay as they are: a file that is being written is not read in part.
+    /// Waits until the files stay unchanged: a file that is being written is not read in part.
     pub fn settle(&self) {
         let since = Instant::now();
         let mut found = stamps(&self.files);

@@ -1,8 +1,8 @@
 //! The request of a browser, and whether it is permitted.
 //!
 //! Any page that a user opens may send requests to this machine. A request is therefore served only with the token,
-//! which only the command shows to its user; with the address of this server as host, which excludes a foreign name
-//! that points here; and with an origin that is this server or none.
+//! which only the command shows to its user. It must also have the address of this server as host, which excludes a
+//! foreign name that points here, and an origin that is this server or none.
 
 use std::io::{self, ErrorKind, Read};
 
@@ -26,7 +26,7 @@ pub(super) struct Request {
 }
 
 impl Request {
-    /// Reads a head; none where the connection ends before.
+    /// Reads a head; none if the connection ends before.
     ///
     /// # Errors
     /// Those of the connection; [`ErrorKind::InvalidData`] if the head is not that of HTTP 1, or too long.
@@ -86,16 +86,16 @@ impl Request {
     }
 }
 
-/// Whether two texts are the same, in a time that does not say how much of them is.
+/// Whether two texts are the same, in a time that does not reveal how much of them is.
 fn same(given: &str, token: &str) -> bool {
     let differences = given.bytes().zip(token.bytes()).fold(0, |all, (a, b)| all | (a ^ b));
     given.len() == token.len() && differences == 0
 }
 
-/// A token that nobody can guess: 128 bits of the system's random numbers.
+/// A token that cannot be guessed: 128 bits of the system's random numbers.
 ///
 /// # Errors
-/// Where the system has none.
+/// If the system has none.
 pub(super) fn token() -> io::Result<String> {
     let mut bytes = [0u8; 16];
     SysRng.try_fill_bytes(&mut bytes).map_err(io::Error::other)?;

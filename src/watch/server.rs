@@ -1,10 +1,10 @@
 //! The server of the page: only on this machine, for a handful of windows, without third-party content.
 //!
-//! It responds to each request on a separate thread and connection, and serves five addresses. Whoever has not shown
-//! the token yet is a stranger, for whom there is a number of connections and a time that do not count against the
-//! windows: when there are too many, the oldest goes. Heads are parsed by `httparse`; complete servers are not better
-//! here: `tiny_http` is no longer maintained, `oxhttp` chooses no free port and writes to standard error, `hyper`
-//! brings an asynchronous runtime.
+//! It responds to each request on a separate thread and connection, and serves five addresses. A client that has not
+//! shown the token yet is a stranger. Strangers have a limit on the number and the time of connections, separate from
+//! the windows: when there are too many, the oldest goes. Heads are parsed by `httparse`; complete servers are not
+//! better here: `tiny_http` is no longer maintained, `oxhttp` chooses no free port and writes to standard error,
+//! `hyper` brings an asynchronous runtime.
 
 use std::io::{self, ErrorKind, Read, Write};
 use std::net::{Ipv4Addr, Shutdown, SocketAddr, TcpListener, TcpStream};
@@ -144,7 +144,7 @@ impl Server {
         })
     }
 
-    /// Where the page is.
+    /// Address of the page.
     pub fn address(&self) -> String {
         format!("http://{}/{}/", self.host, self.token)
     }
@@ -260,7 +260,7 @@ const HTML: &str = "text/html; charset=utf-8";
 const SCRIPT: &str = "text/javascript; charset=utf-8";
 const STYLE: &str = "text/css; charset=utf-8";
 
-/// A whole answer.
+/// A complete response.
 struct Reply<'a> {
     status: &'static str,
     /// Its media type.

@@ -249,8 +249,8 @@ fn a_body_without_a_named_cap_is_refused_and_a_rigid_one_says_that_the_cap_stays
     );
 }
 
-/// The intensity on the cap's own faces, of the motion of the whole, is another evaluation of the same part by another matrix. It
-/// has in addition the sound that the cap and the rest exchange in the near field, which is small here.
+/// The intensity on the cap's faces, in the motion of the full body, is another evaluation of the same part by another
+/// matrix. It has in addition the sound that the cap and the rest exchange in the near field, which is small here.
 #[test]
 fn the_cap_radiates_what_the_intensity_on_its_faces_says() {
     let part = |run: &Run, of: &str, name: &str| {

@@ -281,7 +281,7 @@ fn a_block_on_springs_and_dashpots_decays_like_a_damped_mass() {
     let velocity = response.points(0, &rise, Motion::Velocity).unwrap();
     let h = response.step;
     let from = ((run.record.sample_interval * run.record.len() as f64 + 0.01) / h) as usize;
-    // Zeros with the sign rising, between samples by a straight line, and the peak behind each.
+    // Zeros with the sign rising, between samples by a straight line, and the peak after each.
     let mut zeros = Vec::new();
     for n in from..velocity.len() - 1 {
         let (a, b) = (velocity[n], velocity[n + 1]);

@@ -105,7 +105,7 @@ fn a_run_lists_all_missing_surfaces_before_it_solves_any_body() {
         begun.iter().any(|name| name == "mesh") && !begun.iter().any(|name| name == "modes"),
         "{begun:?}"
     );
-    // The check says the same.
+    // The check gives the same.
     assert_eq!(self::problems(&design, BodyKind::Tool), problems);
 }
 

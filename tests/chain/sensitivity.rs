@@ -207,7 +207,7 @@ fn a_range_over_which_the_shot_changes_is_flagged() {
         [End::Outcome(Outcome::Overdriven), End::Outcome(Outcome::Underdriven)]
     );
     assert!(!of_key(keys[1]).outcome_changes);
-    // A range of three decades: the derivative here says nothing about its far end, the run there does.
+    // A range of three decades: the derivative here does not predict its far end, the run there does.
     let cap = of(&s, "speed_before_impact", keys[2]);
     assert_eq!(cap.is_linear(), Some(false));
     assert!(cap.weight < 0.1 && cap.effect.abs() > 1.0, "{cap:?}");

@@ -24,7 +24,7 @@ const REFERENCE: f64 = 4e-10;
 /// A table by column.
 type Rows = Vec<BTreeMap<String, String>>;
 
-/// The files of a run as they are read.
+/// The files of a run, read back.
 struct Files {
     levels: Rows,
     bands: Rows,

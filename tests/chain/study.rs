@@ -82,7 +82,7 @@ const STEP: f64 = 2e-7;
 /// Step, and part of the tolerance, for designs whose bounces magnify the errors of both: about one in ten needs the
 /// smaller step, one in fifty the smaller tolerance (some move an event by 35 us).
 const FINE: (f64, f64) = (5e-8, 1e-2);
-/// The same for the few whose bounces magnify the reference's error further: with the seed of this test, t10 of one
+/// The same for the few whose bounces magnify the reference's error further. With the seed of this test, t10 of one
 /// shot still moves by 50 us between its steps of 5e-8 and 1e-8, where it agrees to 4 us; the program's moves by 2 us.
 const FINEST: (f64, f64) = (1e-8, 1e-3);
 /// Most by which an event may differ \[s\].

@@ -28,7 +28,7 @@ fn file(name: &str) -> PathBuf {
 /// Takes a mesh for the tool's body; the name of the file lives as long as the program.
 pub(crate) fn put(design: &mut Design, mesh: &Mesh, name: &str) {
     let path = file(name);
-    // Tests that run at the same time write the same mesh; each reads a whole one.
+    // Tests that run at the same time write the same mesh; each reads a complete one.
     let own = path.with_extension(format!("{:?}", std::thread::current().id()));
     std::fs::write(&own, msh::to_bytes(mesh, Format::Binary41, "of a test")).unwrap();
     std::fs::rename(&own, &path).unwrap();
@@ -150,7 +150,8 @@ fn a_soft_body_radiates_more_and_keeps_its_rigid_motion() {
     assert!((part(&soft, "rigid motion") - part(&stiff, "rigid motion")).abs() < 1e-9);
 }
 
-/// On a cap of 1.1e8 N/mm the head valve stays for 4 us, less than a sample; the body's velocity follows the cycle's all the same.
+/// On a cap of 1.1e8 N/mm the head valve stays for 4 us, less than a sample; the body's velocity still follows the
+/// cycle's.
 #[test]
 fn an_impact_shorter_than_a_sample_keeps_its_impulse() {
     let mut design = bar(1.0);
@@ -264,7 +265,7 @@ fn sensors_on_the_tool_read_its_motion_as_a_whole_at_low_frequencies_and_its_mod
     };
     let rigid = records(1.0, BodyModel::Rigid, low);
     let elastic = records(1.0, BodyModel::Elastic, low);
-    // By name: cap, nose, side. A record ends where the bodies have come to rest; beyond its end it is zero.
+    // By name: cap, nose, side. A record ends once the bodies have come to rest; beyond its end it is zero.
     for end in [0, 1] {
         let (a, b) = (&elastic[end].acceleration, &rigid[end].acceleration);
         assert!(apart(a, b) < 0.02 * largest(b), "{}: {}", apart(a, b), largest(b));

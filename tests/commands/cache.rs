@@ -1,4 +1,4 @@
-//! `nailnoise cache`, and what runs do with a cache in disorder.
+//! `nailnoise cache`, and the behaviour of runs with a cache in disorder.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -210,8 +210,8 @@ fn without_a_home_a_run_goes_on_without_a_cache_and_says_so_once() {
     assert_eq!(told.matches("not cached").count(), 1, "{told}");
 }
 
-/// An object that is not a file under the name of a claim belongs to nobody, and a file that no process renews is taken
-/// over: neither stops a run.
+/// An object that is not a file under the name of a claim has no owner, and a file without renewal is taken over:
+/// neither stops a run.
 #[test]
 #[cfg(unix)]
 fn a_claim_that_is_no_claim_is_not_waited_for() {

@@ -1,4 +1,4 @@
-//! The designs in README and documentation do what a reader expects of an example: they drive their nail.
+//! The designs in README and documentation meet the expectation of a reader: they drive their nail.
 
 use std::path::{Path, PathBuf};
 
@@ -38,7 +38,7 @@ fn designs(text: &str) -> Vec<(usize, String)> {
     found
 }
 
-/// The outcome that a block states in a comment `# outcome: WORD`; an example drives unless it says otherwise.
+/// The outcome that a block states in a comment `# outcome: WORD`; an example drives by default.
 fn expected(block: &str) -> &str {
     let stated = block.lines().find_map(|line| line.strip_prefix("# outcome: "));
     stated.map_or("drives", str::trim)

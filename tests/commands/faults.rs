@@ -23,7 +23,8 @@ fn files(folder: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
     found
 }
 
-/// The command with a limit on the blocks of a file, each of 512 or 1024 bytes: writing more fails, as on a full disk.
+/// The command with a limit on the blocks of a file, each of 512 or 1024 bytes: writing more fails, like on a full
+/// disk.
 fn limited(blocks: u32, arguments: &[&str]) -> Output {
     let program = env!("CARGO_BIN_EXE_nailnoise");
     let script = format!("trap '' XFSZ; ulimit -f {blocks}; exec \"$0\" \"$@\"");
@@ -354,7 +355,7 @@ fn python_ends_with_the_command_however_that_ends() {
     }
 }
 
-/// 1 would say that no design meets the constraints.
+/// 1 would mean that no design meets the constraints.
 #[test]
 fn a_python_that_is_killed_is_not_a_result() {
     let folder = folder("optimise-killed");

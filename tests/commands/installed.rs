@@ -155,7 +155,7 @@ fn quiet_prints_no_notes() {
     assert!(quiet.contains("checks ok"), "{quiet}");
 }
 
-/// Manual pages are roff that man renders without a complaint, where man is there.
+/// Manual pages are roff that man renders without a complaint, if man is there.
 #[test]
 fn man_renders_the_pages() {
     let folder = folder("installed-man");

@@ -389,7 +389,7 @@ fn a_design_begins_with_init_and_is_explained_by_check() {
     let again = nailnoise(None, &["init", name]);
     assert_eq!(again.status.code(), Some(2));
     assert!(String::from_utf8_lossy(&again.stderr).contains("already"));
-    // Other dimensions of the tool body need gmsh, and the explanation says so.
+    // Other dimensions of the tool body need gmsh, which the explanation states.
     let long = place.join("long.toml");
     fs::write(&long, "base = \"n80cb.toml\"\nbody.handle_length = \"163 mm\"\n").unwrap();
     let output = Command::new(env!("CARGO_BIN_EXE_nailnoise"))

@@ -18,7 +18,7 @@ use serde_json::Value;
 /// The root of the repository.
 pub(crate) const ROOT: &str = env!("CARGO_MANIFEST_DIR");
 
-/// The small design, whose whole chain takes seconds.
+/// The small design, whose full chain takes seconds.
 pub(crate) const SMALL: &str = "tests/data/small.toml";
 
 /// A design file of the repository, by its path from the root.

@@ -25,7 +25,7 @@ fn the_corpora_of_the_fuzz_targets_end_without_a_panic() {
     }
 }
 
-/// Seeds of the target `design`, too: they are complete, whatever keys are added.
+/// Seeds of the target `design`, too: they are complete, even if keys are added.
 #[test]
 fn the_shipped_designs_end_without_a_panic() {
     let designs = Path::new(env!("CARGO_MANIFEST_DIR")).join("designs");

@@ -16,7 +16,7 @@ fn load(path: &str) -> Design {
     Design::load(path).unwrap_or_else(|error| panic!("{}", render(&error)))
 }
 
-/// A design that says `text` over the N80CB.
+/// A design with `text` over the N80CB.
 fn over(text: &str) -> Result<Design, DesignError> {
     Design::parse(&format!("base = \"n80cb.toml\"\n{text}\n"), "designs/over.toml")
 }
@@ -94,7 +94,7 @@ fn si(number: &str, unit: &str) -> f64 {
     format!("{digits}e{}", power + exponent).parse().unwrap()
 }
 
-/// The numbers of a text in SI units: of a quantity one, of a range two; none of a word.
+/// The numbers of a text in SI units: one of a quantity, two of a range; none of a word.
 fn numbers(text: &str) -> Vec<f64> {
     let words: Vec<&str> = text.split(' ').collect();
     let is_number = |word: &&&str| **word == ".." || word.parse::<f64>().is_ok();

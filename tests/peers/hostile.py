@@ -180,7 +180,7 @@ NAMED = [
 ]
 
 
-# What once took minutes: the design, the command.
+# Cases that once took minutes: the design, the command.
 SLOW = [
     ('body.sleeve_wall = "172 mm"\nbody.cap_wall = "2 mm"', "check"),
     ('body.sleeve_gap = "282 mm"', "check"),

@@ -24,7 +24,7 @@ MARKERS = [
     ("body", "t12 at the microphones", "t16", 1.5e-3),
 ]
 
-# What shapes bodies or their modes.
+# Keys that shape bodies or their modes.
 STRUCTURE = (
     "nail.", "piston.stroke", "piston.bore", "piston.rod_", "tool.mass", "wood.density", "wood.elastic", "support.", "body.",
     "workpiece.", "exhaust.fitting", "method.",

@@ -131,7 +131,7 @@ def main(program: Path, design: Path, pictures: Path, saves: int) -> None:
             if number == 3:
                 page.get_by_role("button", name="Pin run").click()
             if number == 7:
-                # Where the reader was, they stay.
+                # They stay at the reader's position.
                 page.frames[1].evaluate("window.scrollTo({ top: 700, behavior: 'instant' })")
             if number == 8:
                 assert abs(page.frames[-1].evaluate("window.scrollY") - 700) < 2, "the page jumps"

@@ -108,8 +108,8 @@ impl Default for Names {
 impl Names {
     /// Settings from the names among the settings of a file, at its place and before its other settings.
     ///
-    /// Wood and shank set what belongs to both only where one of them changes: a law of own tests outlasts another nail of the
-    /// same shank.
+    /// Wood and shank set their common keys only if one of them changes: a law from the user's tests outlasts another
+    /// nail of the same shank.
     ///
     /// # Errors
     /// None with the catalogue of a tested program.
@@ -207,7 +207,7 @@ pub struct NamedValue {
     pub unit: String,
     /// Range of plausible values, in SI units.
     pub range: Option<[f64; 2]>,
-    /// Where it comes from.
+    /// Origin of the values.
     pub provenance: super::Provenance,
     /// The source in words; may be empty.
     pub source: String,
@@ -223,7 +223,7 @@ pub struct Named {
     /// How a tool feeds a nail: from a `stick`, a `coil`, or either.
     #[serde(skip_serializing_if = "String::is_empty")]
     pub magazine: String,
-    /// What it sets.
+    /// Values that the name sets.
     pub sets: Vec<NamedValue>,
 }
 

@@ -304,7 +304,7 @@ pub(crate) fn mass(design: &Design, kind: BodyKind) -> Option<f64> {
     (kind == BodyKind::Tool).then_some(design.tool.mass)
 }
 
-/// Where the shot's forces, contacts and supports act on a body.
+/// Places where the shot's forces, contacts and supports act on a body.
 fn places(design: &Design, kind: BodyKind) -> LoadPlaces {
     let on_cells = |group, outward| (contact_cells(design), group, outward);
     match kind {

@@ -24,7 +24,7 @@ pub(crate) fn array(design: &Design) -> Result<MicrophoneArray, Error> {
     })
 }
 
-/// Positions of the microphones and, behind them, of the operator's ear, in the coordinates of the bodies \[m\].
+/// Positions of the microphones, followed by that of the operator's ear, in the coordinates of the bodies \[m\].
 pub(crate) fn positions(design: &Design) -> Vec<Point3<f64>> {
     let mut all = Iso3744Box::around(centre_height(design)).positions_around(foot(design).into());
     all.push(ear(design).into());

@@ -178,7 +178,7 @@ impl Standards {
     }
 }
 
-/// Standard bodies of these kinds; none where a body is meshed for its material, so that another material has another
+/// Standard bodies of these kinds; none if a body is meshed for its material, so that another material has another
 /// surface.
 ///
 /// # Errors

@@ -22,7 +22,7 @@ pub(super) struct Section {
     content: Markup,
     /// Whether it begins a page in print.
     page: bool,
-    /// Whether it is behind the summary in print.
+    /// Whether it follows the summary in print.
     appendix: bool,
 }
 

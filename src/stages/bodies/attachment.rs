@@ -15,7 +15,7 @@ use crate::stages::{Code, Input, Progress, Stage, Stored, Uncached, code};
 /// A meshed body with its materials, supports and attachments.
 #[derive(Debug, Clone)]
 pub struct Meshed {
-    /// Its mesh, with the numbers of the file it comes from.
+    /// Its mesh, with the numbers of the source file.
     pub imported: Imported,
     /// One material a part.
     pub materials: Vec<Material>,

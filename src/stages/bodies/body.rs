@@ -204,7 +204,7 @@ pub(super) fn participation(vectors: &[LoadVector], shapes: &DMatrix<f64>) -> DM
 }
 
 impl Body {
-    /// Shapes on every node, of the whole modes that belong to this body.
+    /// Shapes on every node, of the full modes that belong to this body.
     ///
     /// # Errors
     /// [`Error::OtherModes`] if another machine stored the body: the sign of a mode is open, and modes of one frequency

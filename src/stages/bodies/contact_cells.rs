@@ -1,4 +1,4 @@
-//! Contact cells: where two plane faces touch.
+//! Contact cells: areas where two plane faces touch.
 
 use nailnoise_fem::supports::{ContactGrid, GridRule};
 use nailnoise_fem::{LoadVector, Rectangle};

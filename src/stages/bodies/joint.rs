@@ -20,7 +20,7 @@ const POINTS: usize = 3;
 /// Springs of the nail: one along it, two across.
 const NAIL_SPRINGS: usize = 3;
 
-/// Where the two pieces of a workpiece act on each other.
+/// Places where the two pieces of a workpiece act on each other.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Joint {
     /// Its height above the underside of the block \[m\].

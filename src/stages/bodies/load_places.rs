@@ -1,4 +1,4 @@
-//! Where forces act on a body, and its finite elements with the load vectors of these places.
+//! Places where forces act on a body, and its finite elements with the load vectors of these places.
 
 use std::sync::Arc;
 
@@ -25,7 +25,7 @@ pub struct Discretisation {
     pub kind: BodyKind,
     /// The meshed body.
     pub meshed: Stored<Meshed>,
-    /// Where forces act on it.
+    /// Places of forces on it.
     pub places: LoadPlaces,
 }
 
@@ -69,7 +69,7 @@ impl Stage for Discretisation {
     }
 }
 
-/// Where forces act on a body; nowhere by default.
+/// Places of forces on a body; nowhere by default.
 #[derive(Debug, Clone, Default, PartialEq, Serialize)]
 pub struct LoadPlaces {
     /// Nail and nose on the workpiece.
@@ -176,7 +176,7 @@ impl SideSand {
 /// to the cylinders that they approximate.
 const REACH: f64 = 1e-3;
 
-/// Where a spring to the ground acts.
+/// Place of a spring to the ground.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct SpringFoot {
     /// Its name in the design.

@@ -37,7 +37,7 @@ pub struct FileUnit {
 }
 
 impl FileUnit {
-    /// What CAD programs write, where nothing else is said \[m\].
+    /// Unit of CAD programs, unless stated otherwise \[m\].
     pub const USUAL: f64 = 1e-3;
 
     /// The unit of a key of the design, which counts as given if it is not the usual one.
@@ -189,7 +189,8 @@ impl MeshFile {
                 _ => Ok(imported),
             };
         };
-        // gmsh gives lengths in millimetres of whatever unit the file has; BREP files have none, and a unit of 1 mm leaves them.
+        // gmsh gives lengths in millimetres in whatever unit the file is; BREP files have none, and a unit of 1 mm
+        // leaves them.
         let scale = self.unit / FileUnit::USUAL;
         let expected = self.expected.map_or([0.0, f64::INFINITY], |expected| expected.longest);
         let solid = SolidGeometry {

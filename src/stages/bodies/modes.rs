@@ -16,7 +16,7 @@ pub struct Modes {
     pub kind: BodyKind,
     /// Its finite elements.
     pub model: Stored<Model>,
-    /// An order of elimination for its matrices; none where each sector of a body with mirror planes has its own.
+    /// An order of elimination for its matrices; none if each sector of a body with mirror planes has a separate one.
     pub order: Stored<Option<Vec<u32>>>,
     /// Frequency below which all modes are wanted \[Hz\].
     pub below_hz: f64,

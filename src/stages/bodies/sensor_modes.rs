@@ -14,7 +14,7 @@ use crate::stages::{Code, Input, Postcard, Progress, Stage, Stored, code, matrix
 /// chords of a mesh and the cylinders that they approximate.
 const OFF: f64 = 1e-3;
 
-/// Where a sensor measures an elastic body.
+/// Place of a sensor on an elastic body.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct SensorPoint {
     /// Name of the sensor.
@@ -38,11 +38,11 @@ pub struct BodySensors {
 /// Evaluates the modes of a body at sensors. The result is stored, because it needs the full shapes.
 #[derive(Serialize)]
 pub struct SensorModes {
-    /// Where the sensors are.
+    /// Places of the sensors.
     pub points: Vec<SensorPoint>,
     /// The body.
     pub body: Stored<Body>,
-    /// Its whole modes.
+    /// Its full modes.
     pub modes: Stored<WholeModes>,
 }
 

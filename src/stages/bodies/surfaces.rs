@@ -1,7 +1,7 @@
 //! Names of the surfaces of a user's own body: those of its file, of places that the design gives, and of guesses.
 //!
-//! A face has the meaning that it has in a drawing: faces of elements that meet at smooth edges. So a point names a
-//! whole bore or the end of a tube, whether the file is a mesh or a solid geometry.
+//! A face has the meaning that it has in a drawing: faces of elements that meet at smooth edges. So a point names an
+//! entire bore or the end of a tube, whether the file is a mesh or a solid geometry.
 
 use std::f64::consts::PI;
 
@@ -31,7 +31,7 @@ pub struct SurfacePlace {
     pub surface: &'static str,
     /// A point of it \[m\].
     pub at: [f64; 3],
-    /// Distance from the point within which the face belongs to it \[m\]; 0 for the whole face.
+    /// Distance from the point within which the face belongs to it \[m\]; 0 for the entire face.
     pub radius: f64,
     /// Outward direction of the face there; none for either side of a wall.
     pub outward: Option<[f64; 3]>,
@@ -46,7 +46,7 @@ pub struct Naming {
     pub tool: Option<ToolShape>,
 }
 
-/// Where the name of a surface comes from.
+/// Origin of the name of a surface.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Origin {
@@ -61,7 +61,7 @@ pub enum Origin {
 pub struct FoundSurface {
     /// Its name.
     pub name: String,
-    /// Where the name comes from.
+    /// Origin of the name.
     pub origin: Origin,
     /// Its centroid \[m\].
     pub centre: [f64; 3],

@@ -1,4 +1,4 @@
-//! Where forces and pressures act on the tool's body.
+//! Places of forces and pressures on the tool's body.
 
 use nailnoise_fem::LoadVector;
 use nailnoise_meshes::{Mesh, MeshError, Surface};
@@ -28,7 +28,7 @@ pub(crate) enum Axial {
 /// Number of loads along the axis.
 pub(crate) const AXIAL: usize = 7;
 
-/// Pressures on walls, in the order of their loads behind the axial ones.
+/// Pressures on walls, in the order of their loads after the axial ones.
 pub(crate) const SUPPLY: usize = AXIAL + RINGS;
 pub(crate) const RETURN: usize = SUPPLY + 1;
 pub(crate) const PLENUM: usize = RETURN + 1;

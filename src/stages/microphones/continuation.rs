@@ -30,8 +30,8 @@ pub(crate) struct Continuation<'a> {
 }
 
 impl<'a> Continuation<'a> {
-    /// Of a source whose `signals` at each receiver, at [`SAMPLE_RATE`], are known up to `end`; none where they reach `top`, or the
-    /// source radiates nothing between.
+    /// Of a source whose `signals` at each receiver, at [`SAMPLE_RATE`], are known up to `end`; none if they reach
+    /// `top`, or the source radiates nothing between.
     pub(crate) fn new(parts: &'a [&'a SoundSource], signals: &[Vec<f64>], [end, top]: [f64; 2]) -> Option<Self> {
         let radiated = |range| -> f64 { parts.iter().map(|part| part.spectrum.energy(range, Weighting::Z)).sum() };
         if end >= top * (1.0 - 1e-9) || radiated([end, top]) <= 0.0 {

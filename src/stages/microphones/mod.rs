@@ -62,8 +62,8 @@ pub struct Room {
     pub background_level: f64,
 }
 
-/// Sound of a source, or of a part of one, at the microphones and, behind them, at the operator's ear. The energies of a part may
-/// have either sign.
+/// Sound of a source, or of a part of one, at the microphones and then at the operator's ear. The energies of a part
+/// may have either sign.
 ///
 /// Stages that make sources give it as far as its pressures are known; [`MicrophoneArray::complete`] continues it to the top of the
 /// range of comparison.
@@ -211,7 +211,7 @@ impl MicrophoneArray {
         self.surface().positions_around(self.foot.into())
     }
 
-    /// Where sound is received: the microphones, then the operator's ear \[m\].
+    /// Receivers of sound: the microphones, then the operator's ear \[m\].
     fn receivers(&self) -> Vec<Point3<f64>> {
         let mut all = self.positions();
         all.push(self.ear.into());

@@ -20,7 +20,7 @@ use crate::stages::sound::Sound;
 /// Azimuths of the exhaust's jets: enough that the mean over them is that over all.
 const AZIMUTHS: usize = 12;
 
-/// Where the exhaust's jets leave the tool, and how they are directed.
+/// Places where the exhaust's jets leave the tool, and their directions.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct JetOutlet {
     /// Position \[m\].
@@ -42,13 +42,13 @@ pub struct ToolSphere {
 pub(super) struct Part {
     /// \[Hz\].
     pub(super) frequency: Vec<f64>,
-    /// Density of the sound exposure, receivers x frequencies, the ear behind the microphones \[Pa² s/Hz\].
+    /// Density of the sound exposure, receivers x frequencies, the ear after the microphones \[Pa² s/Hz\].
     pub(super) exposure: DMatrix<f64>,
 }
 
 /// A source at the microphones.
 pub(super) struct Received<'a> {
-    /// The source as it is radiated.
+    /// The source with its radiated energy.
     pub(super) radiated: &'a SourceSpectrum,
     /// Method by which its sound is propagated to a microphone.
     pub(super) how: &'static str,

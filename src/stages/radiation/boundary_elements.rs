@@ -68,7 +68,7 @@ impl Resolution {
         MeanBands::new(top_hz, self.mean_top_hz)
     }
 
-    /// Highest frequency that the user asks boundary elements for \[Hz\].
+    /// Highest frequency for which the user requests boundary elements \[Hz\].
     pub(super) fn highest_hz(&self) -> f64 {
         self.mean_top_hz
             .map_or(self.top_hz, |mean_top| mean_top.max(self.top_hz))
@@ -92,7 +92,7 @@ impl Resolution {
 /// The places at which the pressure of every mode is wanted, in the coordinates of the body \[m\].
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Places {
-    /// The microphones, and behind them their images in the reflecting plane if that is not part of the equations.
+    /// The microphones, followed by their images in the reflecting plane if that is not part of the equations.
     pub points: Vec<[f64; 3]>,
     /// The middle of the body.
     pub origin: [f64; 3],
@@ -131,7 +131,7 @@ impl Places {
     }
 }
 
-/// What boundary elements give for a surface.
+/// Results of boundary elements for a surface.
 pub struct Solution {
     /// Its radiation matrix.
     pub matrix: ModalBem,
@@ -218,7 +218,7 @@ impl MeshRanges {
         gaps.max_by(|a, b| a.mass_error().total_cmp(&b.mass_error()))
     }
 
-    /// Notes what will be computed before any time is spent.
+    /// Announces the computation before any time is spent.
     pub(super) fn note(&self, body: &str, few: f64, progress: &Progress) {
         let Some(finest) = self.finest() else { return };
         let bands = MeanBands::new(finest.top_hz, self.means.to_hz);

@@ -108,7 +108,7 @@ impl Stage for ToolCapSolution {
 /// The radiation matrix of a surface.
 #[derive(Serialize)]
 pub struct RadiationMatrix {
-    /// What boundary elements give for the surface.
+    /// Results of boundary elements for the surface.
     pub solution: Stored<Solution>,
     /// The pressures of the same solution.
     pub surface: Stored<SurfacePressures>,
@@ -131,7 +131,7 @@ impl Stage for RadiationMatrix {
 /// The pressures on a surface in the motion of each mode.
 #[derive(Serialize)]
 pub struct PressureOnSurface {
-    /// What boundary elements give for the surface.
+    /// Results of boundary elements for the surface.
     pub solution: Stored<Solution>,
 }
 

@@ -110,7 +110,7 @@ pub struct FluidLoadings<R> {
     pub radiator: Stored<R>,
     /// The bodies.
     pub bodies: Vec<Stored<Body>>,
-    /// Damping ratio of the structure of each body, where the air's mass is to act \[-\].
+    /// Damping ratio of the structure of each body, if the air's mass is to act \[-\].
     pub with_mass: Option<Vec<f64>>,
 }
 

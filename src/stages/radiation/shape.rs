@@ -46,7 +46,7 @@ const LOWEST_HZ: f64 = 50.0;
 /// How well modes of standard bodies represent the motion of the design's bodies.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Fitted {
-    /// The fit; none where the surfaces differ.
+    /// The fit; none if the surfaces differ.
     pub fit: Option<SurfaceFit>,
     /// Frequency \[Hz\] and share of the energy of the surface's motion that the known modes miss \[-\], root mean
     /// square over the loads.

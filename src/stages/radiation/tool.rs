@@ -3,8 +3,8 @@
 //! The workpiece is not part of the problem: it neither reflects the tool's sound nor shades it, except in sand, where its
 //! top is flush with the plane that reflects. It closes the nose everywhere. The body is taken at its place before the shot.
 //!
-//! Where the housing is symmetric, as the parametric one is about y = 0, the part on one side is solved, for even and for odd
-//! motions ([`SymmetricPart`]).
+//! If the housing is symmetric, as the parametric one is about y = 0, the part on one side is solved, for even and for
+//! odd motions ([`SymmetricPart`]).
 //!
 //! A plane that is farther below than the tool is high is not part of the equations either. It changes the power of a
 //! small source at the height h by sin(2 k h)/(2 k h). Below a table these are ripples of 170 Hz, which would require
@@ -183,8 +183,8 @@ impl ToolRadiation {
     }
 
     /// The housing's mesh with each mode; for a separate cap, the modes of only the cap follow those of the full body.
-    /// The modes of further bodies of the same shape follow those of the first, on the mesh of the first; none where
-    /// their surfaces differ.
+    /// The modes of further bodies of the same shape follow those of the first, on the mesh of the first; none if their
+    /// surfaces differ.
     ///
     /// # Errors
     /// As [`Self::level`], [`Error::OpenCavity`], and [`Error::NoCapSurface`].
@@ -197,7 +197,8 @@ impl ToolRadiation {
         self.joined(&self.housings(bodies, cap)?, air)
     }
 
-    /// The mesh of the first housing in the motions of all, each carried over from its own mesh; none where the surfaces differ.
+    /// The mesh of the first housing in the motions of all, each carried over from its own mesh; none if the surfaces
+    /// differ.
     fn joined(&self, housings: &[Housing], air: &Air) -> Result<Option<MeshRange>, Error> {
         let mut all = self.of_own_mesh(&housings[0], air)?;
         for housing in &housings[1..] {
@@ -315,7 +316,7 @@ impl ToolRadiation {
     }
 
     /// The housing's mesh. If it saves much, a coarser mesh of the same surface, which resolves the same waves,
-    /// precedes it: as the only mesh in the lower part of the range, and in the upper part to predict the matrix
+    /// precedes it. In the lower part of the range that is the only mesh; in the upper part it predicts the matrix
     /// between the few frequencies of the finer.
     fn of_housings(&self, housings: &[Housing], air: &Air) -> Result<Vec<MeshRange>, Error> {
         let panels = self.resolution.panels;
@@ -327,7 +328,7 @@ impl ToolRadiation {
         if !housings[0].rims.is_empty() {
             return Ok(vec![fine]);
         }
-        // A surface that cannot be coarsened is solved as it is.
+        // A surface that cannot be coarsened is solved unchanged.
         let coarse = match boundary.coarsened(edge) {
             Ok(coarse) if coarse.mesh().panels.len() as f64 <= worth_while => coarse,
             _ => return Ok(vec![fine]),

@@ -98,8 +98,8 @@ pub fn couple(
     })
 }
 
-/// Part of each support's force on a body that acts upwards: what weight and support do on the rigid motions together,
-/// Phi_s^T (Phi^T M e)/g = e . n. Without gravity all of them count.
+/// Part of each support's force on a body that acts upwards: combined effect of weight and support on the rigid
+/// motions, Phi_s^T (Phi^T M e)/g = e . n. Without gravity all of them count.
 fn carrying(body: &ModalBody, gravity: f64) -> Vec<f64> {
     let weight = body.loads.column(GRAVITY);
     let upwards = |support: DVectorView<'_, f64>| {
@@ -152,7 +152,7 @@ impl Wood<'_> {
         loads
     }
 
-    /// The motion the run has come to, with the tip at a depth.
+    /// The current motion of the run, with the tip at a depth.
     ///
     /// The material around the nail moves by the mean of its stations' motions. Their weights change with depth, so the
     /// mean is taken of the steps, not of the positions: a new station does not move the nail by joining.

@@ -1,7 +1,7 @@
 //! Linear motion with the complete radiation impedance of the air.
 //!
-//! A response in time has the impedance frozen at each mode's resonance, because its contact may open. Where nothing opens,
-//! what R and X of every frequency change of it follows in the frequency domain
+//! A response in time has the impedance frozen at each mode's resonance, because its contact may open. If nothing
+//! opens, the effect of R and X at every frequency follows in the frequency domain
 //! ([`impedance_correction`](nailnoise_acoustics::fluid_loading::impedance_correction)) and is added.
 
 use std::ops::Range;

@@ -1,9 +1,9 @@
 //! Response of workpiece and support to a shot: modal bodies on supports that can lose contact.
 //!
-//! With one-way coupling, the cycle has its own lumped workpiece, and its forces on the wood drive the bodies: [`Response`].
-//! With two-way coupling, cycle and bodies are computed together: [`CoupledResponse`]. [`CoupledCycle`], [`CoupledVibration`]
-//! and [`CouplingReport`] are the parts of its output that other stages read. Where no contact can open, [`LinearResponse`]
-//! adds the effect of the complete radiation impedance.
+//! With one-way coupling, the cycle has its own lumped workpiece, and its forces on the wood drive the bodies:
+//! [`Response`]. With two-way coupling, cycle and bodies are computed together: [`CoupledResponse`]. [`CoupledCycle`],
+//! [`CoupledVibration`] and [`CouplingReport`] are the parts of its output that other stages read. If no contact can
+//! open, [`LinearResponse`] adds the effect of the complete radiation impedance.
 
 mod coupling;
 mod fluid;
@@ -202,7 +202,7 @@ fn ending(response: &ModalResponse) -> String {
     }
 }
 
-/// Checks of a response, under the name of what responds.
+/// Checks of a response, under the name of the body or bodies.
 pub(crate) fn checks(of: &str, response: &ModalResponse) -> Vec<Check> {
     response.checks.iter().map(|check| check.clone().of(of)).collect()
 }

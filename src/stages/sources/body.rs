@@ -118,7 +118,7 @@ impl BodySound {
         }
     }
 
-    /// Energy and signals of its cap, where that counts to another source.
+    /// Energy and signals of its cap, if that counts to another source.
     pub(in crate::stages) fn cap(&self) -> Result<Option<PartOfSurface>, Error> {
         let housing = self.housing.as_ref();
         let Some((housing, cap)) = housing.and_then(|housing| Some((housing, housing.cap.as_ref()?))) else {

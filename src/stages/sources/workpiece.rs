@@ -110,7 +110,7 @@ impl Stage for WorkpieceRadiated {
 /// Sound of the workpiece with its support.
 #[derive(Serialize)]
 pub struct WorkpieceSource {
-    /// What it radiates.
+    /// Its radiation.
     pub radiated: Stored<Radiated>,
     /// The bodies.
     pub bodies: Vec<Stored<Body>>,

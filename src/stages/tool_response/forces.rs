@@ -100,7 +100,7 @@ pub(super) fn impulse_correction(parameters: &Parameters, record: &CycleRecord) 
         forces[n - 1] += 0.5 * force;
         forces[n] += 0.5 * force;
     }
-    // Half an interval is missing at either end, where the valve rests.
+    // Half an interval is missing at either end, while the valve rests.
     for end in [0, record.len() - 1] {
         forces[end] += 0.5 * sampled(end);
     }
