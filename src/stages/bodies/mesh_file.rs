@@ -189,7 +189,7 @@ impl MeshFile {
                 _ => Ok(imported),
             };
         };
-        // gmsh gives lengths in millimetres in whatever unit the file is; BREP files have none, and a unit of 1 mm
+        // gmsh gives lengths in millimetres whatever the unit of the file; BREP files have none, and a unit of 1 mm
         // leaves them.
         let scale = self.unit / FileUnit::USUAL;
         let expected = self.expected.map_or([0.0, f64::INFINITY], |expected| expected.longest);

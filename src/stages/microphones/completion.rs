@@ -5,10 +5,10 @@
 //! F(f) = g_b [P(f) + N(f)],   g_b^2 = X_b / int_b 2 |P + N|^2 df
 //! ```
 //!
-//! P is the spectrum of the known signal, N that of the noise that continues it, b a one-third-octave band. If the
-//! pressures are known, the factors g_b are 1 except for the effect of the ends of the record. If the signal is random
-//! (jets, noise above the known pressures), they scale its energy to the expected one. Frequencies outside the range
-//! are left out.
+//! P is the spectrum of the known signal, N that of the noise that continues it, b a one-third-octave band. At
+//! known pressures, the factors g_b are 1 except for the effect of the ends of the record. At random signals (jets,
+//! noise above the known pressures), they scale the energy to the expected one. Frequencies outside the range are left
+//! out.
 
 use nalgebra::Complex;
 use rayon::prelude::*;

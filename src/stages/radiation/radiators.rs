@@ -102,7 +102,7 @@ impl Stage for ToolRadiator {
     }
 }
 
-/// Added mass and resistance of the air for each mode of each body.
+/// Damping and added mass by the air for each mode of each body.
 #[derive(Serialize)]
 #[serde(bound = "")]
 pub struct FluidLoadings<R> {
