@@ -30,7 +30,7 @@ with open(os.path.join(here, "result.json")) as file:
     result = json.load(file)
 value = {entry["key"]: entry["value"] for entry in result["inputs"]}
 
-# The tool's axes begin at the tip of its nose, which rests on the workpiece.
+# The tool's axes begin at the tip of its nose, which stands on the workpiece.
 NOSE = [value["nail.offset_along"], value["nail.offset_across"], value["workpiece.thickness"]]
 
 # Levels shown below the highest [dB], and the share of the highest velocity at which colours end.
@@ -102,7 +102,7 @@ if films:
     film = view_of(films, lambda sources: "velocity [m/s]", speeds, lambda name: "velocity (m/s)")
     scene = GetAnimationScene()
     scene.UpdateAnimationUsingDataTimeSteps()
-    # The place of the blow, where the rod meets the nail.
+    # Where the rod meets the nail there is something to see.
     steps, strike = list(scene.TimeKeeper.TimestepValues), result["events"].get("t8")
     if steps and strike is not None:
         scene.AnimationTime = min(steps, key=lambda time: abs(time - strike - 3e-4))
