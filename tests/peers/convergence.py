@@ -4,7 +4,7 @@
     cargo build --release && python3 tests/peers/convergence.py [--starts 16] [--fresh]
 
 Bonded contact is computed run by run, the bouncing block as the mean of starts that differ by gaps of 1 um. The first call
-takes half an hour on two cores; target/convergence.json keeps finished runs until --fresh.
+takes half an hour on two cores; target/convergence.json stores finished runs until --fresh.
 """
 
 import argparse
@@ -32,7 +32,7 @@ TOOL = [STEP, BASIS]
 
 
 class Runs:
-    """Runs of the base design with something changed, kept by what was changed."""
+    """Runs of the base design with changes, stored under these changes."""
 
     def __init__(self, program, fresh):
         self.program = program
@@ -80,7 +80,8 @@ def mean_and_deviation(values):
 
 
 def refined(variants, levels_of, limited):
-    """Rows of a table and whether what is limited moved less than it may; the first column of levels is the limited one."""
+    """Rows of a table and whether the limited level moved less than its limit; the first column of levels is the
+    limited one."""
     rows, fine, reference = [], True, None
     for name, change, limit in [("as designed", "", None), *variants]:
         found = levels_of(change)

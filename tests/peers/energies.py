@@ -1,10 +1,10 @@
-"""Compares what `measure` makes of a virtual wrapping test with what was recorded and with the exact energies.
+"""Compares the levels of `measure` from a virtual wrapping test with the recorded and with the exact energies.
 
     energies.py NAILNOISE DESIGN
 
 Perfect wraps: each band of a source that lies 10 dB above the residual, against the source of the recorded shots, bare. The limit is
-0.1 dB. The design's wraps: each level against the exact energies, without scatter of the shots and with it, beside the standard error
-of the repeats.
+0.1 dB. The design's wraps: each level against the exact energies, without scatter of the shots and with it, next to the
+standard error of the repeats.
 """
 
 import json

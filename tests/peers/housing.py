@@ -1,4 +1,4 @@
-"""Runs the page on your own housing as a reader would, and compares its output with what the page shows.
+"""Runs the page on your own housing as a reader would, and compares its output with that on the page.
 
     housing.py NAILNOISE PAGE.md FOLDER
 

@@ -2,10 +2,11 @@
 
     watch.py NAILNOISE DESIGN PICTURES [SAVES]
 
-Saves a design over DESIGN in the ways in which editors do, among them broken and half-written files, and waits after each until
-the open page shows what it must: the new report with the changed value in its bar, or the message over the last report. Then:
-no error in the console, every save shown, memory of the process bounded, no connection left open by closed pages, status 130 and no process
-after SIGINT. Prints how long a save took to reach the page. Saves pictures of the page: light, dark, narrow, with a message.
+Saves a design over DESIGN in the same ways as editors, among them broken and half-written files, and waits after each
+until the open page shows the expected content: the new report with the changed value in its bar, or the message over
+the last report. Then: no error in the console, every save shown, memory of the process bounded, no connection left open
+by closed pages, status 130 and no process after SIGINT. Prints how long a save took to reach the page. Saves pictures
+of the page: light, dark, narrow, with a message.
 """
 
 import os
