@@ -1,16 +1,16 @@
 //! How long a first run takes and how long later ones, as a user waits for them, and how large its files are:
 //! `cargo bench -p nailnoise --bench rerun`.
 //!
-//! Each design runs in an empty cache, then unchanged, then with one thing changed. The figures are wall times of the whole
-//! command, files included, and where the system tells it the processor time of all its threads, which a machine that is
-//! busy with other things does not lengthen as much.
+//! Each design runs in an empty cache, then unchanged, then with one thing changed. The figures are wall times of the
+//! complete command, including files. If the system states it, the processor time of all its threads is added, which a
+//! machine that is busy with other things does not lengthen as much.
 
 use std::error::Error;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use std::time::Instant;
 
-/// What is changed, and the key that does it.
+/// The change, and the key for it.
 const CHANGES: [(&str, &str); 17] = [
     ("exhaust's pitch", "exhaust.pitch = \"25 mm\""),
     ("exhaust's muffler", MUFFLER),
@@ -26,7 +26,7 @@ const CHANGES: [(&str, &str); 17] = [
     // The same surfaces, sounding at other places.
     ("ear", "acoustics.ear_across = \"0.53 m\""),
     ("nail's place", "nail.offset_along = \"30 mm\""),
-    // Boundary elements of the table alone.
+    // Boundary elements of only the table.
     ("table's height", "support.worktable.height = \"700 mm\""),
     (
         "table's thickness",
@@ -97,7 +97,7 @@ fn spent(design: &Path, cache: &Path, work: &Path) -> Result<String, Box<dyn Err
         .env("NAILNOISE_CACHE", cache)
         .stdout(Stdio::null())
         .status()?;
-    // A failed check, as of a short nail that is driven too deep, takes no less time.
+    // A failed check, for example of a short nail that is driven too deep, takes no less time.
     if !status.success() && status.code() != Some(3) {
         return Err(format!("{}: {status}", design.display()).into());
     }
@@ -113,7 +113,7 @@ fn spent(design: &Path, cache: &Path, work: &Path) -> Result<String, Box<dyn Err
 /// hundredths of a second).
 fn processor() -> Option<f64> {
     let stat = std::fs::read_to_string("/proc/self/stat").ok()?;
-    // The name, in parentheses, may hold blanks; field 3 follows it.
+    // The name, in parentheses, may contain blanks; field 3 follows it.
     let fields: Vec<&str> = stat.rsplit_once(')')?.1.split_whitespace().collect();
     let ticks = |field: usize| fields.get(field - 3)?.parse::<f64>().ok();
     Some((ticks(16)? + ticks(17)?) / 100.0)

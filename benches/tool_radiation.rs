@@ -1,8 +1,8 @@
-//! One frequency of the tool's radiation far above what its own mesh resolves, with the dense and with the compressed
+//! One frequency of the tool's radiation far above the resolution of its mesh, with the dense and with the compressed
 //! matrix: `cargo bench -p nailnoise --bench tool_radiation -- [HZ ...]`, 8 kHz unless given.
 //!
-//! The body of the N80CB moves in all its modes. Times are processor time of the whole process, its modes kept in the
-//! cache.
+//! The body of the N80CB moves in all its modes. Times are processor time of the complete process, with its modes in
+//! the cache.
 
 use std::error::Error;
 use std::path::Path;
@@ -86,7 +86,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// User and system time of this process \[s\], from /proc; wall time where there is none.
+/// User and system time of this process \[s\], from /proc; wall time without it.
 fn cpu(start: Instant) -> f64 {
     let ticks = |stat: String| -> Option<f64> {
         let fields: Vec<&str> = stat.rsplit(')').next()?.split_whitespace().collect();

@@ -1,4 +1,4 @@
-//! What supply pressure does to the shot and to its exhaust: `cargo run --release --example pressure`.
+//! Effect of the supply pressure on the shot and on its exhaust: `cargo run --release --example pressure`.
 
 use nailnoise::{Design, chain};
 use nailnoise_acoustics::levels::{SourceSpectrum, Weighting};

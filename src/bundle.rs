@@ -1,4 +1,4 @@
-//! Everything a run leaves behind as one value, kept from run to run: an unchanged design is not computed again.
+//! All output of a run as one value, stored from run to run: an unchanged design is not computed again.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -24,17 +24,17 @@ use crate::store::{Checksum, Key, Store, checksum};
 use crate::threads::beside;
 use crate::{figures, output};
 
-/// The file that is written last, so that a folder that holds it holds all the rest.
+/// The last file to be written, so that a folder with it has all the rest.
 const LAST: &str = "result.json";
 
-/// The microphone whose sound the report holds: in front of the device, half way up.
+/// The microphone whose sound the report contains: in front of the device, half way up.
 const IN_THE_REPORT: usize = 1;
 
 /// Names of the entries in the store: all files of a run, and the checksums of the files of its fields.
 const RUN: &str = "run";
 const CHECKSUMS: &str = "checksums of fields";
 
-/// What a run leaves behind.
+/// The output of a run.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Bundle {
     /// `result.json`.
@@ -47,31 +47,31 @@ pub struct Bundle {
     fields: FieldFiles,
 }
 
-/// A result as a person reads it: a table of sources between two texts, to which columns may be added.
+/// A result as a person reads it: a table of sources between two texts. Columns may be added to the table.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Text {
     /// The headline of a shot that does not drive.
     pub headline: Option<Headline>,
-    /// What stands before the table.
+    /// Text before the table.
     pub before: String,
     /// Headings of its columns; the first are source and level.
     pub headings: Vec<String>,
     /// A row for each source, and the total.
     pub rows: Vec<Vec<String>>,
-    /// What stands behind the table.
+    /// Text after the table.
     pub between: String,
     /// Notes on the shot and on sources.
     pub notes: Vec<String>,
     /// Levels of a declaration, and those at the operator's ear.
     pub declared: (Declaration, EarReport),
-    /// What stands behind the notes.
+    /// Text after the notes.
     pub after: String,
     /// The parts of the sources.
     pub parts: String,
 }
 
-/// Paths and checksums of the files of [`Fields`]. They are most of a run's bytes and the same in all runs whose bodies move
-/// alike: what they are made of is kept once, and they are left alone where they are in place.
+/// Paths and checksums of the files of [`Fields`]. They are most of a run's bytes and the same in all runs whose bodies
+/// move alike: their inputs are stored once, and files in place are not touched.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 struct FieldFiles {
     /// Key of the fields in the store.
@@ -106,7 +106,7 @@ impl FieldFiles {
         (0..there.len()).filter(|&file| !there[file]).collect()
     }
 
-    /// Those that are not in their places, and what they are made of from the store; nothing where it has lost that.
+    /// Those that are not in their places, and their inputs from the store; nothing if it has lost them.
     fn wanted(&self, folder: &Path, store: &Store) -> Option<Wanted> {
         let missing = self.missing(folder);
         if missing.is_empty() {
@@ -142,8 +142,8 @@ impl Wanted {
 /// A run in words.
 pub type Words = fn(&Run) -> Text;
 
-/// Runs a design and leaves its files in `folder`, those of `exports` among them: all of them, or the folder as it was. Nothing is computed when the store
-/// holds what this very design gives; the flag says whether it did.
+/// Runs a design and leaves its files in `folder`, those of `exports` among them: all of them, or the folder as it was.
+/// Nothing is computed if the store contains the output of this very design; the flag says whether it did.
 ///
 /// # Errors
 /// [`Problem::TooCostly`](crate::design::Problem::TooCostly) before anything is computed that needs more than `memory`.
@@ -195,7 +195,7 @@ pub fn deliver(
         fields,
     };
     let place = || {
-        // Every file, be it the same as before or not: to see that would cost more.
+        // Every file, whether or not it is the same as before: a comparison would cost more.
         let write = |file: &File| staging.write_unsynced(&file.path, &file.content);
         bundle.files.par_iter().try_for_each(write)?;
         wanted.write(&staging)?;
@@ -236,7 +236,7 @@ fn with_pictures(graph: &Graph, design: &Design) -> Result<(Chain, Stored<Pictur
     Ok((chain, pictures))
 }
 
-/// A run with what its files are made of.
+/// A run with the inputs of its files.
 struct Made {
     run: Run,
     pictures: Arc<Pictures>,
@@ -287,8 +287,8 @@ fn made(
     })
 }
 
-/// Paths and checksums of the files of fields, and those that are to be rendered. What the store does not know is rendered
-/// at once.
+/// Paths and checksums of the files of fields, and those that are to be rendered. Files that are not in the store are
+/// rendered at once.
 fn field_files(
     fields: &Stored<Fields>,
     folder: &Path,
@@ -313,7 +313,7 @@ fn field_files(
     Ok((files, Wanted::default()))
 }
 
-/// Everything the files depend on: all values, what is said about them, and which files are asked for.
+/// Everything the files depend on: all values, their texts, and which files are requested.
 fn key(design: &Design, exports: Exports) -> Result<Digest, Error> {
     let entries: Vec<_> = design
         .entries()
@@ -329,7 +329,7 @@ fn key(design: &Design, exports: Exports) -> Result<Digest, Error> {
             )
         })
         .collect();
-    // The report says what the design wants in its head.
+    // The report has the design's text in its head.
     let entries = serde_json::to_string(&(entries, design.report(), exports)).map_err(Error::Json)?;
     // The digest follows the content of the files that the design names.
     Ok(Key::new()
@@ -358,7 +358,7 @@ fn files(design: &Design, run: &Run, pictures: &Pictures, exports: Exports) -> R
     Ok(files)
 }
 
-/// What one microphone hears of all sources and of each.
+/// Sound of all sources and of each at one microphone.
 fn heard_at(files: &[File], run: &Run, microphone: usize) -> Vec<Recording> {
     let recording = |source: &String| {
         let path = output::sound(source, microphone - 1);
@@ -373,7 +373,7 @@ fn heard_at(files: &[File], run: &Run, microphone: usize) -> Vec<Recording> {
 }
 
 impl Bundle {
-    /// Writes the files that differ from those in `folder`, and nothing where all are in their places.
+    /// Writes the files that differ from those in `folder`, and nothing if all are in their places.
     fn restore(&self, folder: &Path, fields: &Wanted, outdated: &[PathBuf]) -> Result<(), Error> {
         let differs = |file: &&File| !fs::read(folder.join(&file.path)).is_ok_and(|there| there == file.content);
         let mut differing: Vec<&File> = self.files.par_iter().filter(differs).collect();

@@ -40,10 +40,10 @@ use radiation::Radiators;
 pub use shape::SharedShapes;
 use sources::Sources;
 
-/// What a run may change about the physics without being another design; for studies and tests of laws.
+/// Changes of the physics for a run of the same design; for studies and tests of laws.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Options {
-    /// Factor on the forces of the shot on the workpiece, where a cycle drives it one way \[-\].
+    /// Factor on the forces of the shot on the workpiece, if a cycle drives it one way \[-\].
     pub workpiece_force_scale: f64,
     /// Seed of the jets' noise at the microphones; its levels do not depend on it.
     pub noise_seed: u32,
@@ -52,7 +52,7 @@ pub struct Options {
 }
 
 impl Default for Options {
-    /// The design as it is.
+    /// The design without changes.
     fn default() -> Self {
         Self {
             workpiece_force_scale: 1.0,
@@ -65,7 +65,7 @@ impl Default for Options {
 /// The stages of a design's shot.
 pub struct Chain {
     pub(crate) graph: Graph,
-    /// What a run requires of each body.
+    /// Requirements of a run on each body.
     pub(crate) usable: Vec<Stored<Usable>>,
     /// When the run began.
     pub(crate) begin: Instant,
@@ -77,7 +77,7 @@ pub struct Chain {
     pub tool: Option<BodyStages>,
     /// Response of workpiece and support.
     pub vibration: Stored<Vibration>,
-    /// All elastic bodies in motion: the workpiece, what it stands on, the tool.
+    /// All elastic bodies in motion: the workpiece, its support, the tool.
     pub moving: Vec<MovingBody>,
     /// End of all records \[s\].
     pub end: Stored<f64>,
@@ -87,9 +87,9 @@ pub struct Chain {
     pub exhaust: Stored<ExhaustSource>,
     /// The tool's body as a source.
     pub body: Stored<SurfaceSource>,
-    /// Levels of all sources alone.
+    /// Only the levels of all sources.
     pub levels: Stored<Levels>,
-    /// Keys of modes and of radiation in standard air: what shots on the same structures share.
+    /// Keys of modes and of radiation in standard air, which shots on the same structures share.
     pub(crate) structures: Vec<Digest>,
     /// Signals of the sensors.
     pub sensors: Stored<Vec<SensorRecord>>,
@@ -105,13 +105,13 @@ pub struct Chain {
     pub(crate) tool_report: Option<Stored<ToolChecks>>,
     /// The same shot one way, for a two-way coupled one.
     pub(crate) one_way: Option<OneWay>,
-    /// Linear motion with the frozen and with the complete impedance of the air, where its mass acts.
+    /// Linear motion with the frozen and with the complete impedance of the air, if its mass acts.
     pub(crate) loading: Option<ImpedanceComparison>,
     /// As in [`Options`].
     pub(crate) noise_seed: u32,
 }
 
-/// A two-way coupled shot beside the one-way shot of the same design.
+/// A two-way coupled shot and the one-way shot of the same design.
 pub(crate) struct OneWay {
     pub(crate) report: Stored<Reported>,
     pub(crate) cycle: Stored<CycleRecord>,
@@ -127,7 +127,7 @@ pub(crate) struct ImpedanceComparison {
     /// Whether the complete one acts on the workpiece of the run; otherwise its contact opens or acts back on the cycle, and
     /// both are of the same shot one way with the contact bonded.
     pub(crate) workpiece_is_linear: bool,
-    /// Checks of the bonded motion, where it is not that of the run.
+    /// Checks of the bonded motion, if it is not that of the run.
     pub(crate) report: Option<Stored<ResponseChecks>>,
     /// Of an elastic tool by boundary elements, which is linear in every case.
     pub(crate) body: Option<[Stored<(SourceSpectrum, Option<SourceSpectrum>)>; 2]>,
@@ -137,7 +137,7 @@ impl Chain {
     /// Adds the stages of a design to a graph.
     ///
     /// # Errors
-    /// Values of the design from which no inputs can be made.
+    /// Values of the design that do not yield inputs.
     pub fn new(graph: &Graph, design: &Design, options: Options) -> Result<Self, Error> {
         let (begin, air) = (Instant::now(), inputs::air(design)?);
         let lumped = graph.add(cycle_stage(design)?);
@@ -342,7 +342,7 @@ pub fn cycle_as_published(design: &Design, preset: Preset) -> Result<CycleRecord
     cycle_stage(design)?.published(preset).compute(&Progress::silent())
 }
 
-/// The same design without the muffler behind its exhaust holes, if the insertion loss of that was measured.
+/// The same design without the muffler after its exhaust holes, if the insertion loss of that was measured.
 fn without_measured_muffler(design: &Design) -> Option<Design> {
     (design.exhaust.muffler.kind == MufflerKind::InsertionLoss).then(|| {
         let mut bare = design.clone();
@@ -358,9 +358,9 @@ fn cycle_stage(design: &Design) -> Result<Cycle, Error> {
     })
 }
 
-/// The noise of a cycle's openings one by one, from which the sound at any place follows
-/// ([`ExhaustNoise::at`]): exhaust holes, a muffler's outlet where there is one, trigger vent. For a muffler of measured
-/// insertion loss, the cycle without it is computed too, one way.
+/// The noise of a cycle's openings one by one, which yields the sound at any place ([`ExhaustNoise::at`]): exhaust
+/// holes, a muffler's outlet if present, trigger vent. For a muffler of measured insertion loss, the cycle without it
+/// is computed too, one way.
 ///
 /// # Errors
 /// Openings, plenum or muffler that cannot be, air that leaves against a higher pressure.
@@ -431,7 +431,7 @@ mod tests {
         assert_ne!(order(&base), order(&other));
     }
 
-    /// Keys of the radiation matrices depend on surfaces and modes alone.
+    /// Keys of the radiation matrices depend only on surfaces and modes.
     #[test]
     fn damping_contact_and_forces_leave_the_radiation_matrices() {
         let base = Design::load(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data/small-bem.toml")).unwrap();

@@ -4,8 +4,8 @@
 //! L     level of the design itself          K = 1.645 sigma_t          L_d = L + K
 //! ```
 //!
-//! L and K are stated apart, each rounded to the nearest decibel. sigma_t is the standard deviation over the draws of a study:
-//! inputs from their ranges and errors of the methods, in place of the scatter of measurements and of machines.
+//! L and K are stated separately, each rounded to the nearest decibel. sigma_t is the standard deviation over the draws
+//! of a study: inputs from their ranges and errors of the methods replace the scatter of measurements and of machines.
 
 use crate::result::{Declaration, EarReport};
 use crate::study::StudyResult;
@@ -14,10 +14,11 @@ use crate::study::tolerance::STATED_FROM;
 /// The 95 % quantile of the standard normal distribution, by which K follows from sigma_t (ISO 4871, A.2).
 const QUANTILE: f64 = 1.645;
 
-/// What stands in place of K below [`STATED_FROM`] draws, or where a study contradicts the design.
+/// Text that replaces K below [`STATED_FROM`] draws, or if a study contradicts the design.
 pub const NO_K: &str = "K not stated";
 
-/// A level, or the uncertainty of one, as it is declared: to the nearest decibel \[dB\]. Halves are rounded up, towards more noise.
+/// A level, or the uncertainty of one, in its declared form: to the nearest decibel \[dB\]. Halves are rounded up,
+/// towards more noise.
 pub fn rounded(db: f64) -> i32 {
     (db + 0.5).floor() as i32
 }
@@ -33,7 +34,7 @@ pub fn declaration(lwa_db: Option<f64>, ear: &EarReport) -> Declaration {
     }
 }
 
-/// K of a study \[dB\] and where its sigma comes from; none below [`STATED_FROM`] draws, or where draws are silent.
+/// K of a study \[dB\] and the origin of its sigma; none below [`STATED_FROM`] draws, or if draws are silent.
 pub fn uncertainty(study: &StudyResult) -> Option<(i32, String)> {
     deviation(study).map(|(deviation, basis)| (rounded(QUANTILE * deviation), basis))
 }
@@ -47,7 +48,7 @@ pub fn with_uncertainty(json: &str, (k, basis): &(i32, String)) -> String {
     )
 }
 
-/// sigma_t of the total by a study \[dB\], and where it comes from.
+/// sigma_t of the total by a study \[dB\], and its origin.
 fn deviation(study: &StudyResult) -> Option<(f64, String)> {
     let level = &study.total.level_db;
     let [low, high] = [level.p05.value?, level.p95.value?];
@@ -55,7 +56,7 @@ fn deviation(study: &StudyResult) -> Option<(f64, String)> {
     (study.draws >= STATED_FROM).then(|| (0.5 * (high - low) / QUANTILE, basis))
 }
 
-/// The declaration in two lines. What cannot be stated says why.
+/// The declaration in two lines. A missing statement is replaced by its reason.
 pub fn lines(own: &Declaration, ear: &EarReport) -> [String; 2] {
     let level = |db: Option<i32>| db.map_or_else(|| "not stated: silent".to_owned(), |db| format!("{db} dB"));
     let k = match (own.k_db, &own.k_basis) {

@@ -1,4 +1,4 @@
-//! What can end a command, and the exit status it ends with.
+//! Errors that can end a command, and its exit status.
 
 use std::path::PathBuf;
 
@@ -8,7 +8,7 @@ use thiserror::Error;
 
 use crate::design::DesignError;
 
-/// Why a command could not do what it was asked.
+/// Why a command could not do its work.
 #[derive(Debug, Error, Diagnostic)]
 #[non_exhaustive]
 pub enum Error {
@@ -22,7 +22,7 @@ pub enum Error {
     #[error("the page cannot be served on this machine: {source}")]
     #[diagnostic(help("permit connections to 127.0.0.1, or use `nailnoise run`"))]
     Serve {
-        /// What the system said.
+        /// Message of the system.
         source: std::io::Error,
     },
     /// The design file is wrong.
@@ -79,7 +79,7 @@ pub enum Error {
         candidates: u64,
         /// Counts of their outcomes.
         outcomes: String,
-        /// Counts of those that are no designs, by the reason.
+        /// Counts of those that are not valid designs, by the reason.
         refused: String,
         /// Outcomes that count.
         require: String,
@@ -93,9 +93,9 @@ pub enum Error {
     NoPython {
         /// The interpreter.
         python: String,
-        /// What it needs beside the package.
+        /// Requirement in addition to the package.
         needed: &'static str,
-        /// What it said.
+        /// Message of the program.
         reason: String,
     },
     /// Python was ended from outside.
@@ -104,7 +104,7 @@ pub enum Error {
         "signal 9 is often a lack of memory; what was computed is cached, and the same command goes on from there"
     ))]
     PythonEnded {
-        /// Number of the signal; 0 where it is not known.
+        /// Number of the signal; 0 if it is unknown.
         signal: u8,
     },
     /// A study that is to come with the program is of a design that does not.
@@ -127,7 +127,7 @@ pub enum Error {
         /// The command without both.
         study: String,
     },
-    /// A cluster did not compute what it was asked for.
+    /// A cluster did not complete its work.
     #[error("the cluster of the scheduler {scheduler} did not compute all of it")]
     #[diagnostic(help(
         "see its message above; finished work is kept, and the same command resumes, with or without --scheduler"
@@ -144,25 +144,25 @@ pub enum Error {
         "run the tasks that are missing, with the same design, draws and seed; without --collect, this command computes what is missing"
     ))]
     NotCollected {
-        /// Draws that are not kept.
+        /// Draws that are not stored.
         missing: usize,
         /// All draws.
         draws: usize,
-        /// Where they should be.
+        /// The store where they should be.
         store: PathBuf,
     },
-    /// A finished result has no ranges to draw from.
+    /// A finished result contains no ranges to draw from.
     #[error("{} is a finished result, from which nothing can be drawn", path.display())]
     #[diagnostic(help("give the design file itself, or leave --draws out"))]
     NothingToDraw {
         /// The result.
         path: PathBuf,
     },
-    /// What a sweep is to vary cannot be a value of a design.
+    /// The variable of a sweep cannot be a value of a design.
     #[error("the sweep cannot vary this: {error}")]
     #[diagnostic(help("give a key of the design and its values, as in supply.pressure=80psig..110psig:7"))]
     NoAxis {
-        /// What is wrong.
+        /// The fault.
         error: crate::design::AssignmentError,
     },
     /// A sweep of too many points.
@@ -183,10 +183,10 @@ pub enum Error {
     #[error("the sweep has no key to vary")]
     #[diagnostic(help("give a key of the design and its values, as in supply.pressure=80psig..110psig:7"))]
     NothingToVary,
-    /// Values of a draw do not go together.
+    /// Values of a draw conflict.
     #[error("the values drawn are no design: {reason}")]
     NoDesign {
-        /// The keys that do not go together, or what is wrong with one of them.
+        /// The conflicting keys, or the fault of one of them.
         reason: String,
     },
     /// Penetration laws could not be compared.
@@ -238,18 +238,18 @@ pub enum Error {
     /// The rows of a table have not as many fields as its header.
     #[error("a table cannot be written")]
     Table(#[from] csv::Error),
-    /// The chosen support has no body of this name.
+    /// The chosen support does not include a body of this name.
     #[error("the design \"{design}\" has no {body}: its support is a {support}")]
     #[diagnostic(help("choose --body workpiece, or set support.kind = \"worktable\""))]
     NoSuchBody {
         /// Name of the design.
         design: String,
-        /// The body asked for.
+        /// The requested body.
         body: &'static str,
-        /// What its workpiece stands on.
+        /// Support of its workpiece.
         support: &'static str,
     },
-    /// A part of the user's mesh for which the design has no material.
+    /// A part of the user's mesh without a material in the design.
     #[error("the mesh has the part \"{part}\", for which the design has no material")]
     #[diagnostic(help("name its volumes {known}"))]
     UnknownPart {
@@ -287,7 +287,7 @@ pub enum Error {
         /// Mass of the cycle's tool \[kg\].
         tool: f64,
     },
-    /// Several things that keep a run from using a body.
+    /// Several faults that prevent a run from using a body.
     #[error("the {body} cannot be used: {} problems", problems.len())]
     #[diagnostic(help("`nailnoise check DESIGN --body {body}` shows the mesh with its surfaces"))]
     Unusable {
@@ -297,7 +297,7 @@ pub enum Error {
         #[related]
         problems: Vec<Self>,
     },
-    /// The user's mesh of the tool has no surface for a lumped mass.
+    /// The user's mesh of the tool does not have a surface for a lumped mass.
     #[error(
         "{mass:.3} kg of the tool's mass belong on the surface \"{group}\"; the mesh has no such surface; it has: {known}"
     )]
@@ -324,7 +324,7 @@ pub enum Error {
     NoLoadSurface {
         /// Name of the surface.
         group: &'static str,
-        /// What acts there.
+        /// The load that acts there.
         what: &'static str,
         /// The names there are.
         known: String,
@@ -338,7 +338,7 @@ pub enum Error {
     NoneOfSurface {
         /// Name of the surface.
         group: &'static str,
-        /// What acts there.
+        /// The load that acts there.
         what: &'static str,
     },
     /// A place of the design is on no face of its body.
@@ -384,7 +384,7 @@ pub enum Error {
         /// Its centroid \[m\].
         centre: [f64; 3],
     },
-    /// Pieces of a body cannot be tied as its surfaces say.
+    /// Pieces of a body cannot be tied according to its surfaces.
     #[error("the pieces of the {body} cannot be joined: {cause}")]
     #[diagnostic(help(
         "the surfaces NAME_slave and NAME_master must lie on each other within a tenth of the longest element side; mesh \
@@ -402,7 +402,7 @@ pub enum Error {
     Extent {
         /// The file.
         path: PathBuf,
-        /// What it stands for.
+        /// The part that it represents.
         what: &'static str,
         /// How long it is and with which unit.
         found: String,
@@ -432,7 +432,7 @@ pub enum Error {
          radiates from the faces of its own mesh"
     ))]
     NotBoxes {
-        /// Where it differs.
+        /// Place of the difference.
         #[source]
         cause: nailnoise_acoustics::AcousticsError,
     },
@@ -443,7 +443,7 @@ pub enum Error {
          nail's place and the tool's height"
     ))]
     MicrophoneNearSurface {
-        /// Where it is, and how close.
+        /// Its place and its distance.
         #[source]
         cause: nailnoise_acoustics::ReceiverError,
     },
@@ -456,7 +456,7 @@ pub enum Error {
         /// The body.
         body: &'static str,
     },
-    /// There is no such mode.
+    /// The mode does not exist.
     #[error("mode {mode} cannot be shown: the body has {modes} modes")]
     #[diagnostic(help("choose a number from the table of modes, or raise the body's top frequency in [analysis]"))]
     NoMode {
@@ -483,7 +483,7 @@ pub enum Error {
         /// The file given.
         path: PathBuf,
     },
-    /// A geometry without a design has no frequency.
+    /// A geometry without a design does not have a frequency.
     #[error("a geometry alone does not tell how fine its mesh must be")]
     #[diagnostic(help(
         "give the largest element side, as --size \"10 mm\", or name the file in a design (`body.mesh`)"
@@ -518,7 +518,7 @@ pub enum Error {
     /// A universal file cannot be used.
     #[error("the measured modes cannot be used")]
     Uff(#[from] nailnoise_meshes::uff::UffError),
-    /// A universal file of measured modes has no coordinates.
+    /// A universal file of measured modes contains no coordinates.
     #[error("{} has no coordinates: its modes (dataset 55) cannot be matched with a body by position", path.display())]
     #[diagnostic(help(
         "add the nodes (dataset 15 or 2411) from the file with the geometry; if the points have the numbers of a file that `modes --uff` \
@@ -552,7 +552,7 @@ pub enum Error {
     #[error("cannot write to standard output: {source}")]
     #[diagnostic(help("free space where the output goes, or send it elsewhere; files that were written are whole"))]
     Output {
-        /// What the system said.
+        /// Message of the system.
         source: std::io::Error,
     },
     /// A file could not be written.
@@ -563,7 +563,7 @@ pub enum Error {
     Write {
         /// The file or folder.
         path: PathBuf,
-        /// What the system said.
+        /// Message of the system.
         source: std::io::Error,
     },
     /// A file could not be written, and not all files that had been moved for it could be put back.
@@ -575,7 +575,7 @@ pub enum Error {
     NotRestored {
         /// The file or folder.
         path: PathBuf,
-        /// What the system said.
+        /// Message of the system.
         source: std::io::Error,
         /// Folder with the older files.
         folder: PathBuf,
@@ -596,27 +596,27 @@ pub enum Error {
         /// The file.
         path: PathBuf,
     },
-    /// No folder is known for what is to be installed.
+    /// The folder for the installation is unknown.
     #[error("no folder for {what} is known: neither {variable} nor HOME is set")]
     #[diagnostic(help("name a folder with --out DIR"))]
     NoUserFolder {
-        /// What is to be installed.
+        /// The item to install.
         what: &'static str,
         /// The variable that would name the folder.
         variable: &'static str,
     },
-    /// A shell whose completions are asked for is not named.
+    /// A shell is not named although its completions are requested.
     #[error("which shell you use is not known")]
     #[diagnostic(help("name it: nailnoise completions bash --install"))]
     NoShell,
-    /// There is no such command.
+    /// The command does not exist.
     #[error("there is no command `{name}`")]
     #[diagnostic(help("`nailnoise --help` lists the commands"))]
     NoSuchCommand {
         /// The name given.
         name: String,
     },
-    /// There is no folder for the cache, or no sense in its limit.
+    /// The folder of the cache is missing, or its limit makes no sense.
     #[error(transparent)]
     #[diagnostic(transparent)]
     NoCache(#[from] crate::store::StoreError),
@@ -626,7 +626,7 @@ pub enum Error {
     Store {
         /// The folder.
         path: PathBuf,
-        /// What the system said.
+        /// Message of the system.
         source: std::io::Error,
     },
     /// A finished result could not be read.
@@ -635,16 +635,16 @@ pub enum Error {
     Unreadable {
         /// The file.
         path: PathBuf,
-        /// What the system said.
+        /// Message of the system.
         source: std::io::Error,
     },
-    /// A file is no result of a run.
+    /// A file is not a result of a run.
     #[error("{} is no result that can be compared: {reason}", path.display())]
     #[diagnostic(help("give the `result.json` of this version's `nailnoise run`, or the design, which is then run"))]
     NotAResult {
         /// The file.
         path: PathBuf,
-        /// What is wrong with it.
+        /// The fault of the file.
         reason: String,
     },
     /// The numbers of a finished result cannot be or do not agree.
@@ -657,9 +657,9 @@ pub enum Error {
         path: PathBuf,
         /// Path of the number in it.
         at: String,
-        /// What is there.
+        /// Actual content.
         found: String,
-        /// What should be.
+        /// Expected content.
         expected: String,
     },
     /// A name that a list does not have.
@@ -673,7 +673,7 @@ pub enum Error {
         /// The name most like it, if one is near.
         nearest: Option<String>,
     },
-    /// A name for a list that is printed as a whole.
+    /// A name for a list that is always printed in full.
     #[error("{list} are listed as a whole")]
     #[diagnostic(help("leave the name out: `nailnoise list tables`; `nailnoise list woods NAME` prints one wood"))]
     ListName {
@@ -725,7 +725,7 @@ from_modules_of_acoustics!(
     nailnoise_acoustics::radiation::RadiationError,
 );
 
-/// What became of candidates none of which counts: outcomes of shots, and reasons why others are no designs.
+/// Fate of candidates if none counts: outcomes of shots, and reasons why others are not valid designs.
 fn outcomes_and_reasons(outcomes: &str, refused: &str) -> String {
     let refused = (!refused.is_empty()).then(|| format!("no designs: {refused}"));
     let parts = (!outcomes.is_empty())
@@ -736,7 +736,7 @@ fn outcomes_and_reasons(outcomes: &str, refused: &str) -> String {
 }
 
 impl Error {
-    /// Fails with the problems of a body, if there are any; one alone is the error itself.
+    /// Fails with the problems of a body, if there are any; a single problem is the error itself.
     ///
     /// # Errors
     /// That one, or [`Self::Unusable`].
@@ -748,7 +748,7 @@ impl Error {
         }
     }
 
-    /// The single problems of which an error consists.
+    /// The single problems within an error.
     pub(crate) fn parts(self) -> Vec<Self> {
         match self {
             Self::Unusable { problems, .. } => problems.into_iter().flat_map(Self::parts).collect(),
@@ -766,7 +766,7 @@ impl Error {
         !matches!(self, Self::Upstream { .. })
     }
 
-    /// The error in one line: causes and remedy behind it.
+    /// The error in one line, followed by causes and remedy.
     pub(crate) fn in_words(&self) -> String {
         let help = Diagnostic::help(self).map_or_else(String::new, |help| format!("; {help}"));
         let causes = std::iter::successors(std::error::Error::source(self), |cause| cause.source());

@@ -17,10 +17,10 @@ use crate::study::{Axis, SweptPoint, at_point, taking_part};
 /// Interval of the samples of cycles with other inputs: the slow motion of the tool needs no finer one \[s\].
 const SAMPLES: f64 = 50e-6;
 
-/// The headline of a shot of a design; none where the nail is driven and the exhaust opens.
+/// The headline of a shot of a design; none if the nail is driven and the exhaust opens.
 ///
 /// Each input that has a range and takes part in the cycle is set to both ends of it, with a lumped workpiece whatever
-/// the coupling of the design. These cycles are computed only where there is a headline, and cached.
+/// the coupling of the design. These cycles are computed only for a headline, and cached.
 ///
 /// # Errors
 /// Those of the cycle's parameters.

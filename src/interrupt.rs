@@ -1,5 +1,6 @@
-//! Signals that ask the process to end (Ctrl-C, `kill`, a closed terminal): what is half-written is removed, and the command
-//! ends with status 130. Signals of limits (`ulimit -t`, `ulimit -f`, no memory) end it with words and a status of its own.
+//! Signals that request the process to end (Ctrl-C, `kill`, a closed terminal): half-written files are removed, and the
+//! command ends with status 130. Signals of limits (`ulimit -t`, `ulimit -f`, no memory) end it with words and a
+//! separate status.
 
 use std::io::Write as _;
 #[cfg(unix)]
@@ -29,8 +30,8 @@ static UNDER_WAY: AtomicBool = AtomicBool::new(false);
 /// Held while files take their places together, and for good by an interruption.
 static PLACING: Mutex<()> = Mutex::new(());
 
-/// Ends this process cleanly when SIGINT, SIGTERM or SIGHUP asks for it. A signal that the caller has the process ignore
-/// stays ignored: `nohup` does so with SIGHUP, and a shell with SIGINT for a command in the background.
+/// Ends this process cleanly on SIGINT, SIGTERM or SIGHUP. A signal that the caller has the process ignore stays
+/// ignored: `nohup` does so with SIGHUP, and a shell with SIGINT for a command in the background.
 #[cfg(unix)]
 pub(crate) fn install() {
     use signal_hook::consts::{SIGABRT, SIGHUP, SIGINT, SIGTERM, SIGXCPU, SIGXFSZ};
@@ -40,8 +41,8 @@ pub(crate) fn install() {
     let wanted = [SIGINT, SIGTERM, SIGHUP, SIGXCPU]
         .into_iter()
         .filter(|signal| ignored & (1 << (signal - 1)) == 0);
-    // Without a handler, or without a thread for it, the signals end the process at once; the next run removes what this one
-    // leaves.
+    // Without a handler, or without a thread for it, the signals end the process at once; the next run removes the
+    // files left by this one.
     if let Ok(mut signals) = Signals::new(wanted) {
         let handle = signals.handle();
         let serve = move || match signals.forever().next() {
@@ -59,7 +60,7 @@ pub(crate) fn install() {
     }
     // With a handler, a file that would exceed `ulimit -f` is an error of the write, which names the file.
     let _ = signal_hook::flag::register(SIGXFSZ, Arc::new(AtomicBool::new(false)));
-    // Without memory the standard library says so and aborts.
+    // Without memory the standard library reports it and aborts.
     let _ = signal_hook::flag::register_conditional_shutdown(SIGABRT, FAILED, Arc::new(AtomicBool::new(true)));
 }
 
@@ -70,7 +71,7 @@ pub(crate) fn install() {
     let _ = ctrlc::set_handler(|| end(ON_REQUEST, INTERRUPTED));
 }
 
-/// The signals that this process ignores, one bit each, the lowest for signal 1. Only Linux lets safe code ask for them.
+/// The signals that this process ignores, one bit each, the lowest for signal 1. Only Linux lets safe code query them.
 #[cfg(unix)]
 fn ignored() -> u64 {
     let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
@@ -89,7 +90,8 @@ fn end(text: &str, status: i32) {
     std::process::exit(status);
 }
 
-/// As long as the guard lives no interruption ends this process: for what must be done whole or not at all, and is short.
+/// As long as the guard lives no interruption ends this process: for short work that must be done completely or not at
+/// all.
 pub(crate) fn undisturbed() -> MutexGuard<'static, ()> {
     PLACING.lock().unwrap_or_else(PoisonError::into_inner)
 }

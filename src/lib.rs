@@ -1,11 +1,12 @@
 //! nailnoise predicts how much sound power each source of a pneumatic nailer radiates, from its design.
 //!
-//! [`design`] reads the design file, [`chain`] puts its stages together, [`run`] ranks its sources, [`output`] makes files of them,
-//! [`figures`] draws them, [`drawing`] shows the tool, [`report`] makes a page of them, [`bundle`] keeps all of it for the next run, [`comparison`] lays
-//! results side by side, [`watch`] serves the page of a design that is being changed, and [`commands`] is the command line over all
-//! of it. [`measurement`] takes the recordings of a test to levels, [`penetration`] compares penetration laws, [`scaling`] makes a
-//! design of another tool, [`cost`] estimates what a run needs before it begins; [`sensitivity`] and [`study`] quantify how the
-//! ranges of a design affect its shot.
+//! [`design`] reads the design file, [`chain`] assembles its stages, [`run`] ranks its sources, [`output`] makes files
+//! of them, [`figures`] draws them, [`drawing`] shows the tool, and [`report`] makes a page of them. [`bundle`] stores
+//! all of it for the next run, [`comparison`] lays results side by side, [`watch`] serves the page of a design that is
+//! being changed, and [`commands`] is the command line over all of it. [`measurement`] takes the recordings of a test
+//! to levels, [`penetration`] compares penetration laws, [`scaling`] makes a design of another tool, [`cost`] estimates
+//! the cost of a run before it begins; [`sensitivity`] and [`study`] quantify how the ranges of a design affect its
+//! shot.
 #![forbid(unsafe_code)]
 
 pub mod bundle;

@@ -1,4 +1,4 @@
-//! What a run tells: the ranked sources, the events, the checks and the time each stage took.
+//! Contents of a run's result: the ranked sources, the events, the checks and the time each stage took.
 //!
 //! The JSON Schema of `run --json` and of `result.json` is derived from these types.
 
@@ -136,7 +136,7 @@ impl From<&Design> for DesignId {
 /// A nailing cycle without its histories.
 #[derive(Debug, Clone, Serialize)]
 pub struct CycleFigures<'a> {
-    /// What the shot did.
+    /// Outcome of the shot.
     pub outcome: Outcome,
     /// Event times \[s\].
     pub events: &'a Events,
@@ -226,7 +226,7 @@ pub struct RankedSource {
     pub intervals: Vec<IntervalLevel>,
 }
 
-/// The largest by a level; none where all are silent.
+/// The largest by a level; none if all are silent.
 pub(crate) fn loudest<T>(items: &[T], level: impl Fn(&T) -> Option<f64>) -> Option<&T> {
     let with_levels = items.iter().filter_map(|item| Some((item, level(item)?)));
     with_levels.max_by(|a, b| a.1.total_cmp(&b.1)).map(|(item, _)| item)
@@ -583,12 +583,12 @@ pub struct Total {
     pub lw_db: Option<f64>,
 }
 
-/// Wall time of each stage \[s\], in the order in which they ended, without that of the stages it waits for; some run side
-/// by side.
+/// Wall time of each stage \[s\], in the order of their ends, without that of the stages it waits for; some run side by
+/// side.
 #[derive(Debug, Clone, Default)]
 pub struct Timing(Vec<(&'static str, f64)>);
 
-/// The whole run, in the list of its stages.
+/// The complete run, in the list of its stages.
 const WHOLE: &str = "whole run";
 
 impl Timing {

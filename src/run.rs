@@ -22,7 +22,7 @@ use crate::stages::transducers::PressureRecord;
 use crate::stages::truncation::Truncation;
 use crate::stages::{Input, Stored, changes, notes, ranking};
 
-/// A result with the histories behind it.
+/// A result with its histories.
 pub struct Run {
     /// The ranked sources with events, checks and notes.
     pub result: RunResult,
@@ -88,7 +88,7 @@ impl Chain {
         let workpiece = [energy(&*frozen.get()?), energy(&*complete.get()?)];
         let mut changes = vec![change("workpiece", workpiece, loading.workpiece_is_linear)];
         if let Some([frozen, complete]) = &loading.body {
-            // The cap counts to the housing here, whatever the convention.
+            // The cap counts to the housing here, in any convention.
             let whole = |(rest, cap): &(SourceSpectrum, Option<SourceSpectrum>)| {
                 energy(rest) + cap.as_ref().map_or(0.0, energy)
             };
@@ -97,7 +97,7 @@ impl Chain {
         Ok(changes)
     }
 
-    /// Makes the outputs of the stages and ranks the sources. `design` is that of which the chain was made.
+    /// Makes the outputs of the stages and ranks the sources. `design` is the design of the chain.
     ///
     /// # Errors
     /// [`Error`] of the stage that could not be computed.
@@ -116,7 +116,7 @@ impl Chain {
         Ok(guessed)
     }
 
-    /// Checks what a run requires of its bodies, before any is solved.
+    /// Checks the requirements of a run on its bodies, before any is solved.
     ///
     /// # Errors
     /// Those of meshes, and of bodies that a run cannot use.

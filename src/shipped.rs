@@ -1,6 +1,7 @@
-//! Designs and measurements that come with the program, in the program itself: it works alone, wherever it is installed.
+//! Designs and measurements that come with the program, in the program itself: it needs no other files, wherever it is
+//! installed.
 
-/// Files of the folder `designs`, by their paths in it with what they hold.
+/// Files of the folder `designs`, by their paths in it with their content.
 macro_rules! files {
     ($($path:literal),* $(,)?) => {
         &[$(($path, include_str!(concat!("../designs/", $path)))),*]

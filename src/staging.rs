@@ -1,8 +1,9 @@
 //! Files that take their places together: all of them, or none.
 //!
-//! All files are first written beside their places, in a hidden folder of the same file system. Only renames follow. If one
-//! of them fails, those before it are undone, by copies where the system refuses renames, so that the folder is as it was. What
-//! cannot be put back either way is left in the hidden folder, which the error names. A full disk is met before the first rename.
+//! All files are first written next to their places, in a hidden folder of the same file system. Only renames follow.
+//! If one of them fails, those before it are undone, by copies if the system refuses renames, so that the folder is
+//! restored. Files that cannot be put back either way are left in the hidden folder, which the error names. A full disk
+//! is met before the first rename.
 
 use std::fs::{self, File};
 use std::io::{self, BufWriter, ErrorKind, Write as _};
@@ -14,7 +15,7 @@ use nailnoise_meshes::temporary::{self, TemporaryFolder};
 use crate::error::Error;
 use crate::interrupt;
 
-/// Beginning of the name of the folder in which files are written before they take their places.
+/// Beginning of the folder's name for files that are written before they take their places.
 const UNFINISHED: &str = ".unfinished-";
 
 /// Name of the folder of the files that go.
@@ -33,8 +34,8 @@ pub struct Staging {
 }
 
 impl Staging {
-    /// For files that belong under `folder`, which is created if it does not exist. What killed processes left half-written there
-    /// is removed.
+    /// For files that belong under `folder`, which is created if it does not exist. Half-written files of killed
+    /// processes there are removed.
     ///
     /// # Errors
     /// [`Error::Write`].
@@ -60,7 +61,7 @@ impl Staging {
         self.temporary.path().join(OLD)
     }
 
-    /// Writes a file beside its place `path`, relative to the folder, and waits until it is on the disk.
+    /// Writes a file next to its place `path`, relative to the folder, and waits until it is on the disk.
     ///
     /// # Errors
     /// [`Error::Write`].
@@ -71,8 +72,8 @@ impl Staging {
         })
     }
 
-    /// Writes a file like [`write`](Self::write), but leaves it to the system when it reaches the disk: for files that a later
-    /// run compares with what they should be, and writes again after a power failure.
+    /// Writes a file like [`write`](Self::write), but lets the system decide when it reaches the disk: for files that a
+    /// later run compares with their expected content, and writes again after a power failure.
     ///
     /// # Errors
     /// [`Error::Write`].
@@ -80,7 +81,7 @@ impl Staging {
         self.fill(path, |file| file.write_all(bytes))
     }
 
-    /// Opens a file beside its place that is written bit by bit: for tables that do not fit in memory.
+    /// Opens a file next to its place that is written bit by bit: for tables that do not fit in memory.
     ///
     /// # Errors
     /// [`Error::Write`].
@@ -108,11 +109,11 @@ impl Staging {
         Ok(())
     }
 
-    /// Puts the files in their places and removes `outdated` files and folders. The file `last` stands for all of them: it is
-    /// removed first and put back last, so that a process that is killed meanwhile leaves a folder without it.
+    /// Puts the files in their places and removes `outdated` files and folders. The file `last` represents all of them:
+    /// it is removed first and put back last, so that a process that is killed meanwhile leaves a folder without it.
     ///
     /// # Errors
-    /// [`Error::Write`]; the folder is then as it was before. [`Error::NotRestored`] with the place of the older files where
+    /// [`Error::Write`]; the folder is then unchanged. [`Error::NotRestored`] with the place of the older files where
     /// they could not be put back.
     pub fn place(self, outdated: &[PathBuf], last: &Path) -> Result<(), Error> {
         self.place_by(&|from, to| fs::rename(from, to), outdated, last)
@@ -172,12 +173,12 @@ impl GrowingFile {
     }
 }
 
-/// Removes what killed processes left half-written in a folder.
+/// Removes half-written files of killed processes from a folder.
 pub(crate) fn sweep(folder: &Path) {
     temporary::sweep(folder, UNFINISHED);
 }
 
-/// Writes one file whole: a killed process or a full disk leaves the old file or none.
+/// Writes one file completely: a killed process or a full disk leaves the old file or none.
 ///
 /// # Errors
 /// [`Error::Write`].
@@ -213,7 +214,7 @@ fn failed(path: &Path, source: io::Error) -> Error {
     }
 }
 
-/// The renames under way, each of which can be undone.
+/// The renames under way, each of them reversible.
 struct Swap<'a> {
     folder: &'a Path,
     /// Folder of the files that come.
@@ -226,7 +227,7 @@ struct Swap<'a> {
 
 /// A change of the folder.
 enum Step {
-    /// What was at this path is in the folder of old files.
+    /// The object that was at this path is in the folder of old files.
     SetAside(PathBuf),
     /// The new file is at this path.
     Placed(PathBuf),
@@ -245,7 +246,7 @@ impl Swap<'_> {
         Ok(())
     }
 
-    /// Moves away what is at a path, if there is anything. A new file never takes the place of a folder.
+    /// Moves away the object at a path, if there is any. A new file never takes the place of a folder.
     fn set_aside(&mut self, path: &Path, may_be_folder: bool) -> Result<(), Error> {
         let from = self.folder.join(path);
         let moved = match fs::symlink_metadata(&from) {
@@ -282,8 +283,8 @@ impl Swap<'_> {
         Ok(())
     }
 
-    /// Restores the folder; what could not be put back. The file that stands for all others was set aside first, so that it comes
-    /// back last, and only if all others have.
+    /// Restores the folder; returns the files that could not be put back. The file that represents all others was set
+    /// aside first, so that it comes back last, and only if all others have.
     fn undo(&mut self) -> Vec<PathBuf> {
         let mut lost = Vec::new();
         while let Some(step) = self.done.pop() {
@@ -295,7 +296,7 @@ impl Swap<'_> {
                         lost.push(path);
                     }
                 }
-                // Where the new file stays, the old one replaces it, or it is a file more.
+                // If the new file stays, the old one replaces it, or it is an additional file.
                 Step::Placed(path) => drop(fs::remove_file(self.folder.join(path))),
                 // Another process may use it by now.
                 Step::Created(folder) => drop(fs::remove_dir(folder)),

@@ -3,7 +3,7 @@
 use std::panic::resume_unwind;
 use std::thread::{Builder, Scope, ScopedJoinHandle};
 
-/// Work that was begun with [`beside`].
+/// Work that [`beside`] has begun.
 pub(crate) enum Begun<'scope, T> {
     /// On a thread.
     There(ScopedJoinHandle<'scope, T>),
@@ -23,7 +23,7 @@ pub(crate) fn beside<'scope, T: Send + 'scope>(
 }
 
 impl<T> Begun<'_, T> {
-    /// The result. A panic goes on as it began.
+    /// The result. A panic continues unchanged.
     pub(crate) fn join(self) -> T {
         match self {
             Self::There(thread) => thread.join().unwrap_or_else(|panic| resume_unwind(panic)),

@@ -2,8 +2,8 @@
 
 use std::borrow::Cow;
 
-/// A text as a terminal may show it: control characters, which could move its cursor or set its title, and those that reverse
-/// the direction of writing as escapes. `colours` leaves the sequences of colours, `ESC [ ... m`, as they are.
+/// A text as a terminal may show it: control characters, which could move its cursor or set its title, and those that
+/// reverse the direction of writing as escapes. `colours` leaves the sequences of colours, `ESC [ ... m`, unchanged.
 ///
 /// Names of files and texts of files are chosen by others, and may have any characters.
 pub(crate) fn visible(text: &str, colours: bool) -> Cow<'_, str> {
@@ -106,7 +106,7 @@ pub(crate) fn drawn_structures(count: usize) -> String {
     }
 }
 
-/// The unit in which a person reads a quantity in this SI unit, and the factor to it: mm, ms, kN, g.
+/// A readable unit for a quantity in this SI unit, and the factor to it: mm, ms, kN, g.
 pub(crate) fn readable(unit: &str) -> (&str, f64) {
     match unit {
         "m" => ("mm", 1e3),

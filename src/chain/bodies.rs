@@ -1,4 +1,4 @@
-//! Bodies of a design, from mesh to modal coordinates, and what a run requires of them.
+//! Bodies of a design, from mesh to modal coordinates, and the requirements of a run on them.
 
 use std::sync::Arc;
 
@@ -26,7 +26,7 @@ pub struct BodyStages {
     pub body: Stored<Body>,
     /// Loss factor of all modes \[-\].
     pub loss_factor: f64,
-    /// Frequency up to which its motion is part of the result \[Hz\].
+    /// Frequency up to which the result includes its motion \[Hz\].
     pub top_hz: f64,
 }
 
@@ -108,12 +108,12 @@ pub(super) struct Bodies {
     pub(super) structure: Vec<BodyStages>,
     /// The tool's body, unless it is rigid.
     pub(super) tool: Option<BodyStages>,
-    /// What a run requires of each, known before any is solved.
+    /// Requirements of a run on each, known before any is solved.
     pub(super) usable: Vec<Stored<Usable>>,
 }
 
 impl Bodies {
-    /// Adds the bodies of a design. The tool and what it stands on do not affect each other.
+    /// Adds the bodies of a design. The tool and its support do not affect each other.
     ///
     /// # Errors
     /// As [`BodyStages::add`].
@@ -146,7 +146,7 @@ impl Bodies {
     }
 }
 
-/// Adds what a run requires of a body to a graph; `stages` are those of all its bodies.
+/// Adds the requirements of a run on a body to a graph; `stages` are those of all its bodies.
 fn requirements(
     graph: &Graph,
     design: &Design,
@@ -201,7 +201,7 @@ pub fn check_bodies(design: &Design, kinds: &[BodyKind]) -> Vec<Result<CheckedBo
     let others = solved.iter().filter(|kind| !kinds.contains(kind));
     let all = kinds.iter().chain(others);
     let added = all.map(|&kind| (kind, BodyStages::add(&graph, design, kind, solved.contains(&kind))));
-    // Each mesh before any check: what reads a mesh that failed before no longer knows why.
+    // Each mesh before any check: a stage that reads a failed mesh no longer has the reason.
     let meshed = added.map(|(kind, stages)| {
         let meshed = stages.and_then(|stages| Ok((stages.meshed.get()?, stages)));
         (kind, meshed.map_err(locate))

@@ -21,7 +21,7 @@ pub(super) struct Motions<'a> {
     graph: &'a Graph,
     bodies: &'a Bodies,
     radiators: &'a Radiators,
-    /// The cycle with the tool's lumped masses alone.
+    /// The cycle with only the tool's lumped masses.
     lumped: Stored<CycleRecord>,
     settings: Settings,
     /// The shot on workpiece and support.
@@ -46,7 +46,7 @@ pub(super) struct Driven {
     pub(super) cycle: Stored<CycleRecord>,
     /// The motion.
     pub(super) vibration: Stored<Vibration>,
-    /// Both together, where they are coupled two ways.
+    /// Both together, if they are coupled two ways.
     pub(super) coupled: Option<Stored<Coupled>>,
 }
 
@@ -54,7 +54,7 @@ impl<'a> Motions<'a> {
     /// For a design with the cycle `lumped` of its lumped masses, and a factor on the forces of the shot on the workpiece.
     ///
     /// # Errors
-    /// Values of the design from which no inputs can be made.
+    /// Values of the design that do not yield inputs.
     pub(super) fn new(
         graph: &'a Graph,
         design: &Design,
@@ -88,7 +88,8 @@ impl<'a> Motions<'a> {
         })
     }
 
-    /// Whether the complete impedance of the air acts: it is asked for, and the contact neither opens nor acts back on the cycle.
+    /// Whether the complete impedance of the air acts: it is requested, and the contact neither opens nor acts back on
+    /// the cycle.
     pub(super) fn is_linear(&self) -> bool {
         self.radiators.acts == Loading::Full && !self.two_way && !self.shot.can_lose_contact()
     }
@@ -145,7 +146,7 @@ impl<'a> Motions<'a> {
         [frozen, complete]
     }
 
-    /// Spectra of workpiece and support, with the signals of their sensors if asked for.
+    /// Spectra of workpiece and support, with the signals of their sensors on request.
     pub(super) fn analysed(&self, vibration: &Stored<Vibration>, with_sensors: bool) -> Vec<Stored<BodyMotion>> {
         let bodies = self.bodies.structure.iter().zip(&self.on_structure).enumerate();
         let analysis = bodies.map(|(index, (stages, sensors))| BodyAnalysis {

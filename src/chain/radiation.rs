@@ -1,4 +1,4 @@
-//! Radiation per unit of modal motion, and what the air adds to the modes.
+//! Radiation per unit of modal motion, and fluid loads of the air on the modes.
 
 use nailnoise_acoustics::Air;
 use nailnoise_acoustics::bem::ModalBem;
@@ -21,11 +21,11 @@ use crate::stages::{Digest, Stored};
 pub(super) struct Radiators {
     /// The workpiece with its support.
     pub(super) workpiece: WorkpieceStages,
-    /// What the air adds to the modes of workpiece and support.
+    /// Fluid loads of the air on the modes of workpiece and support.
     pub(super) workpiece_loads: Stored<Vec<FluidLoads>>,
-    /// The tool, where boundary elements are asked for.
+    /// The tool, if boundary elements are requested.
     pub(super) tool: Option<ToolStages>,
-    /// What the air adds to modes that acts on them.
+    /// Fluid loads of the air that act on the modes.
     pub(super) acts: Loading,
 }
 
@@ -45,11 +45,11 @@ pub(super) struct WorkpieceStages {
 pub(super) struct ToolStages {
     /// Its boundary elements.
     pub(super) elements: ToolRadiation,
-    /// The whole body.
+    /// The full body.
     pub(super) whole: ToolMatrix,
-    /// A second column for each mode in which only the cap moves, where the cap belongs to another source.
+    /// A second column for each mode with only the cap in motion, if the cap belongs to another source.
     pub(super) cap: Option<ToolMatrix>,
-    /// What the air adds to its modes.
+    /// Fluid loads of the air on its modes.
     pub(super) loads: Stored<Vec<FluidLoads>>,
 }
 
@@ -67,7 +67,7 @@ impl Radiators {
     /// Adds the radiation of a design's bodies.
     ///
     /// # Errors
-    /// Values of the design from which no inputs can be made.
+    /// Values of the design that do not yield inputs.
     pub(super) fn add(
         graph: &Graph,
         design: &Design,
@@ -108,12 +108,12 @@ impl Radiators {
     }
 }
 
-/// Damping ratios of structures with these loss factors, where the air's mass acts.
+/// Damping ratios of structures with these loss factors, if the air's mass acts.
 fn damping_ratios(acts: Loading, loss_factors: impl Iterator<Item = f64>) -> Option<Vec<f64>> {
     (acts == Loading::Full).then(|| loss_factors.map(|loss_factor| 0.5 * loss_factor).collect())
 }
 
-/// Radiation of the tool by boundary elements; none where the design does not ask for them.
+/// Radiation of the tool by boundary elements; none if the design does not request them.
 fn tool_radiation(
     graph: &Graph,
     design: &Design,
@@ -123,8 +123,8 @@ fn tool_radiation(
     let Some(elements) = inputs::radiation::tool(design) else {
         return Ok(None);
     };
-    // The modes of a user's housing are its own: most of the tool's mass is lumped on it, and what standard structures in its
-    // shape lack of its motion may be worth a decibel.
+    // A user's housing has individual modes: most of the tool's mass is lumped on it, and the motion that standard
+    // structures in its shape miss may be worth a decibel.
     let standards = match design.body.mesh.is_empty() && shared.tool {
         true => standards(graph, design, &[BodyKind::Tool])?,
         false => Standards::new(),

@@ -14,7 +14,7 @@ use crate::stages::radiation::{
 };
 use crate::stages::{Digest, Stored};
 
-/// Whether other designs have the shape of a design's bodies. Where none does, boundary elements are solved for its own modes,
+/// Whether other designs have the shape of a design's bodies. If none does, boundary elements are solved for its modes,
 /// and standard bodies need no modes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct SharedShapes {
@@ -56,7 +56,7 @@ impl SharedShapes {
     }
 }
 
-/// The first standard bodies in the shape of a design's; none where these have no standard.
+/// The first standard bodies in the shape of a design's; none if these have no standard.
 fn standard_bodies(graph: &Graph, design: &Design, kinds: &[BodyKind]) -> Result<Option<Vec<Stored<Body>>>, Error> {
     let standards = inputs::shape::standards(design, kinds)?;
     standards
@@ -72,10 +72,10 @@ fn bodies(graph: &Graph, design: &Design, kinds: &[BodyKind]) -> Result<Vec<Stor
         .collect()
 }
 
-/// Structures whose modes may hold the motion of a design's bodies, in the order in which they are tried, with their names.
+/// Structures whose modes may represent the motion of a design's bodies, in the order of trial, with their names.
 pub(super) type Standards = Vec<(SurfaceModes, &'static str)>;
 
-/// Standard structures in the shape of a design's tool, or of its workpiece and table; none where these have no standard.
+/// Standard structures in the shape of a design's tool, or of its workpiece and table; none if these have no standard.
 ///
 /// # Errors
 /// Those of the bodies' materials and mesh files.
@@ -167,7 +167,7 @@ pub(super) fn by_shape(
     }
 }
 
-/// What boundary elements give for the modes of bodies.
+/// Results of boundary elements for the modes of bodies.
 fn solved(graph: &Graph, (shape, places): (&RadiatingShape, &Places), modes: SurfaceModes) -> Radiation {
     let bodies = modes.0.first().cloned().unwrap_or_default();
     let solution = solution(graph, shape, modes);
@@ -215,7 +215,7 @@ mod tests {
     use crate::stages::radiation::WorkpieceRadiation;
     use crate::stages::sound_fields::FieldMethod;
 
-    /// Key of what boundary elements solve for the workpiece, and that of the matrix of the design's own modes.
+    /// Key of the boundary-element solution of the workpiece, and that of the matrix of the design's modes.
     fn solved_keys(design: &Design) -> [Digest; 2] {
         let graph = Graph::default();
         let WorkpieceRadiation::BoundaryElements(elements) = inputs::radiation::workpiece(design).unwrap() else {
@@ -294,9 +294,9 @@ mod tests {
         assert_eq!(shared(|design| design.body.cap_radius *= 1.1), [true, false]);
     }
 
-    /// Whether each of the standards holds the motion of a design's workpiece and table, and the largest difference in power
-    /// \[dB\] between the radiation by shape and boundary elements with the design's own modes, under a force of 1 N at the nail's
-    /// head and 1 N on the middle of the table.
+    /// Whether each of the standards represents the motion of a design's workpiece and table. Also the largest
+    /// difference in power \[dB\] between the radiation by shape and boundary elements with the design's modes, under a
+    /// force of 1 N at the nail's head and 1 N on the middle of the table.
     fn carried_over(design: &Design) -> (Vec<bool>, f64) {
         let graph = Graph::default();
         let air = inputs::air(design).unwrap();
@@ -403,7 +403,7 @@ mod tests {
         assert!(!walls_differ(&slab("walls")));
     }
 
-    /// The surfaces of the tool that boundary elements cover: with and without its cap apart.
+    /// The surfaces of the tool for boundary elements: with and without a separate cap.
     fn tool_shapes(design: &Design) -> [RadiatingShape; 2] {
         let elements = inputs::radiation::tool(design).unwrap();
         let mut wrapped = design.clone();
@@ -415,7 +415,7 @@ mod tests {
         ]
     }
 
-    /// Keys of what boundary elements solve for the tool, and of the matrices of its own modes.
+    /// Keys of the boundary-element solutions of the tool, and of the matrices of its modes.
     fn solved_keys_of_tool(design: &Design) -> [[Digest; 2]; 2] {
         let graph = Graph::default();
         let standard = standard_bodies(&graph, design, &[BodyKind::Tool]).unwrap().unwrap();
@@ -442,7 +442,7 @@ mod tests {
             |design: &mut Design| design.body.cap_wall *= 1.1,
             |design: &mut Design| design.body.nose_wall *= 0.9,
             |design: &mut Design| {
-                // The gap takes what the wall gives.
+                // The gap takes up the change of the wall.
                 design.body.barrel_wall += 1e-4;
                 design.body.sleeve_gap -= 1e-4;
             },
@@ -469,8 +469,8 @@ mod tests {
         }
     }
 
-    /// A slab as the housing, with the surfaces on which the forces of a tool act; its modes begin at some 700 Hz. Its file has
-    /// the name of the test, because tests run side by side.
+    /// A slab as the housing, with the surfaces that carry the forces of a tool; its modes begin at some 700 Hz. Its
+    /// file has the name of the test, because tests run side by side.
     fn slab(name: &str) -> Design {
         const SIZE: [f64; 3] = [0.1, 0.012, 0.3];
         let mut mesh = block(&Block {
@@ -532,7 +532,7 @@ mod tests {
         let column = body.loads.column(load);
         let accelerations = DMatrix::from_fn(body.omega.len(), frequency.len(), |mode, bin| {
             let (square, driven) = (body.omega[mode].powi(2), (TAU * frequency[bin]).powi(2));
-            // The stiffness of static corrections and of modes has the loss factor 0.02; rigid modes keep 1/m.
+            // The stiffness of static corrections and of modes has the loss factor 0.02; rigid modes retain 1/m.
             let response = Complex::new(square - driven, 0.02 * square);
             if bin == 0 {
                 Complex::default()
@@ -547,8 +547,9 @@ mod tests {
         }
     }
 
-    /// Radiation and pressures carried over from the standard housing, which has no lumped mass, against boundary elements
-    /// with the design's own modes: a mass of 0.3 kg, most of it at the nose, another modulus, Poisson's ratio and density.
+    /// Radiation and pressures carried over from the standard housing, which has no lumped mass, against boundary
+    /// elements with the design's modes: a mass of 0.3 kg, most of it at the nose, another modulus, Poisson's ratio and
+    /// density.
     #[test]
     fn another_tool_mass_and_alloy_radiate_as_by_boundary_elements_of_their_own() {
         let mut design = slab("carried");

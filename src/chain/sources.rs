@@ -38,7 +38,7 @@ impl<'a> Sources<'a> {
     /// For a design in an ambient air, with the seed of the jets' noise at the microphones.
     ///
     /// # Errors
-    /// Values of the design from which no inputs can be made.
+    /// Values of the design that do not yield inputs.
     pub(super) fn new(
         graph: &'a Graph,
         design: &'a Design,

@@ -1,4 +1,4 @@
-//! What `mesh`, `check` and `modes` share: the choice of a body, and input that may be a design or a mesh.
+//! Common parts of `mesh`, `check` and `modes`: the choice of a body, and input that may be a design or a mesh.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -206,7 +206,7 @@ impl Input {
         })
     }
 
-    /// The design, where no body of it is chosen.
+    /// The design, if no body of it is chosen.
     pub(super) fn whole_design(&self) -> Result<Option<Design>, Error> {
         let is_design = self.path.extension().is_some_and(|end| end == "toml");
         (is_design && self.body.is_none())
@@ -214,7 +214,7 @@ impl Input {
             .transpose()
     }
 
-    /// Sets the size of the thread pool of the whole process.
+    /// Sets the size of the thread pool of the process.
     pub(super) fn start_threads(&self) -> Result<(), Error> {
         self.threads.start()
     }

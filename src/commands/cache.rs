@@ -1,4 +1,4 @@
-//! `nailnoise cache`: what is kept between runs.
+//! `nailnoise cache`: results stored between runs.
 
 use std::path::Path;
 use std::process::ExitCode;

@@ -1,5 +1,5 @@
-//! `nailnoise check`: whether a mesh can be trusted, and what its modes will cost; a design without a body is explained as
-//! a whole.
+//! `nailnoise check`: whether a mesh can be trusted, and the cost of its modes; a design without a body is explained in
+//! full.
 
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -77,7 +77,7 @@ struct Group {
     area: f64,
     /// Centroid \[m\].
     centre: Option<[f64; 3]>,
-    /// Where its name comes from: the file, the design, or a guess by its shape.
+    /// Origin of its name: the file, the design, or a guess by its shape.
     origin: &'static str,
 }
 
@@ -144,7 +144,7 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
         })
         .collect();
     let ties = body.map_or(0, |(meshed, _)| meshed.attachments.ties.len());
-    // Pieces of a body are checked with what else a run requires of it.
+    // Pieces of a body are checked with the other requirements of a run on it.
     let (mut faults, mut warnings) = findings(
         mesh,
         &quality,

@@ -145,7 +145,7 @@ struct Layout<'a> {
     paired: &'a [PairedStudy],
 }
 
-/// Each design against the first over common draws, if they are asked for.
+/// Each design against the first over common draws, on request.
 fn paired(arguments: &Arguments, cache: &Store, progress: &Progress) -> Result<Vec<PairedStudy>, Error> {
     let Some(draws) = arguments.draws else {
         return Ok(Vec::new());
@@ -207,7 +207,7 @@ fn changes(paired: &PairedStudy) -> String {
     )
 }
 
-/// Runs a design and writes its files to a folder of its own, as `nailnoise run` does.
+/// Runs a design and writes its files to a separate folder, like `nailnoise run`.
 fn finish(
     path: &Path,
     before: &[Finished],
@@ -238,7 +238,7 @@ fn finish(
     Ok((Finished::parse(&folder, &bundle.json)?, Some(folder)))
 }
 
-/// The name, with a number behind it if another result of the comparison has it.
+/// The name, followed by a number if another result of the comparison has it.
 fn free_name(name: &str, others: &[Finished]) -> String {
     let taken = |name: &str| others.iter().any(|other| other.name() == name);
     if !taken(name) {

@@ -1,4 +1,4 @@
-//! `nailnoise compare --measured`: predictions beside measurements, like with like.
+//! `nailnoise compare --measured`: predictions next to measurements, like with like.
 
 use std::path::Path;
 use std::process::ExitCode;

@@ -1,4 +1,4 @@
-//! The file of a comparison's page: named after what is compared, and never that of another comparison.
+//! The file of a comparison's page: its name follows from the compared files, and is never that of another comparison.
 
 use std::fs::File;
 use std::io::Read as _;
@@ -12,7 +12,7 @@ use crate::wording::hexadecimal;
 /// Longest name without extension \[bytes\]; file systems allow 255.
 const LONGEST: usize = 120;
 
-/// Bytes at the beginning of a page that say what it compares.
+/// Bytes at the beginning of a page that identify the compared files.
 const BEGINNING: u64 = 4096;
 
 /// Digest of the files that are compared, in their order: the same comparison, made again, has the same.
@@ -26,7 +26,7 @@ pub(super) fn identity(paths: &[PathBuf]) -> String {
     hexadecimal(&digest.finalize())
 }
 
-/// `OUT/compare-A-B.html`, with a number behind it where the page of another comparison has this name.
+/// `OUT/compare-A-B.html`, with a number appended if the page of another comparison has this name.
 pub(super) fn place(out: &Path, designs: &[String], identity: &str) -> PathBuf {
     let stem = stem(designs);
     let names = (1..).map(|number: u32| match number {

@@ -1,4 +1,4 @@
-//! What is heard of each design of a comparison: all sources at the microphone in front, on one scale for all designs.
+//! Sound of each design of a comparison: all sources at the microphone in front, on one scale for all designs.
 
 use std::path::PathBuf;
 
@@ -22,7 +22,7 @@ struct Sound {
 /// The sounds of designs, by name and folder. A result without its folder of sounds is left out: the page is complete without them.
 pub(super) fn recordings(results: &[(String, PathBuf)]) -> Vec<Recording> {
     let sounds: Vec<Sound> = results.iter().filter_map(|(name, folder)| read(name, folder)).collect();
-    // One of them has no other to be compared with.
+    // A single one cannot be compared.
     if sounds.len() < 2 {
         return Vec::new();
     }

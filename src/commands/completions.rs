@@ -1,4 +1,4 @@
-//! `nailnoise completions`: what a shell completes.
+//! `nailnoise completions`: completion of commands in a shell.
 
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -45,7 +45,7 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
     Ok(ExitCode::SUCCESS)
 }
 
-/// Where a shell looks for a user's completions, or may be told to.
+/// Folder of a user's completions, either the shell's default or one that can be set.
 fn folder(shell: Shell) -> Result<PathBuf, Error> {
     let what = "the completions of this shell";
     Ok(match shell {
@@ -57,7 +57,7 @@ fn folder(shell: Shell) -> Result<PathBuf, Error> {
     })
 }
 
-/// What is left to do.
+/// The remaining step for the user.
 fn remark(shell: Shell, path: &Path) -> String {
     let folder = path.parent().unwrap_or(Path::new("")).display();
     match shell {

@@ -21,7 +21,7 @@ use crate::stages::cycle::Preset;
 use crate::staging::Staging;
 use crate::wording::figure;
 
-/// The file that is written last, so that a folder that holds it holds all the rest.
+/// The last file to be written, so that a folder with it has all the rest.
 const LAST: &str = "events.csv";
 
 #[derive(Args)]
@@ -129,7 +129,7 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
         (None, Some(path)) => format!(", penetration law of {path}"),
         (None, None) => String::new(),
     };
-    // The tables take most of the time of a shot; a program that reads the JSON value asks for them by name.
+    // The tables take most of the time of a shot; a program that reads the JSON value requests them by name.
     let with_files = !common.json || common.out.is_some() || arguments.figures;
     let mut figures = Vec::new();
     if with_files {

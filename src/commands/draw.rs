@@ -1,4 +1,4 @@
-//! `nailnoise cycle --draw`: designs drawn from the ranges of one, and what their shots do.
+//! `nailnoise cycle --draw`: designs drawn from the ranges of one, and the outcomes of their shots.
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;

@@ -26,7 +26,7 @@ struct DrawingResult<'a> {
     schema: &'static str,
     design: &'a str,
     written: &'a Path,
-    /// Keys at their places, and the keys of each misfit with what does not fit.
+    /// Keys at their places, and the keys of each misfit with its parts.
     keys: Vec<&'a str>,
     misfits: Vec<MisfitResult<'a>>,
 }

@@ -1,4 +1,4 @@
-//! What each input of a design does to its total level, or where no study states that, to the depth of its nail.
+//! Effect of each input of a design on its total level, or on the depth of its nail if no study states the level.
 
 use nailnoise_dynamics::Settings;
 use serde::Serialize;
@@ -14,7 +14,7 @@ use crate::study::{self, Draws, OneAtATime, Request, StudyResult, Tally, taking_
 
 use super::intervals::serving;
 
-/// Interval of the samples of cycles of which only the depth is read \[s\].
+/// Interval of the samples of cycles that are read only for the depth \[s\].
 const SAMPLES: f64 = 1e-3;
 
 /// The inputs that change a figure, the largest effect first.
@@ -28,12 +28,12 @@ pub(super) struct Effects {
     pub(super) inputs: Vec<Effect>,
 }
 
-/// What an input does.
+/// Effect of an input.
 #[derive(Debug, Clone, Serialize)]
 pub(super) struct Effect {
     /// The key, or another variable of a study.
     pub(super) key: String,
-    /// Its value and its range with readable units; empty where the variable is no key.
+    /// Its value and its range with readable units; empty if the variable is not a key.
     pub(super) value: String,
     pub(super) range: String,
     /// The largest change that it makes, in the unit of the effects.
@@ -52,7 +52,7 @@ pub(super) struct ToMeasure {
 }
 
 impl Effects {
-    /// Effects on the total from the study that is known of a design; where there is none, one input at a time if `compute`, else the
+    /// Effects on the total from a known study of a design; without one, one input at a time if `compute`, else the
     /// effects on the depth of the nail.
     pub(super) fn of(graph: &Graph, design: &Design, compute: bool, progress: &Progress) -> Result<Self, Error> {
         let known = serving(graph.store(), design)?;
@@ -93,7 +93,7 @@ impl Effects {
         )
     }
 
-    /// The levels with one input at a time; nothing where the design itself has no levels.
+    /// The levels with one input at a time; none if the design itself has no levels.
     fn computed(graph: &Graph, design: &Design, progress: &Progress) -> Result<Self, Error> {
         let request = Request::new(0, 1);
         let made = Draws {
@@ -113,7 +113,7 @@ impl Effects {
         }
     }
 
-    /// Effects on the depth of the nail, from the cycle with a lumped workpiece alone.
+    /// Effects on the depth of the nail, only from the cycle with a lumped workpiece.
     fn on_depth(graph: &Graph, design: &Design) -> Result<Self, Error> {
         let settings = Settings {
             sample_interval: SAMPLES,
@@ -185,7 +185,7 @@ impl Effects {
         self
     }
 
-    /// What to measure, the largest effect first: inputs that can be measured and are not.
+    /// Inputs to measure, the largest effect first: those that can be measured and are not.
     pub(super) fn to_measure(&self, design: &Design) -> Vec<ToMeasure> {
         let entries = design.entries();
         let measured = |key: &str| {

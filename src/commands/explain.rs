@@ -1,5 +1,5 @@
-//! `nailnoise check DESIGN`: whether a design can run and drives its nail, what is missing, which values are not plausible,
-//! the effect of each input, what to measure first, and what a run costs.
+//! `nailnoise check DESIGN`: whether a design can run and drives its nail, missing parts, implausible values, the
+//! effect of each input, the first inputs to measure, and the cost of a run.
 
 use std::collections::BTreeMap;
 use std::process::ExitCode;
@@ -31,7 +31,8 @@ const LISTED: usize = 12;
 /// Quantities to measure in their table.
 const MEASURED: usize = 8;
 
-/// Degrees of freedom up to which the bodies are meshed and checked here \[-\]: a million take 7 s and 1.6 GB.
+/// Largest number of degrees of freedom of the bodies that are meshed and checked here \[-\]: a million take 7 s and
+/// 1.6 GB.
 const MESHED: f64 = 1e6;
 
 /// How much longer gmsh takes for a degree of freedom than the built-in meshers.
@@ -45,17 +46,17 @@ struct Explanation {
     digest: String,
     /// Number of values of each provenance.
     provenance: BTreeMap<&'static str, usize>,
-    /// Whether a run is possible: there are no obstacles.
+    /// Whether a run is possible: the list of obstacles is empty.
     runs: bool,
-    /// How the shot ends, where the nail is not driven or the exhaust does not open; null otherwise.
+    /// How the shot ends, if the nail is not driven or the exhaust does not open; null otherwise.
     headline: Option<Headline>,
-    /// The shot; null where it cannot be computed.
+    /// The shot; null if it cannot be computed.
     shot: Option<Shot>,
     /// Values outside the ranges of such tools, or of the design.
     outside: Vec<OutsideValue>,
-    /// What each input does, the largest effect first.
+    /// Effect of each input, the largest first.
     effects: Effects,
-    /// What to measure, the largest effect first.
+    /// Inputs to measure, the largest effect first.
     measure_first: Vec<ToMeasure>,
     /// Estimates with their ranges, widest first; those that this design does not use are left out.
     estimates: Vec<Estimate>,
@@ -63,9 +64,9 @@ struct Explanation {
     /// does not use are left out.
     unknowns: Vec<String>,
     bodies: Vec<BodyPlan>,
-    /// Estimated cost of each stage that is not kept, from the design alone.
+    /// Estimated cost of each stage without a stored result, only from the design.
     stages: Vec<StageCost>,
-    /// The thin gap below the workpiece, and the error of its panels; null where there is none.
+    /// The thin gap below the workpiece, and the error of its panels; null without a gap.
     gap: Option<String>,
     /// Obstacles to a run, and their remedies.
     obstacles: Vec<String>,
@@ -77,7 +78,7 @@ struct Estimate {
     value: f64,
     unit: String,
     range: [f64; 2],
-    /// Width of the range over the value, where the value is not zero.
+    /// Width of the range over the value, if the value is not zero.
     relative: Option<f64>,
     source: String,
 }
@@ -105,7 +106,7 @@ struct BodyPlan {
     checked: bool,
 }
 
-/// What is asked of a design.
+/// The requests on a design.
 pub(super) struct Asked {
     /// Memory that a stage may need.
     pub(super) memory: MemoryLimit,
@@ -188,7 +189,7 @@ fn explain(design: &Design, mut stages: Vec<StageCost>, asked: &Asked) -> Result
     }
     let record = match record {
         Ok(record) => Some(record),
-        // As a dry fire: an obstacle like others, next to which all else is stated.
+        // The same for a dry fire: an obstacle like others, reported together with all else.
         Err(error @ Error::Cycle(_)) => {
             obstacles.push(format!("nailing cycle: {}", error.in_words()));
             None
@@ -230,8 +231,8 @@ fn explain(design: &Design, mut stages: Vec<StageCost>, asked: &Asked) -> Result
     })
 }
 
-/// Error of the panels below a workpiece near the floor, where its radiation is by boundary elements. That of a user's mesh
-/// is known when it is read.
+/// Error of the panels below a workpiece near the floor, if its radiation is by boundary elements. That of a user's
+/// mesh is known when it is read.
 fn gap(design: &Design) -> Result<Option<String>, Error> {
     if !design.workpiece.mesh.is_empty() {
         return Ok(None);

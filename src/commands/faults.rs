@@ -1,5 +1,5 @@
-//! Faults of the program itself: a panic in any thread ends the command with a message and a status of its own. A thread that the
-//! system refuses is not a fault: it ends the command as a wrong use of the machine does.
+//! Faults of the program itself: a panic in any thread ends the command with a message and a separate status. A thread
+//! that the system refuses is not a fault: it ends the command as a wrong use of the machine does.
 
 use std::backtrace::{Backtrace, BacktraceStatus};
 use std::panic::{AssertUnwindSafe, PanicHookInfo, catch_unwind, set_hook};
@@ -7,7 +7,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use super::message;
 
-/// Exit status after a panic, as of any Rust program.
+/// Exit status after a panic, the same for any Rust program.
 const FAULT: u8 = 101;
 
 /// Exit status where the system refuses threads.
@@ -54,7 +54,7 @@ fn refused(reason: &str) -> String {
     )
 }
 
-/// The result of the work, or the exit status if it panicked. What the work had begun to write is removed.
+/// The result of the work, or the exit status if it panicked. Files that the work had begun to write are removed.
 pub(super) fn caught<T>(work: impl FnOnce() -> T) -> Result<T, u8> {
     // Nothing of the work is used after a panic.
     catch_unwind(AssertUnwindSafe(work)).map_err(|_| match WITHOUT_THREAD.load(Ordering::SeqCst) {
@@ -96,7 +96,7 @@ mod tests {
         assert_eq!(caught(|| 3), Ok(3));
     }
 
-    /// Threads of a pool and threads of their own pass their panic on to the thread that waits for them.
+    /// Threads of a pool and separate threads pass their panic on to the thread that waits for them.
     #[test]
     fn a_panic_in_any_thread_gives_the_status_of_a_fault() {
         let in_pool = || (0..8).into_par_iter().for_each(|n| assert!(n != 5, "of a pool"));

@@ -16,7 +16,7 @@ use crate::shipped;
 use crate::staging;
 use crate::wording::trimmed;
 
-/// The design on which others are based, with all its comments and sources.
+/// The base of other designs, with all its comments and sources.
 const BASE: &str = "n80cb.toml";
 
 /// Name of a design where none is given.
@@ -130,7 +130,7 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
     let mut text = String::new();
     // The design last: it is of no use without its bases.
     for (path, content, what) in files.iter().rev() {
-        // What stands there may have been changed by its owner.
+        // Its owner may have changed an existing file.
         let kept = path.exists();
         if !kept {
             staging::write(path, content.as_bytes())?;
@@ -213,7 +213,7 @@ fn told(scaled: &Scaled) -> String {
     text
 }
 
-/// A file to write, its content, and what it is.
+/// A file to write, its content, and its description.
 type Planned = (PathBuf, String, String);
 
 /// The design and the files to write, the design first.
@@ -262,7 +262,7 @@ fn with_bases(path: &Path, name: &str, text: &str) -> Vec<Planned> {
     files
 }
 
-/// The name of a design's base as it is written, and the name of its file.
+/// The name of a design's base as written, and the name of its file.
 fn base(text: &str) -> Option<(&str, &str)> {
     let line = text.lines().find_map(|line| line.strip_prefix("base = \""))?;
     let (name, _) = line.split_once('"')?;
@@ -282,7 +282,7 @@ mod tests {
     use super::*;
     use crate::design::Design;
 
-    /// Every design of the program, written alone into a folder, has the values that it has in the repository.
+    /// Every design of the program, written without others into a folder, has the same values as in the repository.
     #[test]
     fn every_design_of_the_program_is_written_with_its_bases() -> Result<(), Error> {
         let folder = std::env::temp_dir().join(format!("nailnoise-init-{}", std::process::id()));

@@ -99,7 +99,7 @@ fn failed(name: impl Into<Cow<'static, str>>) -> Check {
 pub(super) struct NotKnown {
     /// The reason.
     pub(super) reason: String,
-    /// The check that failed, where the design contradicts its draws.
+    /// The check that failed, if the design contradicts its draws.
     pub(super) check: Option<Check>,
 }
 
@@ -115,14 +115,14 @@ impl From<Error> for NotKnown {
 /// A study that is known of a design.
 pub(super) struct Known {
     result: StudyResult,
-    /// Where it is from, if it is not the user's own; empty otherwise.
+    /// Its origin, if it is not the user's study; empty otherwise.
     origin: String,
     weighting: Option<Weighting>,
     shot: OwnShot,
 }
 
-/// The study that serves a design, and where it is from if it is not the user's own: the largest of those in the cache and in the
-/// program.
+/// The study that serves a design, and its origin if it is not the user's study: the largest of those in the cache and
+/// in the program.
 ///
 /// # Errors
 /// Those of reading them.
@@ -139,7 +139,8 @@ pub(super) fn serving(store: &Store, design: &Design) -> Result<Option<(Found, S
 }
 
 impl Known {
-    /// The study that serves a design and is kept, or that comes with the program if that is larger; none where there is neither.
+    /// The stored study that serves a design, or the one that comes with the program if that is larger; none without
+    /// either.
     ///
     /// # Errors
     /// Those of reading them; the shot of the design is none that a study counts.
@@ -196,10 +197,10 @@ impl Known {
     }
 }
 
-/// The study that is known of a design; else a screening of a few draws, which is kept.
+/// The known study of a design; else a screening of a few draws, which is stored.
 ///
 /// # Errors
-/// Why there is none, or that the design asks for none.
+/// Why there is none, or that the design requests none.
 pub(super) fn study_of(store: &Store, design: &Design, shot: &OwnShot, progress: &Progress) -> Result<Known, NotKnown> {
     if let Some(known) = Known::of(store, design, shot)? {
         return Ok(known);
@@ -228,7 +229,7 @@ pub(super) fn study_of(store: &Store, design: &Design, shot: &OwnShot, progress:
     })
 }
 
-/// Where a study is from that comes with the program.
+/// Origin of a study that comes with the program.
 fn origin(study: &ProvidedStudy) -> String {
     let made = format!(
         "  this study comes with the program: `{}`, version {}",
@@ -260,7 +261,7 @@ pub(super) fn cells(study: &Known, source: &str) -> [String; 2] {
     [format!("{low} .. {high}"), first]
 }
 
-/// The columns for the report, beside the levels of the printed table.
+/// The columns for the report, next to the levels of the printed table.
 pub(super) fn of_report(study: &Known, text: &Text) -> Intervals {
     let row = |row: &Vec<String>| {
         let [interval, first] = cells(study, &row[0]);
@@ -275,7 +276,7 @@ pub(super) fn of_report(study: &Known, text: &Text) -> Intervals {
     }
 }
 
-/// K of a declaration \[dB\], and where its sigma comes from; none with few draws, or where the design contradicts them.
+/// K of a declaration \[dB\], and the origin of its sigma; none with few draws, or if the design contradicts them.
 pub(super) fn k_of(study: &Known) -> Option<(i32, String)> {
     match study.check() {
         Some(_) => None,
@@ -302,7 +303,7 @@ fn first(study: &StudyResult, source: &str) -> String {
     }
 }
 
-/// A share of the draws in percent, or as a count where they are few.
+/// A share of the draws in percent, or as a count if they are few.
 fn of_draws(share: f64, draws: usize) -> String {
     match draws {
         STATED_FROM.. => format!("{:.0} % of the draws", 100.0 * share),
@@ -310,7 +311,7 @@ fn of_draws(share: f64, draws: usize) -> String {
     }
 }
 
-/// What the columns hold, and what not.
+/// Contents and omissions of the columns.
 pub(super) fn legend(known: &Known) -> String {
     let study = &known.result;
     let structures = match study.structures {

@@ -51,7 +51,7 @@ enum What {
     Designs,
 }
 
-/// Layout of `list --json`; the lists that were not asked for are absent.
+/// Layout of `list --json`; lists without a request are absent.
 #[derive(Default, Serialize)]
 struct Lists {
     schema: &'static str,
@@ -155,7 +155,7 @@ fn number(value: &Value) -> Option<f64> {
     }
 }
 
-/// A value over a scale, with a mark where it is an estimate and, if asked for, its range.
+/// A value over a scale, with a mark for an estimate and, on request, its range.
 fn cell(named: &Named, key: &str, (scale, digits): (f64, usize), with_range: bool) -> String {
     let Some(own) = value(named, key) else {
         return "-".to_owned();
@@ -403,7 +403,7 @@ fn shipped_design(path: &'static str, text: &str) -> ShippedDesign {
 /// Width of a printed line.
 const WIDTH: usize = 100;
 
-/// Columns of text to the left; the last one goes on in the lines below.
+/// Columns of text to the left; the last one continues in the lines below.
 fn left<const N: usize>(headings: [&str; N], rows: Vec<Vec<String>>) -> String {
     let all: Vec<Vec<String>> = [headings.map(str::to_owned).to_vec()].into_iter().chain(rows).collect();
     let width = |column: usize| all.iter().map(|row| row[column].chars().count()).max().unwrap_or(0);

@@ -18,7 +18,7 @@ use crate::measurement::{Manifest, arrangement::Arrangement};
 use crate::staging::Staging;
 use crate::{figures, output, report};
 
-/// The file that is written last, so that a folder that holds it holds all the rest.
+/// The last file to be written, so that a folder with it has all the rest.
 const LAST: &str = "measurement.json";
 
 #[derive(Args)]

@@ -70,7 +70,7 @@ struct MeshResult {
     /// Face groups with their numbers of faces.
     groups: Vec<(String, usize)>,
     longest_edge: f64,
-    /// What the user should know of how the mesh was made.
+    /// Notes for the user on how the mesh was made.
     notes: Vec<String>,
     written: Vec<PathBuf>,
 }

@@ -1,9 +1,9 @@
-//! The command line: one file a command, and what they share (arguments, threads, progress, exit status).
+//! The command line: one file a command, and their common parts (arguments, threads, progress, exit status).
 //!
 //! Results go to standard output, progress and warnings to standard error. Exit status: 0 done; 1 done, but a limit is
 //! not met; 2 wrong usage or input; 3 a numerical check failed; 101 a fault of the program; 130 interrupted.
 
-/// Commands as a user gives them, each with what it is for: the end of a help text.
+/// Commands as a user gives them, each with its purpose: the end of a help text.
 macro_rules! examples {
     ($($command:literal => $what:literal),+ $(,)?) => {
         concat!("Examples:", $("\n  ", $command, "\n      ", $what),+)
@@ -63,7 +63,7 @@ use crate::wording::visible;
 use progress::progress;
 use table::texts;
 
-/// What `--version` says.
+/// The text of `--version`.
 const BUILD: &str = concat!(
     env!("CARGO_PKG_VERSION"),
     "\ncommit: ",
@@ -213,7 +213,7 @@ struct Keeping {
 }
 
 impl Keeping {
-    /// The user's cache. Where it cannot be used, a warning says so, and nothing is cached.
+    /// The user's cache. If it cannot be used, a warning says so, and nothing is cached.
     fn cache(&self) -> Result<Store, Error> {
         if self.no_cache {
             return Ok(Store::none());
@@ -228,7 +228,7 @@ impl Keeping {
     }
 }
 
-/// A run without a cache that was not asked for.
+/// A run without a cache although the user did not request that.
 #[derive(Debug, thiserror::Error, miette::Diagnostic)]
 #[error("results are not cached: {cause}")]
 #[diagnostic(
@@ -274,7 +274,7 @@ impl Changes {
     }
 }
 
-/// Values outside their ranges up to which each is shown at its place in the file; more are shown as a table.
+/// Largest number of values outside their ranges that are shown at their places in the file; more are shown as a table.
 const AT_THEIR_PLACE: usize = 3;
 
 /// Whether a warning is of a value outside its range.
@@ -308,7 +308,7 @@ struct Threads {
 }
 
 impl Threads {
-    /// Sets the size of the thread pool of the whole process; all cores without a number.
+    /// Sets the size of the thread pool of the process; all cores without a number.
     fn start(&self) -> Result<(), Error> {
         let number = match self.threads {
             Some(number) => usize::from(number),
@@ -324,7 +324,7 @@ impl Threads {
 /// Most threads that a command starts.
 const MOST_THREADS: u16 = 1024;
 
-/// Number of threads by the variable of the thread pool; 0, which stands for all cores, without it.
+/// Number of threads from the variable of the thread pool; 0, which means all cores, without it.
 fn of_environment() -> Result<usize, Error> {
     let Some(found) = std::env::var_os("RAYON_NUM_THREADS").filter(|found| !found.is_empty()) else {
         return Ok(0);
@@ -400,7 +400,7 @@ fn coloured() -> bool {
 /// Prints errors with a caret under the position in the design; without colour if the output is not a terminal.
 fn install_error_style() {
     let colour = coloured();
-    // The hook can only be set once a process; a second command in the same process keeps the first style.
+    // The hook can only be set once a process; a second command in the same process retains the first style.
     let _ = miette::set_hook(Box::new(move |_| {
         Box::new(
             miette::MietteHandlerOpts::new()
@@ -414,7 +414,7 @@ fn install_error_style() {
     }));
 }
 
-/// Status 0 when all checks hold, else 3 with the failed ones on standard error.
+/// Status 0 if all checks pass, else 3 with the failed ones on standard error.
 fn status_of(checks: &[Check]) -> ExitCode {
     let failed: Vec<&Check> = checks.iter().filter(|check| !check.ok).collect();
     for check in &failed {
@@ -430,7 +430,7 @@ fn status_of(checks: &[Check]) -> ExitCode {
     }
 }
 
-/// Writes a line to standard error. If nobody can read it, the work goes on.
+/// Writes a line to standard error. If nobody can read it, the work continues.
 fn message(text: &str) {
     let _ = writeln!(std::io::stderr(), "{}", visible(text, coloured()));
 }
@@ -440,7 +440,7 @@ fn report(diagnostic: impl miette::Diagnostic + Send + Sync + 'static) {
     message(format!("{:?}", miette::Report::new(diagnostic)).trim_end_matches('\n'));
 }
 
-/// Text for standard output in red; as it is where standard output is no terminal, or NO_COLOR is set.
+/// Text for standard output in red; unchanged if standard output is not a terminal, or NO_COLOR is set.
 fn red(text: &str) -> String {
     let colour = std::io::stdout().is_terminal() && std::env::var_os("NO_COLOR").is_none_or(|value| value.is_empty());
     if colour {
@@ -466,7 +466,7 @@ fn print(text: &str) -> Result<(), Error> {
     printed(std::io::stdout().lock().write_all(visible(text, false).as_bytes()))
 }
 
-/// What has come of writing to standard output. A reader that has seen enough (`| head`) is not an error.
+/// Result of writing to standard output. A reader that has seen enough (`| head`) is not an error.
 fn printed(outcome: std::io::Result<()>) -> Result<(), Error> {
     match outcome.and_then(|()| std::io::stdout().flush()) {
         Err(source) if source.kind() != ErrorKind::BrokenPipe => Err(Error::Output { source }),

@@ -1,7 +1,7 @@
 //! `nailnoise optimise`: the designs of the lowest level, by the optimiser of the Python package.
 //!
-//! Well-kept optimisers with constraints, integers, choices and fronts are at home in Python (Optuna). The package `nailnoise` calls
-//! them; this command passes its arguments on.
+//! Well-maintained optimisers with constraints, integers, choices and fronts are at home in Python (Optuna). The
+//! package `nailnoise` calls them; this command passes its arguments on.
 
 use std::ffi::OsString;
 use std::process::ExitCode;
@@ -25,7 +25,7 @@ pub(super) struct Arguments {
 }
 
 pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
-    // The flag of this command may be before its name, where the arguments do not have it.
+    // The flag of this command may precede its name, and then the arguments do not have it.
     let quiet = progress::is_quiet().then(|| OsString::from("--quiet"));
     let all: Vec<OsString> = quiet.into_iter().chain(arguments.arguments.iter().cloned()).collect();
     python::call("optuna", "optimise", &all)

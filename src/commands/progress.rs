@@ -23,7 +23,7 @@ pub(super) fn is_quiet() -> bool {
     QUIET.load(Ordering::Relaxed)
 }
 
-/// Shows a remark of a command that has no progress.
+/// Shows a remark of a command without progress.
 pub(super) fn note(text: &str) {
     if !QUIET.load(Ordering::Relaxed) {
         message(&format!("note: {text}"));

@@ -13,8 +13,8 @@ use crate::error::Error;
 /// Variable that names the interpreter.
 const PYTHON: &str = "NAILNOISE_PYTHON";
 
-/// Calls `python -m nailnoise COMMAND`, which needs a package beside nailnoise; the exit status. It ends when this process ends,
-/// however that happens.
+/// Calls `python -m nailnoise COMMAND`, which needs a package in addition to nailnoise; returns the exit status. It
+/// ends when this process ends, however that happens.
 pub(super) fn call(needed: &'static str, command: &str, arguments: &[OsString]) -> Result<ExitCode, Error> {
     let status = status(needed, command, arguments)?;
     Ok(ExitCode::from(status))
@@ -49,10 +49,10 @@ fn status(needed: &'static str, command: &str, arguments: &[OsString]) -> Result
     }
 }
 
-/// What a shell adds to the number of the signal that ended a program.
+/// The number that a shell adds to the number of the signal that ended a program.
 const KILLED: u8 = 128;
 
-/// A cluster of Dask that fills the store of a command, which then states its result as it would alone.
+/// A cluster of Dask that fills the store of a command, which then states the same result as without it.
 pub(super) struct Cluster<'a> {
     /// Address of its scheduler.
     pub(super) scheduler: &'a str,
@@ -63,7 +63,7 @@ pub(super) struct Cluster<'a> {
 }
 
 impl Cluster<'_> {
-    /// Computes on the cluster what `python -m nailnoise COMMAND DESIGN` computes with these arguments.
+    /// Computes on the cluster the same as `python -m nailnoise COMMAND DESIGN` with these arguments.
     pub(super) fn fill(
         &self,
         command: &str,

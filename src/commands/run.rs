@@ -100,7 +100,7 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
     }
     let status = status_of(&checks);
     match contradiction {
-        // The numbers are right: it is the design that is not within what it asks for.
+        // The numbers are right: the design is outside its limits.
         Some(check) if status == ExitCode::SUCCESS => {
             message(&format!("check failed: {}", check.name));
             Ok(ExitCode::from(1))
@@ -117,7 +117,8 @@ fn contradiction_of(study: Result<&Known, &NotKnown>) -> Option<Check> {
     }
 }
 
-/// A result as JSON with what a study adds: K of the declaration, and the check that fails where the design contradicts the draws.
+/// A result as JSON with the additions of a study: K of the declaration, and the check that fails if the design
+/// contradicts the draws.
 fn amended(json: &str, study: Result<&Known, &NotKnown>) -> String {
     let json = match study.ok().and_then(intervals::k_of) {
         Some(uncertainty) => declaration::with_uncertainty(json, &uncertainty),
@@ -143,7 +144,7 @@ fn with_check(json: &str, check: &Check) -> String {
     format!("{before}\n    {check}{comma}{after}")
 }
 
-/// What a run left in its folder.
+/// Files of a run in its folder.
 pub(super) struct Delivered {
     bundle: Bundle,
     /// Whether it is that of an earlier run.
@@ -178,7 +179,7 @@ pub(super) fn delivered(
     })
 }
 
-/// Adds what a study states to report and result in a folder, which are whole without it.
+/// Adds the results of a study to report and result in a folder, which are complete without it.
 pub(super) fn add_study(folder: &Path, study: Result<&Known, &NotKnown>, bundle: &Bundle) -> Result<(), Error> {
     if let Ok(study) = study {
         let path = folder.join("report.html");
@@ -233,7 +234,7 @@ fn with_intervals(text: &Text, study: Result<&Known, &NotKnown>) -> String {
     });
     let (alarm, after) = match &text.headline {
         None => (String::new(), after.clone()),
-        // The last line must not say less than the first.
+        // The last line must state no less than the first.
         Some(headline) => (
             super::alarm(&headline.lines()),
             format!("\n  {}\n{after}", super::red(&headline.text)),
@@ -290,7 +291,7 @@ fn components(result: &RunResult) -> String {
     text
 }
 
-/// What the two-way coupling changed.
+/// Effect of the two-way coupling.
 fn coupled(coupling: &Coupling) -> String {
     let mut rows = Vec::new();
     let mut row = |name: &str, unit: &str, digits: usize, one: Option<f64>, two: Option<f64>| {
@@ -326,10 +327,10 @@ fn coupled(coupling: &Coupling) -> String {
     format!("\n{}", table(&headings, &rows))
 }
 
-/// Notes beside that on the shot that are printed, each by its first clause.
+/// Printed notes other than that on the shot, each by its first clause.
 const CLAUSES: usize = 3;
 
-/// What the shot did, and what else is noted: the report has all notes in full.
+/// Result of the shot, and further notes: the report has all notes in full.
 fn in_short(result: &RunResult) -> Vec<String> {
     let (shot, more) = result.notes.split_at(result.notes.len().min(1));
     let clauses = more
@@ -345,7 +346,7 @@ fn in_short(result: &RunResult) -> Vec<String> {
     clauses.chain([methods]).collect()
 }
 
-/// Whether the checks hold; those that fail are named.
+/// Whether the checks pass; those that fail are named.
 fn checked(result: &RunResult) -> String {
     let failed: Vec<&str> = result
         .checks

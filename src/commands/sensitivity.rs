@@ -1,4 +1,4 @@
-//! `nailnoise cycle --sensitivity`: what the ranges of a design do to its shot, parameter by parameter.
+//! `nailnoise cycle --sensitivity`: effect of the ranges of a design on its shot, parameter by parameter.
 
 use std::fmt::Write as _;
 use std::process::ExitCode;

@@ -22,7 +22,7 @@ use crate::store::Store;
 use crate::study::{self, Draws, Estimate, Part, Request, StudyResult};
 use crate::{figures, report, shipped};
 
-/// The file that is written last, so that a folder that holds it holds all the rest.
+/// The last file to be written, so that a folder with it has all the rest.
 const LAST: &str = "study.json";
 
 #[derive(Args)]
@@ -111,7 +111,7 @@ struct TaskResult {
     store: PathBuf,
 }
 
-/// Draws at first, where a limit says how many there are at last.
+/// Number of draws in the first step, if a limit determines the final number.
 const AT_FIRST: usize = 32;
 
 /// A limit for half of an interval.
@@ -212,7 +212,7 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
             cluster.fill("study-on", (common, &design), &arguments_of(&request))?;
         }
         let (result, made) = compute(&store, &design, &request, &progress)?;
-        // Where candidates run out, more are of no use.
+        // If candidates run out, more draws are useless.
         if request.draws >= most
             || result.draws < request.draws
             || arguments.until.iter().all(|own| own.is_met(&result))
@@ -290,7 +290,7 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
     })
 }
 
-/// Reports what cannot be computed, each reason once, in the order of the first that has it.
+/// Reports the points or draws that cannot be computed, each reason once, in the order of first appearance.
 fn report_failures<N: std::fmt::Display>(what: &str, failures: &[(N, String)]) {
     let mut reasons: Vec<(&str, &N, usize)> = Vec::new();
     for (number, reason) in failures {
@@ -333,7 +333,7 @@ fn arguments_of(request: &Request) -> Vec<String> {
         .collect()
 }
 
-/// States what a task did.
+/// States the result of a task.
 fn execute_task(task: Task, made: &Draws, folder: &Path, json: bool, progress: &Progress) -> Result<ExitCode, Error> {
     progress.end();
     report_failures("draw", &made.failures);
@@ -357,13 +357,13 @@ fn execute_task(task: Task, made: &Draws, folder: &Path, json: bool, progress: &
     Ok(ExitCode::SUCCESS)
 }
 
-/// The draws that are asked for, and the graph that made them.
+/// The requested draws, and the graph that made them.
 fn draws(store: &Store, design: &Design, request: &Request, progress: &Progress) -> Result<(Draws, Graph), Error> {
     let graph = Graph::quiet(store, progress.observer());
     Ok((study::draws(&graph, design, request, progress)?, graph))
 }
 
-/// A study of a design, kept for later runs, and its draws.
+/// A study of a design, stored for later runs, and its draws.
 pub(super) fn compute(
     store: &Store,
     design: &Design,

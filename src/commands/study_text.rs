@@ -80,7 +80,7 @@ fn of_surrogates(surrogates: &[Surrogate]) -> String {
     text
 }
 
-/// What the largest contribution exceeds by chance.
+/// The value that the largest contribution exceeds by chance.
 fn by_chance(own: &Contributions) -> String {
     match own.by_chance_of_structures {
         None => format!("{:.2}", own.by_chance),
@@ -88,7 +88,7 @@ fn by_chance(own: &Contributions) -> String {
     }
 }
 
-/// What single inputs do to the levels of the design.
+/// Effects of single inputs on the levels of the design.
 fn of_single_inputs(own: &OneAtATime) -> String {
     let mut text = String::from(
         "\n  one input at a time, at the 5th and the 95th percentile of its distribution, all others as in the design; changes in dB\n",
@@ -177,7 +177,7 @@ fn of_groups(study: &GroupStudy) -> String {
     text
 }
 
-/// Levels, orders, and what decides them.
+/// Levels, orders, and the inputs that decide them.
 pub(super) fn text(result: &StudyResult) -> String {
     let structures = drawn_structures(result.structures);
     let drawn = result.variables.iter().filter(|variable| variable.drawn).count();

@@ -22,7 +22,7 @@ use crate::staging::Staging;
 use crate::store::Store;
 use crate::study::{Axis, Quantiles, Request, SweptPoint, at_point, sweep};
 
-/// The file that is written last, so that a folder that holds it holds all the rest.
+/// The last file to be written, so that a folder with it has all the rest.
 const LAST: &str = "sweep.csv";
 
 #[derive(Args)]

@@ -51,12 +51,12 @@ pub(super) fn texts(headings: &[&str], rows: &[Vec<String>]) -> String {
     all().map(line).collect()
 }
 
-/// What there is in words, else a dash.
+/// The value in words, or a dash without one.
 pub(super) fn dash<T>(value: Option<T>, words: impl FnOnce(T) -> String) -> String {
     value.map_or_else(|| "-".to_owned(), words)
 }
 
-/// A number with so many decimals; a dash where there is none.
+/// A number with so many decimals; a dash for none.
 pub(super) fn fixed(value: Option<f64>, decimals: usize) -> String {
     dash(value, |value| format!("{value:.decimals$}"))
 }

@@ -1,4 +1,4 @@
-//! `nailnoise test`: a virtual wrapping test of a design, as recordings or in energies alone.
+//! `nailnoise test`: a virtual wrapping test of a design, as recordings or only in energies.
 
 use std::path::Path;
 use std::process::ExitCode;
@@ -22,7 +22,7 @@ use crate::output::virtual_test::{SensorPeaks, manifest, sensors, sounds};
 use crate::result::DesignId;
 use crate::staging::Staging;
 
-/// The file that is written last, so that a folder that holds it holds all the rest.
+/// The last file to be written, so that a folder with it has all the rest.
 const LAST: &str = "manifest.toml";
 
 #[derive(Args)]
@@ -63,7 +63,7 @@ struct TestResult {
     design: DesignId,
     wraps: Wraps,
     seed: u64,
-    /// How the design's shot ends, where it does not drive; null otherwise.
+    /// How the design's shot ends, if it does not drive; null otherwise.
     headline: Option<Headline>,
     /// Without scatter: the design's own shot.
     exact: ExactTest,

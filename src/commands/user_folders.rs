@@ -5,12 +5,12 @@ use std::path::{Path, PathBuf};
 
 use crate::error::Error;
 
-/// Where programs keep data of a user: `$XDG_DATA_HOME`, else `~/.local/share`.
+/// Folder for data of a user: `$XDG_DATA_HOME`, else `~/.local/share`.
 pub(super) fn data(what: &'static str) -> Result<PathBuf, Error> {
     find(what, "XDG_DATA_HOME", "LOCALAPPDATA", &[".local", "share"])
 }
 
-/// Where programs keep settings of a user: `$XDG_CONFIG_HOME`, else `~/.config`.
+/// Folder for settings of a user: `$XDG_CONFIG_HOME`, else `~/.config`.
 pub(super) fn config(what: &'static str) -> Result<PathBuf, Error> {
     find(what, "XDG_CONFIG_HOME", "APPDATA", &[".config"])
 }
@@ -28,7 +28,7 @@ fn find(
     found.ok_or(Error::NoUserFolder { what, variable })
 }
 
-/// The folder `share` beside the folder `bin` that holds this program, if it is in one.
+/// The folder `share` next to the folder `bin` of this program, if it is in one.
 pub(super) fn beside_the_program() -> Option<PathBuf> {
     let program = env::current_exe().ok()?;
     let bin = program.parent().filter(|folder| folder.ends_with("bin"))?;

@@ -73,7 +73,7 @@ struct Watching<'a> {
 }
 
 impl Watching<'_> {
-    /// Runs the design as it is now, and waits until it is another.
+    /// Runs the current design, and waits until it changes.
     fn follow(&mut self) -> Result<(), Error> {
         let Arguments { design, changes, .. } = self.arguments;
         let watched = Arc::new(Watched::new(design, &changes.set));
@@ -84,7 +84,7 @@ impl Watching<'_> {
             looked: Mutex::new(Instant::now()),
         }));
         self.board.begin("the design");
-        // A fault of one run is no reason to lose the next; what the run held is gone.
+        // A fault of one run need not stop the next; the outputs of that run are gone.
         let outcome = catch_unwind(AssertUnwindSafe(|| self.run(&progress)));
         progress.end();
         match outcome {
@@ -95,7 +95,7 @@ impl Watching<'_> {
                 super::report(error);
             }
             Err(panic) if panic.is::<Abandoned>() => {
-                // The files may be by now what they were: they have no result all the same.
+                // The files may have returned to their old state: they still have no result.
                 watched.settle();
                 return Ok(());
             }
@@ -137,7 +137,7 @@ impl Watching<'_> {
         self.amend(&design, &run, &page, progress)
     }
 
-    /// Adds the intervals of the levels to the report: those of a study that is kept, else of a few draws.
+    /// Adds the intervals of the levels to the report: those of a stored study, else of a few draws.
     fn amend(&self, design: &Design, run: &Run, page: &str, progress: &Progress) -> Result<(), Error> {
         self.board.begin("how sure the levels are");
         if let Ok(study) = intervals::study_of(&self.store, design, &OwnShot::of(&run.result), progress) {
@@ -167,7 +167,7 @@ fn line(shot: &Shot) -> String {
     )
 }
 
-/// What has changed, on one line.
+/// The changes, on one line.
 fn changed(differences: &Differences, behind: &str) -> String {
     let levels = differences.levels.iter();
     let levels = levels.filter_map(|(name, db)| Some(format!("{name} {}", change((*db)?))));
@@ -200,14 +200,14 @@ fn shown(diagnostic: &dyn Diagnostic) -> String {
         .with_links(false)
         .with_width(100)
         .with_context_lines(1);
-    // What cannot be drawn is said in words.
+    // A diagnostic that cannot be drawn is written in words.
     if handler.render_report(&mut text, diagnostic).is_err() {
         text = diagnostic.to_string();
     }
     text.trim_matches('\n').to_owned()
 }
 
-/// Between two looks at the files while a run works.
+/// Interval between two checks of the files while a run works.
 const LOOK: Duration = Duration::from_millis(50);
 
 /// The payload of the unwinding that ends work on files that have changed. No panic hook sees it.
@@ -223,7 +223,7 @@ struct Interested {
 
 impl Interested {
     fn look(&self) {
-        // One thread looks, the others go on.
+        // One thread checks, the others continue.
         let Ok(mut looked) = self.looked.try_lock() else { return };
         if looked.elapsed() < LOOK {
             return;

@@ -22,7 +22,7 @@ const POSSIBLE: [(&str, [f64; 2]); 5] = [
     ("_m2", [0.0, 1e9]),
 ];
 
-/// A place in a result with what is there and what should be.
+/// A place in a result with its actual and its expected content.
 #[derive(Debug, PartialEq)]
 pub(super) struct Fault {
     /// Path in the JSON value.
@@ -141,8 +141,8 @@ fn source_sums(source: &RankedSource, at: &str) -> Result<(), Fault> {
     sum(&weighted, source.lwa_db, &intervals, "intervals")
 }
 
-/// A level is that of the energies of its parts. A part of a surface that takes sound from the others has no level, and
-/// those of the others then sum to more.
+/// A level is that of the energies of its parts. A part of a surface that takes sound from the others does not have a
+/// level, and those of the others then sum to more.
 fn sum_of_surfaces(at: &str, whole: Option<f64>, parts: &[f64], what: &str) -> Result<(), Fault> {
     let radiated: f64 = parts.iter().sum();
     let absorbs = parts.contains(&0.0);
@@ -152,7 +152,7 @@ fn sum_of_surfaces(at: &str, whole: Option<f64>, parts: &[f64], what: &str) -> R
     sum(at, whole, parts, what)
 }
 
-/// A level is that of the energies of its parts, of which those without a level may have up to the energy of silence each.
+/// A level is that of the energies of its parts; those without a level may have up to the energy of silence each.
 fn sum(at: &str, whole: Option<f64>, parts: &[f64], what: &str) -> Result<(), Fault> {
     let energy: f64 = parts.iter().sum();
     let silent = parts.iter().filter(|part| **part == 0.0).count() as f64 * SILENCE / REFERENCE_ENERGY;

@@ -32,12 +32,12 @@ pub struct Input {
     pub key: String,
     /// Its value, quantities in SI units.
     pub value: serde_json::Value,
-    /// Unit of the value; empty where it has none.
+    /// Unit of the value; empty if it has none.
     pub unit: String,
 }
 
 impl Finished {
-    /// Whether `path` names a finished result and not a design: a `.json` file, or a folder that holds `result.json`.
+    /// Whether `path` names a finished result and not a design: a `.json` file, or a folder with a `result.json`.
     pub fn is_at(path: &Path) -> Option<PathBuf> {
         if path.is_dir() {
             Some(path.join("result.json"))
@@ -69,7 +69,7 @@ impl Finished {
         Ok(result)
     }
 
-    /// Reads what a `result.json` holds; `path` is named in errors.
+    /// Reads the content of a `result.json`; `path` is named in errors.
     ///
     /// # Errors
     /// [`Error::NotAResult`].
@@ -97,12 +97,12 @@ impl Finished {
         &self.design.name
     }
 
-    /// Gives the design another name, where two of a comparison have the same.
+    /// Gives the design another name, if two of a comparison have the same.
     pub fn rename(&mut self, name: String) {
         self.design.name = name;
     }
 
-    /// The headline of its shot; none where the nail is driven and the exhaust opens.
+    /// The headline of its shot; none if the nail is driven and the exhaust opens.
     pub(super) fn headline(&self) -> Option<Headline> {
         let figure = |name: &str| self.cycle.get(name).and_then(serde_json::Value::as_f64);
         let exhaust_opens = self.events.get("t13").is_some_and(Option::is_some);

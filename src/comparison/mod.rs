@@ -1,4 +1,4 @@
-//! Designs side by side: what differs in them, and what that does to sources, bands, intervals and cycle.
+//! Designs side by side: their differences, and the effects of these on sources, bands, intervals and cycle.
 //!
 //! A comparison needs finished results only, so that designs of different days compare as well as those just run. The
 //! first result is the reference: changes are those of the others from it.
@@ -25,18 +25,18 @@ pub struct Comparison {
     pub schema: &'static str,
     /// Names of the designs, the reference first.
     pub designs: Vec<String>,
-    /// Frequency range of the levels of each \[Hz\], where they are not all the same; null where they are. Changes are then not
-    /// those of the designs.
+    /// Frequency range of the levels of each \[Hz\], if they are not all the same; null if they are. Changes are then
+    /// not those of the designs.
     pub unlike_ranges: Option<Vec<[f64; 2]>>,
     /// Keys whose values differ.
     pub inputs: Vec<InputRow>,
-    /// What the shots did.
+    /// Outcomes of the shots.
     pub outcomes: Vec<String>,
-    /// Headline of each shot; null where the nail is driven and the exhaust opens.
+    /// Headline of each shot; null if the nail is driven and the exhaust opens.
     pub headlines: Vec<Option<Headline>>,
-    /// Why the levels must not be compared, where the shots do not end alike; null where they do.
+    /// Why the levels must not be compared, if the shots do not end alike; null if they do.
     pub unlike: Option<String>,
-    /// Sources in the order of the reference's ranking; sources that it lacks follow.
+    /// Sources in the order of the reference's ranking; sources that are not in it follow.
     pub sources: Vec<SourceRow>,
     /// A-weighted level of all sources together \[dB re 1 pW s\].
     pub total: Levels,
@@ -53,25 +53,25 @@ pub struct Comparison {
 pub struct InputRow {
     /// Its full name.
     pub key: String,
-    /// Unit of its values; empty where they have none.
+    /// Unit of its values; empty if they have none.
     pub unit: String,
-    /// Its values; null where a design lacks the key.
+    /// Its values; null if the key is not in a design.
     pub values: Vec<serde_json::Value>,
 }
 
 /// A number of each result.
 #[derive(Debug, Clone, Serialize)]
 pub struct ValueRow {
-    /// What it is.
+    /// Name of the quantity.
     pub name: String,
-    /// Unit of its values; empty where they have none.
+    /// Unit of its values; empty if they have none.
     pub unit: &'static str,
-    /// Its values; null where there is none.
+    /// Its values; null for none.
     pub values: Vec<Option<f64>>,
 }
 
 impl ValueRow {
-    /// Its name in words, with the unit behind it.
+    /// Its name in words, followed by the unit.
     pub(crate) fn labelled(&self, before: &str, behind: &str) -> String {
         let name = self.name.replace('_', " ");
         match self.unit {
@@ -86,7 +86,7 @@ impl ValueRow {
 pub struct Levels {
     /// Levels \[dB\]; null when silent.
     pub level_db: Vec<Option<f64>>,
-    /// Their changes from the reference \[dB\]; null where one of the two is silent.
+    /// Their changes from the reference \[dB\]; null if one of the two is silent.
     pub change_db: Vec<Option<f64>>,
 }
 
@@ -106,9 +106,9 @@ pub struct SourceRow {
     /// A-weighted level over the common range \[dB re 1 pW s\].
     #[serde(flatten)]
     pub levels: Levels,
-    /// How each was computed; where the methods differ, their errors do not cancel in the change.
+    /// How each was computed; if the methods differ, their errors do not cancel in the change.
     pub methods: Vec<Option<String>>,
-    /// Band of each method, \[dB\] below and above the level; null where the method gives no bound.
+    /// Band of each method, \[dB\] below and above the level; null if the method gives no bound.
     pub uncertainty_db: Vec<[Option<f64>; 2]>,
     /// A-weighted one-third-octave levels, by nominal mid-band frequency \[Hz\].
     pub bands: Vec<Labelled>,
@@ -226,7 +226,8 @@ impl Comparison {
         }
     }
 
-    /// What exceeds a limit, each in words. The reference is not held to it: it is what the others are proposals to better.
+    /// Values that exceed a limit, each in words. The limits do not apply to the reference: the others are proposals
+    /// for its improvement.
     pub fn exceeded(&self, limits: &[Limit]) -> Vec<String> {
         let mut found = Vec::new();
         for limit in limits {
@@ -252,7 +253,7 @@ impl Comparison {
     }
 }
 
-/// All names that the results have, in the order in which they first appear.
+/// All names that the results have, in the order of their first appearance.
 fn in_order(results: &[Finished], names: impl Fn(&Finished) -> Vec<String>) -> Vec<String> {
     let mut all: Vec<String> = Vec::new();
     for name in results.iter().flat_map(names) {

@@ -5,7 +5,7 @@ use super::finished::Finished;
 /// Keys of the ends of the range over which levels are summed up.
 const ENDS: [&str; 2] = ["analysis.range_low", "analysis.range_high"];
 
-/// The ranges of the results \[Hz\], where they are not all the same. A difference of their levels is then not that of the
+/// The ranges of the results \[Hz\], if they are not all the same. A difference of their levels is then not that of the
 /// designs: the wider range contains bands that the other one leaves out.
 pub(super) fn unlike(results: &[Finished]) -> Option<Vec<[f64; 2]>> {
     let end = |result: &Finished, key: &str| {

@@ -2,7 +2,7 @@
 
 use std::str::FromStr;
 
-/// Share of the free memory that a run may use unless the user says otherwise.
+/// Share of the free memory that a run may use by default.
 const SHARE: f64 = 0.75;
 
 /// The most memory that one stage may need.
@@ -15,7 +15,7 @@ pub struct MemoryLimit {
 }
 
 impl Default for MemoryLimit {
-    /// Three quarters of what is free; no limit where the system does not say what is free.
+    /// Three quarters of the free memory; no limit if the system does not state it.
     fn default() -> Self {
         Self {
             gigabytes: available().map_or(f64::INFINITY, |free| SHARE * free),
@@ -63,8 +63,8 @@ impl FromStr for MemoryLimit {
     }
 }
 
-/// Memory that the system can give this process \[GB\]: what is available of the machine, or of its control group where that
-/// is less. None where the system does not say.
+/// Memory that the system can give this process \[GB\]: the available memory of the machine, or of its control group if
+/// that is less. None if the system does not state it.
 pub fn available() -> Option<f64> {
     let read = |path: &str| std::fs::read_to_string(path).ok();
     let machine = read("/proc/meminfo").and_then(|text| {
@@ -78,13 +78,14 @@ pub fn available() -> Option<f64> {
     Some(address_space().map_or(free, |most| free.min(most)))
 }
 
-/// Limit of this process's address space (`ulimit -v`) \[GB\]; none where there is none, or where the system does not say.
+/// Limit of this process's address space (`ulimit -v`) \[GB\]; none without a limit, or if the system does not state
+/// it.
 pub fn address_space() -> Option<f64> {
     let limits = std::fs::read_to_string("/proc/self/limits").ok()?;
     limit_of_address_space(&limits)
 }
 
-/// The soft limit in the table of `/proc/self/limits` \[GB\]; none where it says `unlimited`.
+/// The soft limit in the table of `/proc/self/limits` \[GB\]; none for `unlimited`.
 fn limit_of_address_space(limits: &str) -> Option<f64> {
     let line = limits.lines().find_map(|line| line.strip_prefix("Max address space"))?;
     let bytes: f64 = line.split_whitespace().next()?.parse().ok()?;

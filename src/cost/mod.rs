@@ -1,7 +1,7 @@
-//! What a run will cost, estimated from the design alone: before anything is meshed, solved or written.
+//! Cost of a run, estimated only from the design: before anything is meshed, solved or written.
 //!
-//! Estimates hold within a factor of about two for the shipped designs. They are used to reject runs that exceed
-//! the memory and to announce long ones, not to predict a time.
+//! Estimates are within a factor of about two for the shipped designs. They are used to reject runs that exceed the
+//! memory and to announce long ones, not to predict a time.
 
 mod bodies;
 mod means;
@@ -24,7 +24,7 @@ pub use memory::{MemoryLimit, address_space, available};
 pub struct StageCost {
     /// Name of the stage.
     pub stage: &'static str,
-    /// What its cost follows from, each count with its name.
+    /// Counts that determine its cost, each with its name.
     pub counts: Vec<(&'static str, f64)>,
     /// Memory \[GB\].
     pub gigabytes: f64,
@@ -34,7 +34,7 @@ pub struct StageCost {
     pub keys: &'static [Remedy],
 }
 
-/// A key, and what to do with it for a cheaper stage: "raise" or "lower".
+/// A key, and its change for a cheaper stage: "raise" or "lower".
 pub type Remedy = (&'static str, &'static str);
 
 /// The count of a body's degrees of freedom.
@@ -61,13 +61,14 @@ const RADIATION: (f64, f64) = (1210.0, 46.0);
 /// Panels and processor time \[s\] of the calibration: the body of the N80CB.
 const TOOL_RADIATION: (f64, f64) = (275.0, 18.0);
 
-/// Processor time for the same body with its cap apart, which doubles the velocity patterns, over that of the body alone.
+/// Processor time for the same body with a separate cap, which doubles the velocity patterns, over that of the body
+/// without it.
 const CAP_APART: f64 = 1.15;
 
 /// Top frequency of boundary elements on the shipped mesh of the tool's body \[Hz\].
 const TOOL_TOP: f64 = 2300.0;
 
-/// Unknowns from which equations are compressed, in half the time of the dense ones.
+/// Smallest number of unknowns with compressed equations, in half the time of the dense ones.
 const COMPRESSED_FROM: f64 = 6000.0;
 
 /// Power of the unknowns with which the time of compressed equations grows.
@@ -221,7 +222,7 @@ fn radiation_of_tool(design: &Design, modes: f64) -> Result<Option<StageCost>, E
     Ok(Some(stage))
 }
 
-/// Memory \[GB\] and time \[s\] of the equations of boundary elements, of which `dense` is the time of the dense matrix. The
+/// Memory \[GB\] and time \[s\] of the equations of boundary elements; `dense` is the time of the dense matrix. The
 /// compressed matrix of a parity has 750 N + 24 N^1.5 entries (`acoustics/benches/bem_compressed.rs`).
 fn of_equations(solver: BemEquations, unknowns: f64, parities: f64, dense: f64) -> (f64, f64) {
     let compressed = match solver {
@@ -238,7 +239,7 @@ fn of_equations(solver: BemEquations, unknowns: f64, parities: f64, dense: f64) 
     (1e-9 * 3.0 * (8.0 * entries + 16e3 * unknowns), time)
 }
 
-/// Refuses a design of which a stage needs more memory than allowed, and allows gmsh as much for the meshes of this process.
+/// Refuses a design if a stage needs more memory than allowed, and allows gmsh as much for the meshes of this process.
 ///
 /// # Errors
 /// [`Error::Design`] with the stage, its counts, and the key to change.
@@ -257,7 +258,7 @@ pub fn refuse(design: &Design, stages: &[StageCost], limit: MemoryLimit) -> Resu
     }
 }
 
-/// Announcement of a run that takes long if nothing of it is kept; none for others.
+/// Announcement of a run that takes long without stored results; none for others.
 pub fn announcement(stages: &[StageCost]) -> Option<String> {
     let total: f64 = stages.iter().map(|stage| stage.cpu_seconds).sum();
     let longest = stages.iter().max_by(|a, b| a.cpu_seconds.total_cmp(&b.cpu_seconds))?;

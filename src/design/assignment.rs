@@ -22,13 +22,13 @@ pub struct Assignment {
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum AssignmentError {
-    /// There is no equals sign, or nothing on one of its sides.
+    /// The equals sign is missing, or nothing is on one of its sides.
     #[error("\"{0}\" is not KEY=VALUE, as supply.pressure=80psig")]
     Incomplete(String),
     /// The left-hand side cannot name a key.
     #[error("\"{0}\" cannot be a key; keys are written as supply.pressure")]
     BadKey(String),
-    /// A design inherits in its file alone.
+    /// A design inherits only in its file.
     #[error("`base` can be given in a design file only")]
     Base,
 }
@@ -71,7 +71,7 @@ impl Assignment {
     }
 }
 
-/// Whether a text is one value in TOML other than a date, which no key holds.
+/// Whether a text is one value in TOML other than a date, which is not a value of any key.
 fn is_value(text: &str) -> bool {
     let line = format!("value = {text}");
     DeTable::parse(&line).is_ok_and(|table| {

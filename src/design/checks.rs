@@ -1,4 +1,4 @@
-//! What must hold between the quantities of a design.
+//! Constraints between the quantities of a design.
 //!
 //! Each rule reads plain values, so that a design changed by a program can be checked as well as a file.
 
@@ -116,7 +116,8 @@ fn tool(v: &Values) -> Result<(), Conflict> {
     below(holes, stroke, "the piston passes the check-ring holes")
 }
 
-/// Air flows out, through holes that stand apart and a muffler that is known over the range of the analysis.
+/// Air flows out, through holes at a distance from each other and a muffler with known properties over the range of the
+/// analysis.
 fn exhaust(v: &Values) -> Result<(), Conflict> {
     let (supply, ambient) = (v.supply.pressure, v.ambient.pressure);
     refuse(supply <= ambient, Conflict::SupplyBelowAmbient { supply, ambient })?;
@@ -197,7 +198,7 @@ fn seated(v: &Values) -> Result<(), Conflict> {
     refuse(push <= guard, Conflict::NotSeated { push, guard })
 }
 
-/// The nose stands wholly on the block.
+/// The nose rests entirely on the block.
 fn nose(v: &Values) -> Result<(), Conflict> {
     let (nail, block, body) = (&v.nail, &v.workpiece, &v.body);
     let on_block = "the nose, which stands over the nail, must stand on the block";
@@ -213,7 +214,7 @@ fn nose(v: &Values) -> Result<(), Conflict> {
     at_most(across, ("workpiece.width", block.width), on_block)
 }
 
-/// The walls of the tool body leave room for what they enclose. The barrel is as wide as bore, sleeve and gap require.
+/// The walls of the tool body leave room for the parts inside. The barrel is as wide as bore, sleeve and gap require.
 fn body(v: &Values) -> Result<(), Conflict> {
     let b = &v.body;
     let half_cap = ("half of `body.cap_height`", b.cap_height / 2.0);
@@ -336,7 +337,7 @@ fn sandbox(v: &Values) -> Result<(), Conflict> {
     microphones_above_sand(v)
 }
 
-/// Conflict unless the microphones half way up stand above the sand: they are at half of 1 m more than the height of the
+/// Conflict unless the microphones half way up are above the sand: they are at half of 1 m more than the height of the
 /// tool's middle above the floor.
 fn microphones_above_sand(v: &Values) -> Result<(), Conflict> {
     let (sand, body) = (&v.support.sand, &v.body);
@@ -365,7 +366,7 @@ impl Grain {
 
 impl Wood {
     /// The constants in the axes of the block: 1 along its length, 2 along its width, 3 along its thickness, with the
-    /// growth rings as `driven` says.
+    /// growth rings according to `driven`.
     pub fn block_axes(&self) -> Orthotropic {
         let Orthotropic {
             e1,
@@ -396,8 +397,8 @@ impl Wood {
     }
 }
 
-/// Positive definiteness of the compliance of an orthotropic solid: with r_ij = nu_ij sqrt(E_j/E_i), every
-/// 1 - r_ij^2 > 0 and 1 - r_12^2 - r_13^2 - r_23^2 - 2 r_12 r_13 r_23 > 0; the shear moduli are positive by themselves.
+/// Positive definiteness of the compliance of an orthotropic solid: with r_ij = nu_ij sqrt(E_j/E_i), every 1 - r_ij^2 >
+/// 0 and 1 - r_12^2 - r_13^2 - r_23^2 - 2 r_12 r_13 r_23 > 0; the shear moduli are positive anyway.
 fn elastic(group: &'static str, c: &Orthotropic) -> Result<(), Conflict> {
     let r12 = c.nu12 * (c.e2 / c.e1).sqrt();
     let r13 = c.nu13 * (c.e3 / c.e1).sqrt();

@@ -1,14 +1,14 @@
-//! Values of a design that do not go together: what a message says of them, their keys, and the remedy.
+//! Conflicting values of a design: the message, their keys, and the remedy.
 
 use nailnoise_quantities::dimension::*;
 
 use super::show::{Short, mm, show};
 use super::springs::Sprung;
 
-/// Compression up to which the printed polynomial of the closing spring (Eq. 4.60) holds \[m\].
+/// Limit of compression for the printed polynomial of the closing spring (Eq. 4.60) \[m\].
 pub(super) const SPRING_LIMIT: f64 = 5e-3;
 
-/// Two or more values that do not go together, with their numbers in SI units.
+/// Two or more conflicting values, with their numbers in SI units.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Conflict {
@@ -115,7 +115,7 @@ pub enum Conflict {
         /// Ambient pressure \[Pa\].
         ambient: f64,
     },
-    /// A muffler is asked for frequencies at which waves run across it.
+    /// A muffler is required at frequencies with waves across it.
     #[error("`{key}` ({}) carries plane waves alone up to {:.0} Hz, the exhaust is analysed to {:.0} Hz",
         mm(*diameter), highest, top)]
     NotPlaneWaves {
@@ -162,7 +162,7 @@ pub enum Conflict {
     /// A fitting and a muffler on the same holes.
     #[error("`exhaust.fitting.kind` and `exhaust.muffler.kind` put a fitting and a muffler on the same holes")]
     FittingAndMuffler,
-    /// Nothing carries a body that stands on springs.
+    /// Nothing carries a body that rests on springs.
     #[error("nothing carries the {}: it stands on springs, and none on it has a `stiffness_z` above 0", body.as_str())]
     NotCarried {
         /// The body.
@@ -198,7 +198,7 @@ pub enum Conflict {
     TimeStep {
         /// Time step \[s\].
         time_step: f64,
-        /// Highest frequency asked for \[Hz\].
+        /// Highest required frequency \[Hz\].
         top: f64,
     },
     /// A time that must be shorter than another.
@@ -222,7 +222,7 @@ fn order(strict: bool) -> &'static str {
     if strict { "below" } else { "at most" }
 }
 
-/// A length as a message shows it: a key in backticks, or a term as it is.
+/// A length in the form of a message: a key in backticks, or an unchanged term.
 fn term(length: &str) -> String {
     if length.contains('`') {
         length.to_owned()
@@ -282,7 +282,7 @@ impl Conflict {
         }
     }
 
-    /// What to do about it.
+    /// The remedy.
     pub fn remedy(&self) -> String {
         match self {
             Self::NailLongerThanBlock { .. } => {

@@ -1,4 +1,4 @@
-//! The files that a design is made of: for whoever waits for their changes.
+//! The files of a design: for code that waits for their changes.
 
 use std::path::{Path, PathBuf};
 
@@ -9,8 +9,9 @@ use super::Values;
 use super::assignment::Assignment;
 use super::source::File;
 
-/// The files that a design reads: its own, its bases, and those that its keys and the assignments name, in whichever of them a
-/// key is given. Files that do not exist are among them; where one is no design, its own bases and files are not known.
+/// The files that a design reads: its own, its bases, and those that its keys and the assignments name, in whichever of
+/// them a key is given. Files that do not exist are included. If a file is not a design, its bases and files are
+/// unknown.
 pub fn dependencies(path: &Path, assignments: &[Assignment]) -> Vec<PathBuf> {
     let mut keys = Vec::new();
     Values::SPEC.each_key("", &mut |key, spec| {
@@ -42,7 +43,7 @@ pub fn dependencies(path: &Path, assignments: &[Assignment]) -> Vec<PathBuf> {
     found
 }
 
-/// The text that a key of a table has, by itself or as its value beside a provenance.
+/// The text of a key of a table, given directly or as its value with a provenance.
 fn text<'t>(table: &'t DeTable<'_>, key: &str) -> Option<&'t str> {
     let (groups, name) = key.rsplit_once('.').unwrap_or(("", key));
     let mut table = table;

@@ -1,7 +1,7 @@
 //! Quantities that follow from the primary ones, each by one formula.
 //!
-//! They are computed and never given twice. A design that gives one all the same is refused where the two disagree by
-//! more than [`AGREEMENT`], and warned that it has no effect where they agree.
+//! They are computed and never given twice. A design that nevertheless gives one is refused if the two disagree by more
+//! than [`AGREEMENT`]. If they agree, the user is warned that it has no effect.
 
 use std::f64::consts::PI;
 
@@ -10,7 +10,7 @@ use nailnoise_quantities::{Dimension, Value};
 
 use super::groups::*;
 
-/// Relative difference up to which a given derived quantity agrees with the computed one.
+/// Relative tolerance for the agreement of a given derived quantity with the computed one.
 pub const AGREEMENT: f64 = 1e-3;
 
 /// A derived quantity.
@@ -42,7 +42,7 @@ impl Derived {
 pub struct Solution {
     /// Full name of the derived quantity.
     pub key: &'static str,
-    /// The primary quantity that follows; all others keep their values.
+    /// The primary quantity that follows; all others retain their values.
     pub follower: &'static str,
     /// Under which name [`Values::set`] takes the derived quantity so.
     pub change: &'static str,

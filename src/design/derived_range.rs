@@ -56,7 +56,7 @@ impl DerivedRange {
     }
 }
 
-/// What the files say so far of the ranges of derived quantities.
+/// Ranges of derived quantities that the files have given so far.
 #[derive(Debug, Default)]
 pub(crate) struct MergedDerived {
     found: Vec<Draft>,
@@ -83,10 +83,11 @@ impl MergedDerived {
         self.found.retain(|own| own.solution.follower != follower);
     }
 
-    /// Takes what one file says, after its other settings are merged; `ranged` are the keys to which the same file gives a range.
+    /// Takes the ranges of one file, after its other settings are merged; `ranged` are the keys to which the same file
+    /// gives a range.
     ///
     /// # Errors
-    /// A derived quantity that nothing follows from; a follower with a range of its own in the same file.
+    /// A derived quantity without a follower; a follower with a separate range in the same file.
     pub(crate) fn take(
         &mut self,
         given: GivenDerived,

@@ -39,7 +39,7 @@ impl Distribution {
     /// Why a quantity with this value and range cannot be distributed so; `None` if it can.
     pub(crate) fn problem(self, value: f64, [low, high]: [f64; 2]) -> Option<&'static str> {
         match self {
-            // A value that is exact has no distribution.
+            // An exact value has no distribution.
             _ if low == high => None,
             Self::Triangular if !(low..=high).contains(&value) => Some("its value, the mode, lies outside its range"),
             Self::LogUniform if low <= 0.0 => Some("its range does not lie above zero"),

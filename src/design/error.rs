@@ -1,4 +1,4 @@
-//! What is wrong with a design, where, and what to do about it.
+//! The fault of a design, its place, and the remedy.
 
 use std::error::Error;
 use std::fmt::{self, Display};
@@ -19,20 +19,21 @@ use super::surfaces::SurfaceProblem;
 /// Why a design cannot be used. As a [`Diagnostic`] it shows the place and the remedy.
 #[derive(Debug)]
 pub struct DesignError {
-    /// What is wrong.
+    /// The fault.
     pub problem: Problem,
-    /// The key to look at, or the `base` key that asks for a file; none where a whole file is meant or no file gives the key.
+    /// The key in question, or the `base` key that names a file; none if the error concerns an entire file or no file
+    /// gives the key.
     pub at: Option<Box<Place>>,
 }
 
-/// What is wrong with a design.
+/// The fault of a design.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Problem {
-    /// There is no such file.
+    /// The file does not exist.
     #[error("there is no design file `{}`", path.display())]
     NotFound {
-        /// The file asked for.
+        /// The requested file.
         path: PathBuf,
         /// A design file nearby whose name is most like it.
         nearest: Option<PathBuf>,
@@ -42,10 +43,10 @@ pub enum Problem {
     Unreadable {
         /// The file.
         path: PathBuf,
-        /// What the system says.
+        /// Message of the system.
         source: io::Error,
     },
-    /// The file holds bytes that are no UTF-8 text.
+    /// The file contains bytes that are not UTF-8 text.
     #[error("the design file `{}` is not text: line {line} holds bytes that are not UTF-8", path.display())]
     NotText {
         /// The file.
@@ -56,7 +57,7 @@ pub enum Problem {
     /// The text is no TOML.
     #[error("this is not TOML: {message}")]
     Syntax {
-        /// What the reader stumbled over.
+        /// Fault that the reader found.
         message: String,
     },
     /// A file inherits from itself, directly or through others.
@@ -72,7 +73,7 @@ pub enum Problem {
         key: String,
         /// The key most like it, if one is.
         nearest: Option<String>,
-        /// The keys that may stand in its place.
+        /// The permitted keys at this place.
         known: Vec<String>,
     },
     /// A key of an earlier version.
@@ -90,7 +91,7 @@ pub enum Problem {
         group: String,
         /// The group most like it, if one is.
         nearest: Option<String>,
-        /// The groups that may stand in its place.
+        /// The permitted groups at this place.
         known: Vec<String>,
     },
     /// A member of a list whose name could not be one in results and files.
@@ -104,9 +105,9 @@ pub enum Problem {
     WrongKind {
         /// Full name of the key.
         key: String,
-        /// What stands there.
+        /// The text at that place.
         found: String,
-        /// What may stand there.
+        /// The permitted value or text.
         expected: String,
     },
     /// A text that does not begin with a number.
@@ -114,9 +115,9 @@ pub enum Problem {
     BadNumber {
         /// Full name of the key.
         key: String,
-        /// What stands there.
+        /// The text at that place.
         found: String,
-        /// What is expected.
+        /// The expected dimension.
         expected: Dimension,
     },
     /// A unit that is not known or not clear.
@@ -124,17 +125,17 @@ pub enum Problem {
     BadUnit {
         /// Full name of the key.
         key: String,
-        /// What is wrong with the unit.
+        /// The fault of the unit.
         problem: UnitError,
-        /// What is expected.
+        /// The expected dimension.
         expected: Dimension,
     },
-    /// A unit of another dimension, or none where one is needed.
+    /// A unit of another dimension, or a required unit that is missing.
     #[error("`{key}` is {expected}, found {}", found_unit(unit, found))]
     WrongUnit {
         /// Full name of the key.
         key: String,
-        /// The unit found; empty where there is none.
+        /// The unit found; empty if there is none.
         unit: String,
         /// Its dimension.
         found: Dimension,
@@ -154,15 +155,15 @@ pub enum Problem {
     NotFinite {
         /// Full name of the key.
         key: String,
-        /// What stands there.
+        /// The text at that place.
         found: String,
     },
-    /// A value outside what the physics allows.
+    /// A value outside the physical limits.
     #[error("`{key}` is {found}, it must be {allowed}")]
     OutsideLimits {
         /// Full name of the key.
         key: String,
-        /// What stands there.
+        /// The text at that place.
         found: String,
         /// The limit in words.
         allowed: String,
@@ -189,12 +190,12 @@ pub enum Problem {
         /// Upper end as shown.
         high: String,
     },
-    /// A provenance that is none of the known ones.
+    /// An unknown provenance.
     #[error("`{key}` has the provenance \"{found}\"")]
     BadProvenance {
         /// Full name of the key.
         key: String,
-        /// What stands there.
+        /// The text at that place.
         found: String,
     },
     /// A distribution that a quantity cannot have.
@@ -202,7 +203,7 @@ pub enum Problem {
     BadDistribution {
         /// Full name of the key.
         key: String,
-        /// What stands there.
+        /// The distribution in question.
         distribution: &'static str,
         /// Why not.
         because: &'static str,
@@ -214,7 +215,7 @@ pub enum Problem {
         key: String,
         /// The file.
         path: PathBuf,
-        /// What the system said.
+        /// Message of the system.
         reason: String,
     },
     /// A name that no catalogue has.
@@ -239,7 +240,7 @@ pub enum Problem {
         /// How many keys are missing.
         count: usize,
     },
-    /// A derived quantity that differs from what its primary quantities give.
+    /// A derived quantity that disagrees with its primary quantities.
     #[error("`{key}` is given as {given}, but it is computed: {}", computed(value, primaries))]
     Derived {
         /// Full name of the derived quantity.
@@ -251,7 +252,7 @@ pub enum Problem {
         /// The primary quantities and their values.
         primaries: Vec<(&'static str, String)>,
     },
-    /// Values that do not go together.
+    /// Conflicting values.
     #[error("{conflict}")]
     Conflict {
         /// The conflict with its numbers.
@@ -259,12 +260,12 @@ pub enum Problem {
         /// The other keys and their places.
         others: Vec<(&'static str, String)>,
     },
-    /// A sensor that cannot measure what it is asked for.
+    /// A sensor that cannot make the requested measurement.
     #[error("the sensor `{name}` {problem}")]
     Sensor {
         /// Its name.
         name: String,
-        /// What is wrong with it.
+        /// The fault of the sensor.
         problem: SensorProblem,
     },
     /// A stage that needs more memory than allowed.
@@ -272,11 +273,11 @@ pub enum Problem {
     TooCostly {
         /// Name of the stage.
         stage: &'static str,
-        /// What it needs, in words.
+        /// Its requirements, in words.
         needs: String,
-        /// What is allowed, in words.
+        /// The permitted values, in words.
         allowed: String,
-        /// The keys that change it most, and what to do with each.
+        /// The keys that change it most, and the direction for each.
         keys: &'static [(&'static str, &'static str)],
     },
     /// A place that is not that of a surface.
@@ -284,10 +285,10 @@ pub enum Problem {
     Surface {
         /// Its name.
         name: String,
-        /// What is wrong with it.
+        /// The fault of the surface.
         problem: SurfaceProblem,
     },
-    /// A cap that cannot be separated from the rest of the tool body, where its outer side counts to the exhaust.
+    /// A cap that cannot be separated from the rest of the tool body, if its outer side counts to the exhaust.
     #[error("{} of {} panels of the tool's outline are its cap, which by this convention counts to the exhaust", panels[0],
         panels[1])]
     Cap {
@@ -304,7 +305,7 @@ pub enum Problem {
         name: String,
         /// Its body.
         body: Sprung,
-        /// Where it is \[m\].
+        /// Its position \[m\].
         point: [f64; 3],
         /// How far from the body \[m\].
         distance: f64,
@@ -347,17 +348,17 @@ impl DesignError {
         problem.at(at.cloned().map(Box::new))
     }
 
-    /// Where the error is; none where a whole file is missing or unreadable.
+    /// Place of the error; none if an entire file is missing or unreadable.
     pub fn place(&self) -> Option<&Place> {
         self.at.as_deref()
     }
 
-    /// Full name of the key that it is about; none where it is about none or about several.
+    /// Full name of the key in question; none if the problem concerns no key or several.
     pub fn key(&self) -> Option<&str> {
         self.problem.key()
     }
 
-    /// What to do about it.
+    /// The remedy.
     pub fn remedy(&self) -> String {
         self.problem.remedy(self.place())
     }
@@ -522,7 +523,7 @@ impl Problem {
         }
     }
 
-    /// The name of its kind, and what is said at its place.
+    /// The name of its kind, and the label at its place.
     fn words(&self) -> [&'static str; 2] {
         match self {
             Self::NotFound { .. } => ["not_found", "asked for here"],
@@ -584,7 +585,7 @@ impl Diagnostic for DesignError {
     }
 }
 
-/// Something about a design that the user should know; it does not stop the run.
+/// A remark on a design for the user; it does not stop the run.
 #[derive(Debug, Clone, thiserror::Error)]
 #[non_exhaustive]
 pub enum Warning {
@@ -599,15 +600,15 @@ pub enum Warning {
         low: String,
         /// Upper end of the range as shown.
         high: String,
-        /// Where the value is given.
+        /// Place of the value.
         at: Box<Place>,
     },
-    /// A base that is not there, in whose place stands the design of this name that comes with the program.
+    /// The base is missing, and the design of this name that comes with the program replaces it.
     #[error("`base = \"{name}\"` is not found beside the design: it is the one that comes with nailnoise {}", env!("CARGO_PKG_VERSION"))]
     ShippedBase {
-        /// The base as it is named.
+        /// The name of the base as given.
         name: String,
-        /// Where it is named.
+        /// Place of the name.
         at: Box<Place>,
     },
     /// A derived quantity is given and agrees with its primary ones.
@@ -617,13 +618,13 @@ pub enum Warning {
         key: &'static str,
         /// The primary quantities.
         primaries: Vec<&'static str>,
-        /// Where it is given.
+        /// Place of the key.
         at: Box<Place>,
     },
 }
 
 impl Warning {
-    /// What it points at.
+    /// The place in question.
     pub fn place(&self) -> &Place {
         match self {
             Self::OutsideRange { at, .. } | Self::Computed { at, .. } | Self::ShippedBase { at, .. } => at,

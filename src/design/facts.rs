@@ -12,17 +12,17 @@ use super::{Design, Entry, KeySpec, Kind, Value, Values, Warning};
 use nailnoise_quantities::Group;
 use nailnoise_quantities::dimension::NUMBER;
 
-/// What is known of a key.
+/// Facts about a key.
 #[derive(Debug, Clone, PartialEq, Eq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct KeyFacts {
-    /// Range of values that tools of this class have, with its unit; none where there is no such range.
+    /// Range of values of tools of this class, with its unit; none if there is no such range.
     #[serde(default)]
     plausible: Option<String>,
     /// The consequence of a value outside.
     #[serde(default)]
     outside: String,
-    /// What is measured; empty where the quantity cannot be measured with simple means.
+    /// How it is measured; empty if the quantity cannot be measured with simple means.
     #[serde(default)]
     how: String,
     #[serde(default)]
@@ -36,7 +36,7 @@ pub struct KeyFacts {
 /// How a quantity is measured on a tool at hand.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct Measurement {
-    /// What is measured.
+    /// How it is measured.
     pub how: &'static str,
     /// With what.
     pub instrument: &'static str,
@@ -57,7 +57,7 @@ pub struct OutsideValue {
     pub range: [String; 2],
     /// Whose range it is: `class` for tools of this class, `design` for the range that the design gives.
     pub of: &'static str,
-    /// What that means.
+    /// The consequence.
     pub consequence: String,
 }
 
@@ -65,13 +65,13 @@ pub struct OutsideValue {
 static FACTS: LazyLock<BTreeMap<String, KeyFacts>> =
     LazyLock::new(|| toml::from_str(include_str!("keys.toml")).unwrap_or_default());
 
-/// What is known of a key.
+/// Facts about a key.
 pub fn facts(key: &str) -> Option<&'static KeyFacts> {
     FACTS.get(key)
 }
 
 impl KeyFacts {
-    /// The plausible range in SI units; none where there is none.
+    /// The plausible range in SI units; none if there is none.
     pub fn plausible(&self, kind: Kind) -> Option<[f64; 2]> {
         let dimension = match kind {
             Kind::Quantity { dimension, .. } => dimension,
@@ -86,7 +86,7 @@ impl KeyFacts {
         self.plausible.as_deref()
     }
 
-    /// How the quantity is measured; none where it is not measured with simple means.
+    /// How the quantity is measured; none if it cannot be measured with simple means.
     pub fn measurement(&'static self) -> Option<Measurement> {
         (!self.how.is_empty()).then_some(Measurement {
             how: &self.how,
@@ -206,7 +206,7 @@ mod tests {
         }
     }
 
-    /// A range of its own does not make a value plausible.
+    /// A user's range does not make a value plausible.
     #[test]
     fn a_piston_heavier_than_any_is_outside_with_its_consequence() {
         let text = "base = \"n80cb.toml\"\npiston.mass = { value = \"700 g\", range = \"690 .. 710 g\" }\n";

@@ -10,8 +10,8 @@ use super::provenance::Provenance;
 use super::report;
 use super::study::{SOURCES, outcomes};
 
-/// A JSON Schema (draft 2020-12) of the design file: completion, descriptions and first checks in an editor that knows
-/// TOML schemas. Units and limits are checked by this program alone.
+/// A JSON Schema (draft 2020-12) of the design file: completion, descriptions and first checks in an editor that
+/// supports TOML schemas. Only this program checks units and limits.
 pub fn json_schema() -> Value {
     let mut root = group(&Values::SPEC);
     for solution in SOLUTIONS {
@@ -66,7 +66,7 @@ fn derived(key: &str) -> Value {
     })
 }
 
-/// `[study]`, which holds no quantities of the design.
+/// `[study]`, which contains no quantities of the design.
 fn study() -> Value {
     let outcome = json!({"enum": outcomes().collect::<Vec<_>>()});
     let band = json!({"type": "string", "pattern": "^.*\\.\\..*dB\\s*$"});
@@ -96,7 +96,7 @@ fn study() -> Value {
     })
 }
 
-/// `[report]`, which holds no quantities of the design either.
+/// `[report]`, which contains no quantities of the design either.
 fn head_of_report() -> Value {
     let text =
         |(key, description): (&str, &str)| (key.to_owned(), json!({"type": "string", "description": description}));

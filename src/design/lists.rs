@@ -1,4 +1,4 @@
-//! What the sensors, springs and surfaces of a design amount to.
+//! Results of the sensors, springs and surfaces of a design.
 
 use super::groups::{BodyModel, SupportKind, TableFoot, Values};
 use super::sensors::SensorProblem;
@@ -11,7 +11,7 @@ impl Values {
         body == Sprung::Workpiece || self.support.kind == SupportKind::Worktable
     }
 
-    /// Names of the springs whose body the design lacks.
+    /// Names of the springs whose body is not in the design.
     pub(crate) fn idle_springs(&self) -> Vec<&str> {
         let absent = self.springs.iter().filter(|(_, spring)| !self.has(spring.body));
         absent.map(|(name, _)| name.as_str()).collect()
@@ -25,7 +25,7 @@ impl Values {
         })
     }
 
-    /// The body that stands on springs alone and has none along z, and the key that says so.
+    /// The body that rests only on springs and has none along z, and the key that states it.
     pub(crate) fn not_carried(&self) -> Option<(Sprung, &'static str)> {
         let (body, key) = match (self.support.kind, self.support.worktable.foot) {
             (SupportKind::Springs, _) => (Sprung::Workpiece, "support.kind"),
@@ -56,7 +56,7 @@ impl Values {
         Some((name, SurfaceProblem::OfOtherBody { surface, body }))
     }
 
-    /// The first sensor whose own values do not go together, with its name.
+    /// The first sensor with conflicting values, with its name.
     pub(crate) fn sensor_problem(&self) -> Option<(&str, SensorProblem)> {
         let nyquist = 0.5 / self.analysis.time_step;
         self.sensors.iter().find_map(|(name, sensor)| {

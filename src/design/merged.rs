@@ -1,4 +1,4 @@
-//! What a chain of files says about one key before it is resolved.
+//! Values, ranges and texts of one key from a chain of files, before it is resolved.
 
 use nailnoise_quantities::KeySpec;
 
@@ -8,29 +8,29 @@ use super::provenance::Provenance;
 use super::range::GivenRange;
 use super::settings::Given;
 
-/// What the files say about one key, the nearest file last.
+/// Values, ranges and texts of one key from the files, the nearest file last.
 #[derive(Debug)]
 pub(crate) struct Merged {
     pub(super) spec: &'static KeySpec,
     pub(super) value: Option<(Given, String, Box<Place>)>,
     pub(super) range: Option<(GivenRange, Box<Place>)>,
-    /// The value in the file that states the range, where a nearer file gives another one.
+    /// The value in the file that states the range, if a nearer file gives another one.
     pub(super) value_of_range: Option<Given>,
     pub(super) distribution: Option<(Distribution, Box<Place>)>,
     pub(super) provenance: Provenance,
     pub(super) source: String,
     pub(super) note: String,
-    /// How many files stand between this one and the design itself.
+    /// Number of files between this one and the design itself.
     pub(super) depth: usize,
 }
 
 impl Merged {
-    /// The value as it is given so far.
+    /// The value given so far.
     pub(crate) fn given(&self) -> Option<Given> {
         self.value.as_ref().map(|(given, ..)| given.clone())
     }
 
-    /// Drops what is said of its range.
+    /// Drops the statements on its range.
     pub(crate) fn forget_range(&mut self) {
         (self.range, self.value_of_range, self.distribution) = (None, None, None);
     }

@@ -1,4 +1,4 @@
-//! The design file: what a nailer is, in the words and units of an engineer.
+//! The design file: the definition of a nailer, in the words and units of an engineer.
 //!
 //! ```text
 //! base = "n80cb.toml"                 # inherit everything, relative to this file, and give what differs
@@ -7,10 +7,10 @@
 //! wood.density = { value = "429 kg/m3", range = "400 .. 480 kg/m3", provenance = "estimated: own scale" }
 //! ```
 //!
-//! [`Design::load`] reads a file and those it inherits from, converts every quantity to SI, and refuses what cannot be:
-//! unknown keys, wrong dimensions, numbers that are not finite, values outside what the physics allows, values that do
-//! not go together, and derived quantities that disagree with their primary ones. Each error names file, line, key and
-//! remedy ([`DesignError`]).
+//! [`Design::load`] reads a file and those it inherits from, converts every quantity to SI, and refuses impossible
+//! designs: unknown keys, wrong dimensions, numbers that are not finite, values outside the physical limits,
+//! conflicting values, and derived quantities that disagree with their primary ones. Each error names file, line, key
+//! and remedy ([`DesignError`]).
 
 mod assignment;
 mod catalogue;
@@ -84,17 +84,17 @@ pub(crate) use show::{mm as length_in_words, show as quantity_in_words};
 pub(crate) use source::File;
 pub(crate) use suggest::word as nearest_word;
 
-/// A design: every quantity in SI units, and where each comes from.
+/// A design: every quantity in SI units, with its origin.
 ///
-/// The groups stand on the design itself: `design.supply.pressure` is the supply pressure in Pa. A program may change
-/// them; [`digest`](Self::digest) and [`entries`](Self::entries) follow, and
-/// [`conflict`](Values::conflict) checks the result.
+/// The groups are fields of the design: `design.supply.pressure` is the supply pressure in Pa. A program may change
+/// them; [`digest`](Self::digest) and [`entries`](Self::entries) follow, and [`conflict`](Values::conflict) checks the
+/// result.
 #[derive(Debug, Clone)]
 pub struct Design {
     name: String,
     path: PathBuf,
     values: Values,
-    /// Shared: a study makes thousands of designs that differ in values alone.
+    /// Shared: a study makes thousands of designs that differ only in values.
     records: Arc<Records>,
     /// Derived quantities that a study draws.
     derived: Arc<Vec<DerivedRange>>,
@@ -105,12 +105,12 @@ pub struct Design {
     law_scores: Vec<f64>,
 }
 
-/// What is known about one key of a design.
+/// Facts about one key of a design.
 #[derive(Debug, Clone, serde::Serialize)]
 pub struct Entry {
     /// Full name, as `piston.mass`.
     pub key: String,
-    /// Symbol in the thesis or the field; empty where there is none.
+    /// Symbol in the thesis or the field; empty if there is none.
     pub symbol: &'static str,
     /// Value, quantities in SI units.
     pub value: Value,
@@ -118,12 +118,12 @@ pub struct Entry {
     pub unit: String,
     /// Range of plausible values, in SI units; two equal ends for a value that is exact.
     pub range: Option<[f64; 2]>,
-    /// Where the range comes from; none without one.
+    /// Origin of the range; none without one.
     pub range_origin: Option<RangeOrigin>,
     /// Distribution over the range.
     #[serde(skip)]
     pub distribution: Distribution,
-    /// Where the value comes from.
+    /// Origin of the value.
     pub provenance: Provenance,
     /// The source in words; may be empty.
     pub source: String,
@@ -153,7 +153,7 @@ impl Design {
         Self::resolve(path, File::read(path, None)?, assignments)
     }
 
-    /// Reads a design from text, as if it stood in the file `path`, to whose folder a `base` is relative.
+    /// Reads a design from text, as if it were in the file `path`, to whose folder a `base` is relative.
     ///
     /// # Errors
     /// As [`load`](Self::load).
@@ -200,22 +200,22 @@ impl Design {
         &self.name
     }
 
-    /// The file, as it was asked for.
+    /// The file, as requested.
     pub fn path(&self) -> &Path {
         &self.path
     }
 
-    /// What a study draws beside the ranges, and which shots count.
+    /// Settings of a study other than the ranges, and the definition of shots that count.
     pub fn study(&self) -> &StudySettings {
         &self.study
     }
 
-    /// What the head of the report says beside the design. No result depends on it.
+    /// Texts in the head of the report other than the design. No result depends on it.
     pub fn report(&self) -> &ReportSettings {
         &self.report
     }
 
-    /// What the user should know about the design; each is a [`miette::Diagnostic`].
+    /// Warnings about the design for the user; each is a [`miette::Diagnostic`].
     pub fn warnings(&self) -> &[Warning] {
         &self.warnings
     }
@@ -233,8 +233,8 @@ impl Design {
 
     /// SHA-256 of all values in hexadecimal digits.
     ///
-    /// It is the same for two designs whose values agree to twelve digits, however and in whichever files and units
-    /// they are written, and whatever is said about provenance and range.
+    /// It is the same for two designs whose values agree to twelve digits, regardless of how and in which files and
+    /// units they are written, and of provenance and range.
     pub fn digest(&self) -> String {
         self.digest_without(&[])
     }
@@ -273,7 +273,7 @@ impl Design {
         keys
     }
 
-    /// The error that a sensor of this design cannot measure what it is asked for.
+    /// The error that a sensor of this design cannot make the requested measurement.
     pub(crate) fn refuse_sensor(&self, name: &str, problem: SensorProblem) -> DesignError {
         resolve::sensor(name, problem, &self.records)
     }
@@ -306,8 +306,8 @@ impl Design {
         resolve::surface(name, problem, &self.records)
     }
 
-    /// Every key with its value in a readable unit, in the order of the reference. A file has a part of the digest of its
-    /// content behind its name.
+    /// Every key with its value in a readable unit, in the order of the reference. The name of a file is followed by a
+    /// part of the digest of its content.
     pub fn in_words(&self) -> Vec<(String, String)> {
         let mut words = Vec::new();
         self.values.visit("", &mut |key, spec, value| {
@@ -331,7 +331,7 @@ impl Design {
         words
     }
 
-    /// Every key with its value and where it comes from, in the order of the reference.
+    /// Every key with its value and origin, in the order of the reference.
     ///
     /// A value changed by the program since the design was read has the provenance "design".
     pub fn entries(&self) -> Vec<Entry> {
@@ -346,7 +346,7 @@ impl Design {
                 place,
                 ..
             } = record;
-            // A numerical setting is one with whatever value.
+            // A numerical setting remains one with any value.
             let changed = value != record.value && record.provenance != Provenance::Numerical;
             entries.push(Entry {
                 key: key.to_owned(),
@@ -372,7 +372,8 @@ impl Design {
     }
 }
 
-/// SHA-256 of what a file holds, so that a digest follows the content and not the place; its name if it cannot be read.
+/// SHA-256 of the content of a file, so that a digest follows the content and not the place; its name if it cannot be
+/// read.
 fn content(path: &str) -> String {
     std::fs::read(path).map_or_else(|_| path.to_owned(), |bytes| hexadecimal(&Sha256::digest(bytes)))
 }
@@ -391,7 +392,7 @@ impl DerefMut for Design {
     }
 }
 
-/// Another value of a key of this kind; none where only one is possible.
+/// Another value of a key of this kind; none if only one is possible.
 #[cfg(test)]
 pub(crate) fn another(value: &Value, kind: Kind) -> Option<Value> {
     Some(match (kind, value) {

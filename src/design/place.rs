@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use miette::NamedSource;
 
-/// A place in a design file, to which an error points.
+/// A place in a design file, the target of an error.
 #[derive(Debug, Clone)]
 pub struct Place {
     pub(crate) source: NamedSource<Arc<str>>,
@@ -16,7 +16,7 @@ pub struct Place {
 }
 
 impl Place {
-    /// The file as it was named.
+    /// The file as given.
     pub fn file(&self) -> &str {
         self.source.name()
     }

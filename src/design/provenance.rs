@@ -1,4 +1,4 @@
-//! Where a value comes from.
+//! Origin of a value.
 
 use std::fmt;
 
@@ -51,7 +51,7 @@ impl Provenance {
         }
     }
 
-    /// Reads "published: thesis Table 4-3" as a standing and its source.
+    /// Reads "published: thesis Table 4-3" as a class of provenance and its source.
     pub(crate) fn parse(text: &str) -> Option<(Self, String)> {
         let (word, source) = text.split_once(':').unwrap_or((text, ""));
         let standing = Self::ALL

@@ -1,4 +1,4 @@
-//! Ranges: what a file may say of one, and the range of a value that is given without one.
+//! Ranges: the forms of a range in a file, and the range of a value that is given without one.
 //!
 //! A value without a range has that of its base in proportion. With the base's value v_0 and its range low .. high, the range of
 //! another value v is
@@ -13,13 +13,13 @@
 
 use nailnoise_quantities::{Dimension, Measured, QuantityError, quantity, range};
 
-/// Relative difference up to which two values are the same; units are converted with a rounding.
+/// Relative tolerance for equal values; the conversion of units rounds.
 const SAME: f64 = 1e-12;
 
-/// Relative distance from a range up to which a value belongs to it: "96 psig" as a value and in a range may differ by a rounding.
+/// Relative tolerance at the ends of a range: "96 psig" as a value and in a range may differ by a rounding.
 const SLACK: f64 = 1e-9;
 
-/// What a file says of a range.
+/// A range as a file gives it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum GivenRange {
     /// Two ends; gauge pressures still count from the ambient pressure.
@@ -80,7 +80,7 @@ impl GivenRange {
     }
 }
 
-/// The range of a value that is given without one, where a base states a range.
+/// The range of a value that is given without one, if a base states a range.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub(crate) enum DefaultRange {
     /// That of the base in proportion.
@@ -90,7 +90,7 @@ pub(crate) enum DefaultRange {
     Own(GivenRange),
 }
 
-/// Reads "2 mm" as a difference of two quantities, to which no zero of the unit is added: 5 degC is 5 K.
+/// Reads "2 mm" as a difference of two quantities, without the zero of the unit: 5 degC is 5 K.
 fn difference(text: &str, dimension: Dimension) -> Result<f64, QuantityError> {
     let ends = (1..=text.len()).rev().filter(|end| text.is_char_boundary(*end));
     let number = ends
@@ -126,12 +126,12 @@ impl RangeOrigin {
     }
 }
 
-/// A range with where it comes from.
+/// A range with its origin.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Ranged {
     pub(crate) range: [f64; 2],
     pub(crate) origin: RangeOrigin,
-    /// The range that the base states, where the value is given without one.
+    /// The range that the base states, if the value is given without one.
     pub(crate) of_base: Option<[f64; 2]>,
 }
 

@@ -8,7 +8,7 @@ use super::derived::DERIVED;
 use super::facts::{KeyFacts, facts};
 use super::groups::Values;
 
-/// All groups and keys of the design file as Markdown: key, what may stand there, symbol, description.
+/// All groups and keys of the design file as Markdown: key, permitted values, symbol, description.
 pub fn reference() -> String {
     let mut text = String::from(INTRODUCTION);
     for (name, group) in Values::SPEC.groups {
@@ -56,7 +56,7 @@ fn section(text: &mut String, path: &str, group: &GroupSpec) {
 }
 
 fn holds(kind: Kind, key: &str) -> String {
-    // A plausible range says more than the domain with which the program can compute.
+    // A plausible range is more informative than the domain of the program.
     if let Some(plausible) = facts(key).and_then(KeyFacts::plausible_in_words) {
         return match kind {
             Kind::Count(_) => format!("whole number, plausible {plausible}"),

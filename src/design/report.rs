@@ -1,4 +1,4 @@
-//! `[report]` of a design file: what the head of the report says beside the design.
+//! `[report]` of a design file: texts in the head of the report other than the design.
 //!
 //! ```toml
 //! [report]
@@ -19,10 +19,10 @@ use super::settings::found;
 use super::source::File;
 use super::suggest;
 
-/// Characters of a text at most: it stands in the head of a page.
+/// Maximum number of characters of a text: it appears in the head of a page.
 const LONGEST: usize = 2000;
 
-/// What the head of the report says; empty texts are left out.
+/// Texts in the head of the report; empty texts are left out.
 #[derive(Debug, Clone, Default, PartialEq, Eq, Serialize)]
 pub struct ReportSettings {
     /// Heading in place of the name of the design.
@@ -58,7 +58,7 @@ impl ReportSettings {
         })
     }
 
-    /// Takes what a file says in `[report]` in place of what its bases say.
+    /// Takes the texts of a file in `[report]`, which replace those of its bases.
     pub(super) fn read(&mut self, file: &File, table: &DeTable<'_>) -> Result<(), DesignError> {
         let Some(value) = table.get("report") else {
             return Ok(());

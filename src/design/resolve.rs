@@ -24,13 +24,13 @@ use super::springs::Sprung;
 use super::study::{self, StudyLayer, StudySettings};
 use super::surfaces::SurfaceProblem;
 
-/// A key with its resolved value and what is known about it.
+/// A key with its resolved value and the facts about it.
 #[derive(Debug, Clone)]
 pub(crate) struct Record {
     pub(crate) value: Value,
     pub(crate) range: Option<[f64; 2]>,
     pub(crate) range_origin: Option<RangeOrigin>,
-    /// The range that the base states, where the value is given without one.
+    /// The range that the base states, if the value is given without one.
     range_of_base: Option<[f64; 2]>,
     pub(crate) distribution: Distribution,
     pub(crate) provenance: Provenance,
@@ -116,8 +116,8 @@ pub(crate) fn resolve(chain: &[File]) -> Result<Resolved, DesignError> {
     })
 }
 
-/// Merges what the files say, the furthest base first. Names stand below the keys of their own file, and all values of the
-/// command line count as one file: a key wins over a name in whichever order they are given.
+/// Merges the settings of the files, the furthest base first. Names rank below the keys of their file, and all values
+/// of the command line count as one file: a key wins over a name in whichever order they are given.
 fn merge_layers(
     merged: &mut HashMap<String, Merged>,
     derived: &mut MergedDerived,
@@ -185,7 +185,7 @@ fn merge(merged: &mut HashMap<String, Merged>, setting: Setting, depth: usize) {
             entry.value_of_range = entry.given();
         }
         entry.value = value;
-        // A numerical setting is one with whatever value.
+        // A numerical setting remains one with any value.
         if entry.provenance != Provenance::Numerical {
             entry.provenance = Provenance::Design;
         }
@@ -218,7 +218,7 @@ fn complete(merged: &HashMap<String, Merged>, chain: &[File]) -> Result<(), Desi
         }
     });
     let Some((key, example)) = first else { return Ok(()) };
-    // Beside what the member of a list does give, if it is one.
+    // Together with the given keys of the member of a list, if it is one.
     let group = key.rsplit_once('.').map_or("", |(group, _)| group);
     let mut lists = Values::SPEC.lists.iter();
     let is_member = lists.any(|(list, _)| group.starts_with(&dotted(list, "")));
@@ -235,7 +235,7 @@ fn complete(merged: &HashMap<String, Merged>, chain: &[File]) -> Result<(), Desi
 }
 
 fn missing(key: String, count: usize, example: String, chain: &[File]) -> DesignError {
-    // The chain holds the design itself at least.
+    // The chain contains at least the design itself.
     let at = chain[chain.len() - 1].place(0..0);
     Problem::Missing { key, example, count }.at(at)
 }
@@ -364,14 +364,14 @@ fn conflicting(conflict: super::Conflict, records: &Records) -> DesignError {
     Problem::Conflict { conflict, others }.at(at)
 }
 
-/// What is wrong with a sensor, at the key that was set last: in the file nearest to the design, and there furthest down.
+/// The fault of a sensor, at the key that was set last: in the file nearest to the design, and there furthest down.
 pub(crate) fn sensor(name: &str, problem: SensorProblem, records: &Records) -> DesignError {
     let at = last_set("sensors", name, problem.keys(), records);
     let name = name.to_owned();
     Problem::Sensor { name, problem }.at(at)
 }
 
-/// What is wrong with the place of a surface, at the key that was set last.
+/// The fault in the place of a surface, at the key that was set last.
 pub(crate) fn surface(name: &str, problem: SurfaceProblem, records: &Records) -> DesignError {
     let at = last_set("surfaces", name, problem.keys(), records);
     let name = name.to_owned();
@@ -415,7 +415,7 @@ fn last_set(list: &str, name: &str, keys: &[&str], records: &Records) -> Option<
     last.map(|record| record.place.clone())
 }
 
-/// Values outside the range that their base states, from which the range of a value without one is assumed.
+/// Values outside the range of their base, which is the source for the range of a value without one.
 fn outside_range(values: &Values, records: &Records) -> Vec<Warning> {
     let mut warnings = Vec::new();
     values.visit("", &mut |key, spec, value| {
@@ -446,7 +446,7 @@ fn outside_range(values: &Values, records: &Records) -> Vec<Warning> {
     warnings
 }
 
-/// A derived quantity that a file gives all the same.
+/// A derived quantity that a file nevertheless gives.
 struct Agreeing {
     derived: &'static Derived,
     value: Measured,

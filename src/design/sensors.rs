@@ -46,7 +46,7 @@ group! {
     }
 }
 
-/// What is wrong with a sensor, with the numbers.
+/// The fault of a sensor, with the numbers.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum SensorProblem {
@@ -85,7 +85,7 @@ impl SensorProblem {
         }
     }
 
-    /// What to do about it.
+    /// The remedy.
     pub(crate) fn remedy(&self) -> String {
         match self {
             Self::NoDirection => "give its axis: along_z = 1 for up".to_owned(),

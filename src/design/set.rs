@@ -6,11 +6,11 @@ use super::derived::{Derived, Solution};
 use super::groups::Values;
 use super::suggest;
 
-/// Why a key cannot be set. The values are then as they were.
+/// Why a key cannot be set. The values are then unchanged.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum SetError {
-    /// There is no such key.
+    /// The key does not exist.
     #[error("there is no key `{key}`{}", nearest.as_ref().map_or_else(String::new, |near| format!("; is it `{near}`?")))]
     UnknownKey {
         /// The name given.
@@ -18,24 +18,24 @@ pub enum SetError {
         /// The key most like it, if one is near.
         nearest: Option<String>,
     },
-    /// The key holds another kind of value.
+    /// The key takes another kind of value.
     #[error("`{key}` cannot be {value:?}: it holds {expected}")]
     WrongKind {
         /// Full name of the key.
         key: String,
         /// The value given.
         value: Value,
-        /// What the key holds.
+        /// The kind of value that the key takes.
         expected: &'static str,
     },
-    /// The value is outside what the physics allows in every design.
+    /// The value is outside the physical limits of every design.
     #[error("`{key}` = {value} must be {allowed}")]
     OutsideLimits {
         /// Full name of the key.
         key: String,
         /// The value given, in SI units.
         value: f64,
-        /// What is allowed.
+        /// The permitted values.
         allowed: String,
     },
 }
@@ -52,9 +52,9 @@ impl SetError {
 impl Values {
     /// Sets keys by their full names (`piston.mass`), quantities in SI units. A key given twice takes its last value.
     ///
-    /// `wood.species` and `nail.kind` change as words only: what a name sets is read with a design file or an assignment.
-    /// Each value is held to the limits of its own key; whether the values go together is asked of
-    /// [`conflict`](Self::conflict).
+    /// `wood.species` and `nail.kind` change only as words: the settings of a name are read with a design file or an
+    /// assignment. Each value is checked against the limits of its key; [`conflict`](Self::conflict) checks whether the
+    /// values are compatible.
     ///
     /// A derived quantity that has a [`Solution`] is set last, by the primary quantity that follows from it.
     ///

@@ -15,7 +15,7 @@ use super::error::{DesignError, Problem, Warning};
 use super::place::Place;
 use crate::shipped;
 
-/// The name that stands for the command line in the places of errors and entries.
+/// The name of the command line in the places of errors and entries.
 pub(super) const COMMAND_LINE: &str = "command line";
 
 /// The largest design file that is read \[byte\].
@@ -26,13 +26,13 @@ const LARGEST: u64 = 4 << 20;
 pub(crate) struct File {
     path: PathBuf,
     text: Arc<str>,
-    /// Whether it comes with the program and is no file.
+    /// Whether it comes with the program and is not a file.
     is_shipped: bool,
 }
 
 impl File {
     pub(crate) fn new(path: &Path, text: &str) -> Self {
-        // A byte order mark is no part of the first key.
+        // A byte order mark does not belong to the first key.
         let text = text.strip_prefix('\u{feff}').unwrap_or(text);
         Self {
             path: path.to_owned(),
@@ -104,7 +104,7 @@ impl File {
         self.path.with_file_name("").join(name)
     }
 
-    /// What stands behind `base`.
+    /// The value of `base`.
     fn base(&self) -> Result<Option<(String, Box<Place>)>, DesignError> {
         let table = self.table()?;
         let Some((key, value)) = table.get_key_value("base") else {
@@ -134,8 +134,8 @@ impl File {
         Some(self.base_path(&name))
     }
 
-    /// The base of this name: a file, or the design of this name that comes with the program, where there is no such file and for
-    /// the bases of such designs.
+    /// The base of this name: a file, or the design of this name that comes with the program, if no such file exists
+    /// and for the bases of such designs.
     fn read_base(&self, name: &str, at: &Place) -> Result<Self, DesignError> {
         if self.is_shipped
             && let Some(base) = Self::shipped(shipped::file_name(name))
@@ -186,7 +186,7 @@ impl File {
     }
 }
 
-/// The path without `a/..`, where that names the same folder: `..` behind a symbolic link may not.
+/// The path without `a/..`, if that names the same folder: `..` after a symbolic link may not.
 fn tidy(path: &Path) -> PathBuf {
     let mut tidy = PathBuf::new();
     for part in path.components() {

@@ -1,4 +1,5 @@
-//! `[study]` of a design file: what a study of the design draws beside its ranges, and which shots count.
+//! `[study]` of a design file: variables of a study in addition to the design's ranges, and the definition of shots
+//! that count.
 //!
 //! ```toml
 //! [study]
@@ -48,16 +49,16 @@ pub(super) fn outcomes() -> impl Iterator<Item = &'static str> {
 /// Sources by their names.
 pub const SOURCES: [&str; 3] = ["workpiece", "exhaust", "body"];
 
-/// What a study draws beside the ranges of the design, and which shots count.
+/// Variables of a study in addition to the ranges of the design, and the definition of shots that count.
 #[derive(Debug, Clone, Default, PartialEq, Serialize)]
 pub struct StudySettings {
-    /// Outcomes of which a shot must have one to count; all count where it is empty.
+    /// A shot counts if it has one of these outcomes; all shots count if this is empty.
     pub require: Vec<&'static str>,
     /// Draws of `nailnoise run` for a design without a study.
     pub screening: u32,
     /// Choices between sets of values, by name.
     pub alternatives: BTreeMap<String, Vec<Alternative>>,
-    /// Bounds of the error of a source's method \[dB\], in place of its own.
+    /// Bounds of the error of a source's method \[dB\], which replace the method's.
     pub model: BTreeMap<&'static str, [f64; 2]>,
     /// Rank correlations between drawn quantities.
     pub correlations: Vec<Correlation>,
@@ -66,7 +67,7 @@ pub struct StudySettings {
 /// One of several sets of values.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Alternative {
-    /// What it is called.
+    /// Its name.
     pub name: String,
     /// Its probability \[-\]; those of all options sum to 1.
     pub probability: f64,
@@ -86,7 +87,7 @@ pub struct Correlation {
 /// A group of quantities that are correlated, with its place in the file.
 type Placed<T> = (T, Box<Place>);
 
-/// What one file says in `[study]`.
+/// Settings of one file in `[study]`.
 #[derive(Debug, Default)]
 pub(crate) struct StudyLayer {
     require: Option<Vec<&'static str>>,
@@ -153,7 +154,7 @@ impl StudyLayer {
     }
 }
 
-/// The range of values without one, by the nearest of the files that says so.
+/// The range of values without one, by the nearest of the files that states it.
 pub(crate) fn default_range(layers: &[StudyLayer]) -> DefaultRange {
     layers
         .iter()
@@ -162,8 +163,8 @@ pub(crate) fn default_range(layers: &[StudyLayer]) -> DefaultRange {
         .unwrap_or_default()
 }
 
-/// Joins what the files say, the nearest last; `names` are the names of its wood and nail, `ranged` says whether a key has a range, `ambient` is the pressure from which
-/// gauge pressures count \[Pa\].
+/// Joins the settings of the files, the nearest last. `names` are the names of its wood and nail, `ranged` tests
+/// whether a key has a range, and `ambient` is the reference of gauge pressures \[Pa\].
 pub(crate) fn joined(
     layers: Vec<StudyLayer>,
     names: &Names,
@@ -393,7 +394,7 @@ impl Reader<'_> {
         Ok(options)
     }
 
-    /// An option of a group: its keys, and `weight`, which is 1 where it is not given.
+    /// An option of a group: its keys, and `weight`, with the default 1.
     fn option(
         &self,
         name: &str,

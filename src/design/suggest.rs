@@ -17,7 +17,8 @@ pub(crate) fn word<'a>(words: impl Iterator<Item = &'a str>, name: &str) -> Opti
         .map(|(_, word)| word)
 }
 
-/// The key most like `full`: the same name in another group, or a slip within the full name or the name alone.
+/// The key most like `full`: the same name in another group, or a slip within the full name or only within its last
+/// part.
 pub(crate) fn key(root: &'static GroupSpec, full: &str) -> Option<String> {
     let mut keys = Vec::new();
     root.each_key("", &mut |name, _| keys.push(name.to_owned()));
@@ -48,7 +49,7 @@ fn nearest(names: &[String], full: &str) -> Option<String> {
     if let Some(same) = names.iter().find(|name| last(name) == own) {
         return Some(same.clone());
     }
-    // A slip in the last part alone counts only within the same group, where it cannot mean anything else.
+    // A slip only in the last part counts only within the same group, where it cannot mean anything else.
     let group = full.strip_suffix(&own).unwrap_or("");
     let beside = names
         .iter()

@@ -89,11 +89,11 @@ group! {
     }
 }
 
-/// What is wrong with the place of a surface, with the numbers.
+/// The fault in the place of a surface, with the numbers.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum SurfaceProblem {
-    /// The body has no such surface.
+    /// The surface belongs to another body.
     #[error("names `{}`, which the {} does not have", surface.as_str(), body.as_str())]
     OfOtherBody {
         /// The surface.
@@ -154,7 +154,7 @@ impl SurfaceProblem {
         }
     }
 
-    /// What to do about it.
+    /// The remedy.
     pub(crate) fn remedy(&self) -> String {
         match self {
             Self::OfOtherBody { body, .. } => {

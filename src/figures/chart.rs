@@ -14,9 +14,9 @@ pub struct Chart {
     pub name: String,
     /// Heading.
     pub title: &'static str,
-    /// The design, and what it did.
+    /// The design, and its result.
     pub subject: String,
-    /// What it shows, in sentences.
+    /// The content of the chart, in sentences.
     pub caption: String,
     /// Panels, from the top.
     pub panels: Vec<Panel>,
@@ -42,7 +42,7 @@ pub struct Panel {
 pub struct Axis {
     /// The quantity.
     pub label: String,
-    /// Its unit; empty where it has none.
+    /// Its unit; empty if it has none.
     pub unit: &'static str,
     /// Values at the ends, in the unit; category `i` takes `i..i + 1`. The first category is on top of a vertical axis.
     pub range: [f64; 2],
@@ -55,7 +55,7 @@ pub struct Axis {
 /// Data with an entry in the legend.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Series {
-    /// Entry in the legend; no entry where it is empty.
+    /// Entry in the legend; no entry if it is empty.
     pub name: String,
     /// Place of its colour in the palette.
     pub colour: usize,
@@ -63,9 +63,9 @@ pub struct Series {
     pub shape: Shape,
     /// Abscissas in the unit of the axis, rising; places of categories.
     pub x: Vec<f64>,
-    /// Ordinates in the unit of the axis; a gap where they are not finite.
+    /// Ordinates in the unit of the axis; a gap if they are not finite.
     pub y: Vec<f64>,
-    /// What is said of each point, beside it or under the pointer; may be empty.
+    /// Text on each point, next to it or under the pointer; may be empty.
     pub notes: Vec<String>,
 }
 
@@ -80,19 +80,20 @@ pub enum Shape {
     Dashed,
     /// A horizontal line over each category.
     Steps,
-    /// A bar from the lower end of the axis for each category, beside those of other series. Lines across the bars mark
-    /// these values, of which there may be none. The bars are horizontal where the vertical axis has the categories.
+    /// A bar from the lower end of the axis for each category, next to those of other series. Lines across the bars
+    /// mark these values, if any. The bars are horizontal where the vertical axis has the categories.
     Bars(Vec<f64>),
     /// A dot at each point.
     Points,
-    /// A bar for each category from the first to the second of these ordinates, which a line at `y` crosses, beside those of
-    /// other series.
+    /// A bar for each category from the first to the second of these ordinates, which a line at `y` crosses, next to
+    /// those of other series.
     Whiskers(Vec<[f64; 2]>),
     /// The area between the points and these ordinates.
     Band(Vec<f64>),
     /// Horizontal bars from these abscissas to `x` in the categories `y` of the vertical axis, each joined to the next.
     Spans(Vec<f64>),
-    /// Horizontal bars from these abscissas to `x` in the categories `y` of the vertical axis, beside those of other series.
+    /// Horizontal bars from these abscissas to `x` in the categories `y` of the vertical axis, next to those of other
+    /// series.
     Swings(Vec<f64>),
 }
 
@@ -119,7 +120,7 @@ impl Axis {
         }
     }
 
-    /// An axis that holds zero and the ordinates of all series, with a margin of 5 % where it does not end at zero.
+    /// An axis that contains zero and the ordinates of all series, with a margin of 5 % at ends other than zero.
     pub(crate) fn around(label: impl Into<String>, unit: &'static str, series: &[Series]) -> Self {
         let values = series.iter().flat_map(|series| series.y.iter().copied());
         let [low, high] = ends(values).map_or([0.0; 2], |ends| ends.map(|end| 1.05 * end));
@@ -127,10 +128,10 @@ impl Axis {
         Self::new(label, unit, if low < high { [low, high] } else { [0.0, 1.0] })
     }
 
-    /// An axis that holds these values with a margin of 5 %.
+    /// An axis that contains these values with a margin of 5 %.
     pub(crate) fn holding(label: impl Into<String>, unit: &'static str, values: impl Iterator<Item = f64>) -> Self {
         let [low, high] = ends(values).unwrap_or([0.0, 1.0]);
-        // Values that differ by rounding alone would have ticks without digits.
+        // Values that differ only by rounding would have ticks without digits.
         let margin = (0.05 * (high - low)).max(1e-6 * high.abs()).max(f64::MIN_POSITIVE);
         Self::new(label, unit, [low - margin, high + margin])
     }
@@ -173,7 +174,7 @@ impl Series {
         }
     }
 
-    /// A value for each category; a gap where there is none.
+    /// A value for each category; a gap if it is missing.
     pub(crate) fn over(
         name: impl Into<String>,
         colour: usize,
@@ -200,7 +201,7 @@ impl Series {
         }
     }
 
-    /// A dashed grey line over the whole axis.
+    /// A dashed grey line over the full axis.
     pub(crate) fn rule(name: impl Into<String>, axis: &Axis, value: f64) -> Self {
         Self {
             x: axis.range.to_vec(),
@@ -230,7 +231,7 @@ pub(crate) fn events(events: &Events) -> Vec<Event> {
     events
 }
 
-/// `t13` with its number as subscript; other names as they are.
+/// `t13` with its number as subscript; other names unchanged.
 pub(crate) fn symbol(event: &str) -> String {
     let subscript = |digit: char| char::from_u32(0x2080 + digit.to_digit(10)?);
     match event
@@ -242,7 +243,7 @@ pub(crate) fn symbol(event: &str) -> String {
     }
 }
 
-/// A text whose subscripts `_{...}` stand between two marks.
+/// A text with its subscripts `_{...}` between two marks.
 pub(crate) fn subscripts(text: &str, before: &str, after: &str) -> String {
     let mut parts = text.split("_{");
     let first = parts.next().unwrap_or_default().to_owned();

@@ -1,7 +1,7 @@
 //! Energy of a shot as two cascades: of the gas, and of the mechanics that its work drives.
 //!
-//! Each bar begins where the one above it ends, so that inputs build up to the right and losses lead back to what is
-//! left at the end.
+//! Each bar begins at the end of the one above it, so that inputs build up to the right and losses lead back to the
+//! remainder at the end.
 
 use nailnoise_dynamics::{CycleRecord, EnergyFlow};
 
@@ -14,7 +14,7 @@ const SMALL: f64 = 1e-3;
 /// A step of a cascade: its name, and the energy that comes in (positive) or goes out \[J\].
 type Term = (&'static str, f64);
 
-/// The chart of the energy flow of a nailing cycle. `subject` says what it is of.
+/// The chart of the energy flow of a nailing cycle. `subject` names its subject.
 pub fn energy(subject: &str, record: &CycleRecord) -> Chart {
     Chart {
         name: "energy".to_owned(),
@@ -78,8 +78,8 @@ fn mechanics(e: &EnergyFlow) -> Panel {
     cascade("Mechanical energy", start, flows, end)
 }
 
-/// Draws small terms together, so that the cascade still closes. What a published form does not keep is a term of its
-/// own; the rounding of a form that keeps energy is too small to be one.
+/// Draws small terms together, so that the cascade still closes. Energy that a published form does not conserve is a
+/// separate term; the rounding of a form that conserves energy is too small for a term.
 fn gather(flows: Vec<Term>, largest: f64, residual: f64) -> Vec<Term> {
     let small = |energy: f64| energy.abs() < SMALL * largest;
     let (rest, mut flows): (Vec<Term>, Vec<Term>) = flows.into_iter().partition(|(_, energy)| small(*energy));
@@ -93,7 +93,7 @@ fn gather(flows: Vec<Term>, largest: f64, residual: f64) -> Vec<Term> {
     flows
 }
 
-/// The panel of a cascade between what is stored at the start and at the end.
+/// The panel of a cascade between the stored energies at the start and at the end.
 fn cascade(label: &str, start: Term, flows: Vec<Term>, end: Term) -> Panel {
     let empty = |name: &str, colour| Series::over(name, colour, Shape::Spans(Vec::new()), []);
     let mut series = [empty("stored", GREY), empty("in", 0), empty("out", 1)];
@@ -120,7 +120,7 @@ fn cascade(label: &str, start: Term, flows: Vec<Term>, end: Term) -> Panel {
     }
     let [low, high] = ends;
     Panel {
-        // Values stand behind the bars.
+        // Values follow the bars.
         x: Axis::new(
             "Energy",
             "J",
@@ -132,7 +132,7 @@ fn cascade(label: &str, start: Term, flows: Vec<Term>, end: Term) -> Panel {
     }
 }
 
-/// An energy with three digits; with its sign where it is a flow.
+/// An energy with three digits; with its sign for a flow.
 fn note(energy: f64, flow: bool) -> String {
     let size = energy.abs().max(f64::MIN_POSITIVE).log10().floor() as i32;
     let decimals = (2 - size).clamp(0, 3) as usize;

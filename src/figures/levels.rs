@@ -13,7 +13,7 @@ use crate::stages::ranking::SoundPower;
 /// Levels shown below the highest \[dB\].
 pub(crate) const SHOWN: f64 = 60.0;
 
-/// Place of a source in the palette, the same in every chart; what has none of its own takes the others in turn.
+/// Place of a source in the palette, the same in every chart; sources without a fixed place take the others in turn.
 pub(crate) fn in_palette(source: &str, place: usize) -> usize {
     match source {
         "workpiece" => 0,
@@ -23,8 +23,8 @@ pub(crate) fn in_palette(source: &str, place: usize) -> usize {
     }
 }
 
-/// The charts of a result's levels: `bands` of each source, `exhaust` with its parts (none where there is no exhaust),
-/// and `intervals` between events. `subject` says what they are of.
+/// The charts of a result's levels: `bands` of each source, `exhaust` with its parts (none without an exhaust), and
+/// `intervals` between events. `subject` names their subject.
 pub fn levels(subject: &str, result: &RunResult) -> Vec<Chart> {
     let chart = |name: &str, title, caption: &str, panels| Chart {
         name: name.to_owned(),
@@ -142,7 +142,7 @@ pub(crate) fn from_event(name: &str) -> String {
     }
 }
 
-/// A-weighted sound power of every source over time. `subject` says what it is of.
+/// A-weighted sound power of every source over time. `subject` names its subject.
 pub fn power(subject: &str, record: &CycleRecord, powers: &[SoundPower]) -> Chart {
     let curve = |(place, power): (usize, &SoundPower)| {
         let history = &power.history;
@@ -155,7 +155,7 @@ pub fn power(subject: &str, record: &CycleRecord, powers: &[SoundPower]) -> Char
     };
     let series: Vec<Series> = powers.iter().enumerate().map(curve).collect();
     let levels = Axis::levels("A-weighted sound power level", "dB re 1 pW", SHOWN, &series);
-    // To the last level that is shown, which is behind the end of the cycle where a body rings on.
+    // To the last level that is shown, which is after the end of the cycle if a body rings on.
     let shown = series.iter().flat_map(|own| own.x.iter().zip(&own.y));
     let shown = shown.filter(|(_, level)| **level >= levels.range[0]);
     let end = shown.map(|(time, _)| *time).fold(1.0, f64::max);

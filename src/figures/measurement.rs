@@ -128,7 +128,7 @@ fn bands(result: &MeasurementResult) -> Chart {
     )
 }
 
-/// Levels of the sources between the markers of their own configurations.
+/// Levels of the sources between the markers of their configurations.
 fn intervals(result: &MeasurementResult) -> Option<Chart> {
     let mut names: Vec<(String, f64)> = Vec::new();
     for own in result.sources.iter().flat_map(|source| &source.intervals) {

@@ -1,7 +1,7 @@
 //! Charts of a run: [`cycle`] shows a nailing cycle, [`sound`] the levels of a run, [`penetration()`] compares
 //! penetration laws. [`Chart::svg`] draws a chart for print; the report draws the same charts on its page.
 //!
-//! Time runs in ms from the trigger on; the events t0 to t18 stand over each chart of time.
+//! Time runs in ms from the trigger on; the events t0 to t18 appear over each chart of time.
 
 mod chart;
 mod cycle;
@@ -32,8 +32,8 @@ pub use penetration::penetration;
 pub use study::{scatter, study, sweep};
 pub(crate) use svg::apart;
 
-/// Colours of series: Okabe and Ito, "Color universal design" (2008), without the yellow that is too light for lines; colour-blind
-/// readers can tell them apart. Then twelve for designs side by side, none of them that of a source.
+/// Colours of series: Okabe and Ito, "Color universal design" (2008), without the yellow that is too light for lines;
+/// colour-blind readers can distinguish them. Then twelve for designs side by side, none of them that of a source.
 pub(crate) const PALETTE: [[u8; 3]; 20] = [
     [0x00, 0x72, 0xB2], // blue
     [0xD5, 0x5E, 0x00], // vermilion
@@ -65,7 +65,7 @@ pub(crate) fn of_design(place: usize) -> usize {
     8 + place % (PALETTE.len() - 8)
 }
 
-/// The charts of a run: [`levels`] and [`power`]. `subject` says what they are of.
+/// The charts of a run: [`levels`] and [`power`]. `subject` names their subject.
 pub fn sound(subject: &str, run: &Run) -> Vec<Chart> {
     let mut charts = levels(subject, &run.result);
     charts.push(power(subject, &run.record, &run.powers));

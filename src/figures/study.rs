@@ -61,7 +61,7 @@ pub fn study(result: &StudyResult) -> Vec<Chart> {
     charts
 }
 
-/// Changes of a level, the inputs that change it most first; none where no input does.
+/// Changes of a level, the inputs that change it most first; none if no input does.
 fn swings(own: &OneAtATime, output: usize, name: &str) -> Option<Panel> {
     let mut inputs: Vec<&InputChanges> = own
         .inputs
@@ -156,7 +156,7 @@ fn orders(result: &StudyResult) -> Panel {
         )
     };
     Panel {
-        // The probability stands behind each bar.
+        // The probability follows each bar.
         x: Axis::new("Probability", "%", [0.0, 110.0]),
         height: 8 * names.len() as u32,
         y: Axis::categories("Order, loudest first", "", names),
@@ -276,8 +276,8 @@ pub fn scatter(result: &StudyResult, made: &Draws) -> Vec<Chart> {
     charts.filter(|chart| !chart.panels.is_empty()).collect()
 }
 
-/// Levels over the values of the first axis of a sweep, a line for each source and, where there are more axes, for each of their
-/// values; of these, the total alone.
+/// Levels over the values of the first axis of a sweep, a line for each source. With more axes there is a line for each
+/// of their values, only for the total.
 pub fn sweep(design: &str, axes: &[SweepAxis], points: &[SweptPoint]) -> Chart {
     let names: Vec<String> = axes.first().map_or_else(Vec::new, |axis| axis.values.clone());
     let place = |point: &SweptPoint| names.iter().position(|name| point.values.first() == Some(name));

@@ -1,7 +1,7 @@
 //! Charts as SVG for print: as wide as the text of a page (180 mm), 8 pt type, lines of 1 pt, as journals ask.
 //!
-//! Axes, ticks, grids, legends and series are those of plotters. By hand are the leader lines that set labels of close
-//! events apart, and the joints of a cascade, for which plotters has nothing.
+//! Axes, ticks, grids, legends and series are those of plotters. The leader lines that separate labels of close events
+//! and the joints of a cascade are drawn by hand, because plotters does not have them.
 
 use std::ops::Range;
 
@@ -60,7 +60,7 @@ type Area<'a> = DrawingArea<Svg<'a>, Shift>;
 type Axes<'c, 'a> = ChartContext<'c, Svg<'a>, Cartesian2d<Scale, Scale>>;
 type Drawn<T = ()> = Result<T, DrawingAreaErrorKind<std::io::Error>>;
 
-/// The linear scale of plotters, with ticks in the middle of categories where there are some.
+/// The linear scale of plotters, with ticks in the middle of categories if any.
 struct Scale {
     linear: RangedCoordf64,
     ticks: Vec<f64>,
@@ -326,7 +326,7 @@ impl Series {
                 for (((to, row), from), note) in points().zip(from).zip(&self.notes) {
                     let [upper, lower] = [row + 0.15, row + 0.85];
                     elements.push(Rectangle::new([(*from, upper), (to, lower)], filled).into_dyn());
-                    // What is too thin for a rectangle is seen as a line.
+                    // Parts too thin for a rectangle are drawn as a line.
                     elements.push(
                         PathElement::new([(*from, upper), (*from, lower)], self.colour().stroke_width(FRAME))
                             .into_dyn(),
@@ -363,7 +363,7 @@ impl Series {
 }
 
 impl Panel {
-    /// The unbroken lines through points of which some are drawn together, without those beyond the axes.
+    /// The unbroken lines through points, some of them drawn together, without those beyond the axes.
     fn lines(&self, points: impl Iterator<Item = Vec<(f64, f64)>>) -> impl Iterator<Item = Vec<(f64, f64)>> {
         let within = |[low, high]: [f64; 2], value| (low..=high).contains(&value);
         let mut lines = vec![Vec::new()];
@@ -456,7 +456,8 @@ fn draw_events(labels: &Area<'_>, axes: &Axes<'_, '_>, events: &[Event]) -> Draw
     Ok(())
 }
 
-/// Rising positions moved apart by a distance: the mean of pushing all to the right and all to the left, as both keep the distance.
+/// Rising positions, separated by a distance: the mean of pushing all to the right and all to the left, as both
+/// maintain the distance.
 pub(crate) fn apart(wanted: &[i32], distance: i32, [low, high]: [i32; 2]) -> Vec<i32> {
     let pushed = |places: &mut dyn Iterator<Item = i32>| -> Vec<i32> {
         let mut last = i32::MIN / 2;

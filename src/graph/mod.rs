@@ -1,7 +1,8 @@
-//! Runs stages: looks their outputs up in the store, else computes and keeps them, side by side where it can; counts time.
+//! Runs stages: looks their outputs up in the store, else computes and stores them, side by side if it can; counts
+//! time.
 //!
-//! The graph contains no physics: it knows keys, codecs and inputs of stages. Within one graph every output is made once,
-//! as long as somebody holds it: an output is freed when nothing that is still to be made reads it.
+//! The graph contains no physics: it only handles keys, codecs and inputs of stages. Within one graph every output is
+//! made once, as long as somebody refers to it: an output is freed when no pending stage reads it.
 
 mod timing;
 
@@ -24,7 +25,7 @@ pub struct Graph {
     nodes: Arc<Mutex<HashMap<Digest, Weak<dyn Any + Send + Sync>>>>,
 }
 
-/// What all nodes of a graph share.
+/// Common data of all nodes of a graph.
 struct Context {
     store: Arc<Store>,
     progress: Progress,
@@ -100,19 +101,19 @@ impl Graph {
             .clone()
     }
 
-    /// Where progress goes.
+    /// Target of the progress.
     pub fn progress(&self) -> &Progress {
         &self.context.progress
     }
 
-    /// Where outputs are kept.
+    /// The store of the outputs.
     pub fn store(&self) -> &Store {
         &self.context.store
     }
 }
 
 impl Default for Graph {
-    /// An empty graph that keeps nothing and reports no progress.
+    /// An empty graph that stores nothing and reports no progress.
     fn default() -> Self {
         Self::new(Arc::default(), Arc::new(Silent))
     }
@@ -134,7 +135,7 @@ impl Context {
     }
 }
 
-/// A stage and what has become of it.
+/// A stage and its state.
 struct Node<S: Stage> {
     key: Digest,
     context: Arc<Context>,
@@ -150,7 +151,7 @@ enum State<S: Stage> {
 
 impl<S: Stage> Source<S::Output> for Node<S> {
     fn get(&self) -> Result<Arc<S::Output>, Error> {
-        // A thread of a parallel loop may be needed to make what it would wait for here.
+        // The output that it would wait for here may need a thread of a parallel loop.
         debug_assert!(
             rayon::current_thread_index().is_none(),
             "inputs are read before parallel work begins"
@@ -176,7 +177,7 @@ impl<S: Stage> Source<S::Output> for Node<S> {
 }
 
 impl<S: Stage> Node<S> {
-    /// The output from the store, else computed and kept.
+    /// The output from the store, else computed and stored.
     fn make(&self, stage: &S) -> Result<S::Output, Error> {
         let Context { store, progress, .. } = &*self.context;
         let before = if S::Codec::KEPT {
@@ -188,7 +189,7 @@ impl<S: Stage> Node<S> {
             return Ok(value);
         }
         Stopwatch::wait(|| prepare(&stage.inputs()))?;
-        // Held until the output is kept. Inputs are made before, so that a process waits for what it needs and for nothing else.
+        // In scope until the output is stored. Inputs are made before, so that a process waits only for its inputs.
         let _claim = S::Codec::KEPT.then(|| {
             let step = || {
                 // The cause of a long wait.
@@ -227,7 +228,7 @@ impl<S: Stage> Node<S> {
     }
 }
 
-/// Makes inputs side by side, each on a thread of its own: the thread pool stays free for the work within each.
+/// Makes inputs side by side, each on a separate thread: the thread pool stays free for the work within each.
 fn prepare(inputs: &[&dyn Input]) -> Result<(), Error> {
     let Some((last, others)) = inputs.split_last() else {
         return Ok(());

@@ -1,5 +1,6 @@
-//! Tables of a run: `ranking.csv`, `levels.csv`, `intervals.csv`, `power.csv`, `events.csv`, `log.csv`, `histories.csv`,
-//! `modes.csv`. A header says `name [unit]`; names of columns are an interface, which docs/output.md lists.
+//! Tables of a run: `ranking.csv`, `levels.csv`, `intervals.csv`, `power.csv`, `events.csv`, `log.csv`,
+//! `histories.csv`, `modes.csv`. A header has the form `name [unit]`; names of columns are an interface, which
+//! docs/output.md lists.
 
 use nailnoise_acoustics::levels::energy_level;
 use nailnoise_dynamics::{CycleRecord, Events, LogEntry};
@@ -11,7 +12,7 @@ use crate::result::{BandLevel, IntervalLevel, RadiationReport, RankedSource, Run
 use crate::run::Run;
 use crate::stages::spectra::Driven;
 
-/// What each event is, in the order t0..t18.
+/// Description of each event, in the order t0..t18.
 pub const EVENT_NAMES: [&str; 19] = [
     "trigger pulled",
     "head valve lifts",
@@ -34,7 +35,7 @@ pub const EVENT_NAMES: [&str; 19] = [
     "piston at rest on the stopper",
 ];
 
-/// Sources that have a place of their own in tables, and what all together are called.
+/// Sources with dedicated places in tables, and the name of their sum.
 const SOURCES: [&str; 3] = ["workpiece", "exhaust", "body"];
 const TOTAL: &str = "total";
 
@@ -45,7 +46,7 @@ pub fn event_name(number: &str) -> String {
     name.map_or_else(|| number.to_owned(), |name| format!("{number} {name}"))
 }
 
-/// What stands beside the power of a source; none where it is the equivalent radiated power.
+/// Report next to the power of a source; none for the equivalent radiated power.
 fn report_of<'a>(result: &'a RunResult, source: &str) -> Option<&'a RadiationReport> {
     result
         .ranking
@@ -55,8 +56,8 @@ fn report_of<'a>(result: &'a RunResult, source: &str) -> Option<&'a RadiationRep
         .as_ref()
 }
 
-/// `radiation.csv` of a source: one-third-octave bands by the far field, by the surface, with radiation efficiency 1, and by
-/// the limit of high frequencies where boundary elements are known too; none where it has no second evaluation.
+/// `radiation.csv` of a source: one-third-octave bands by the far field, by the surface, with radiation efficiency 1,
+/// and by the limit of high frequencies if boundary elements are known too; none if it has no second evaluation.
 pub(super) fn radiation(result: &RunResult, source: &str) -> Option<Result<Vec<u8>, Error>> {
     let report = report_of(result, source)?;
     let header = [
@@ -108,8 +109,8 @@ pub(super) fn modes(moving: &[Driven]) -> Result<Vec<u8>, Error> {
     table(header, rows)
 }
 
-/// `radiation-modes.csv` of a source: what each mode adds to its A-weighted energy, and how radiation damps it; none of a
-/// rigid body.
+/// `radiation-modes.csv` of a source: contribution of each mode to its A-weighted energy, and its damping by radiation;
+/// none for a rigid body.
 pub(super) fn radiation_modes(result: &RunResult, source: &str) -> Option<Result<Vec<u8>, Error>> {
     let report = report_of(result, source).filter(|report| !report.modes.is_empty())?;
     let header = [
@@ -251,7 +252,7 @@ pub(super) fn power(run: &Run) -> Result<Vec<u8>, Error> {
     table(header.chain(["screech of the exhaust [Hz]".to_owned()]), rows)
 }
 
-/// `events.csv`: symbol, what it is, time. An event that does not occur has no time.
+/// `events.csv`: symbol, description, time. An event that does not occur has an empty time.
 pub(super) fn events(events: &Events) -> Result<Vec<u8>, Error> {
     let times = events.to_array();
     let rows = times.iter().zip(EVENT_NAMES).enumerate();

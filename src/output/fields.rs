@@ -14,7 +14,7 @@ use crate::stages::bodies::Body;
 use crate::stages::spectra::Driven;
 use crate::staging::Staging;
 
-/// Levels shown below the highest of a field \[dB\]; clamped points, which do not move, stand at this floor.
+/// Levels shown below the highest of a field \[dB\]; clamped points, which do not move, are at this floor.
 const SHOWN: f64 = 60.0;
 
 /// Reference of velocity exposure levels: (50 nm/s)^2 over 1 s \[m2/s\] (ISO 1683).
@@ -57,8 +57,8 @@ pub(super) fn add(fields: &mut Fields, driven: &Driven, film: bool) {
     fields.series(&format!("{}-bands", body.name), bands().map(of_band).collect());
 }
 
-/// The covariance C of the modal velocities, by which 2 int |v|^2 df over a band is phi^T C phi \[m2/s\]; nothing when the
-/// analysed range does not hold the band.
+/// The covariance C of the modal velocities, so that 2 int |v|^2 df over a band is phi^T C phi \[m2/s\]; none if the
+/// analysed range does not contain the band.
 fn factor(spectra: &ModalSpectra, [low, high]: [f64; 2]) -> Option<LowRank> {
     let first = spectra.frequency.iter().find(|hz| (low..high).contains(hz))?;
     if *first > low * 1.1 || spectra.range_hz[1] < high {

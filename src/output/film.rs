@@ -1,7 +1,7 @@
-//! The fields of a shot as what their files are made of: surfaces once, and the values of each file.
+//! The fields of a shot in the form of the inputs of their files: surfaces once, and the values of each file.
 //!
-//! More than half of the files' bytes are the surface they share, which a reader wants in each of them. What is kept from run
-//! to run has it once, compressed, and every file comes out of it to the byte.
+//! More than half of the files' bytes are the surface they share, which a reader wants in each of them. The record that
+//! is stored from run to run has it once, compressed, and every file is restored from it to the byte.
 
 use std::path::{Path, PathBuf};
 

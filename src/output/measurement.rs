@@ -12,7 +12,7 @@ use crate::measurement::result::{MeasuredBand, MeasuredInterval, MeasurementResu
 /// The corrected signals of a shot as a sound file with a channel for each microphone: its path, its bytes, its full scale \[Pa\].
 ///
 /// # Errors
-/// [`Error::Write`] where the file cannot hold them.
+/// [`Error::Write`] if the file cannot store them.
 pub fn corrected_signal(shot: &CorrectedShot) -> Result<(PathBuf, Vec<u8>, f64), Error> {
     let path = PathBuf::from(format!("signals/{}-{}.wav", shot.source, shot.repeat + 1));
     let signals: Vec<&[f64]> = shot.microphones.iter().map(Vec::as_slice).collect();

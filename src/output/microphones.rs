@@ -1,4 +1,4 @@
-//! What the virtual microphones hear: tables of levels, and a calibrated sound file for each source and microphone.
+//! Sound at the virtual microphones: tables of levels, and a calibrated sound file for each source and microphone.
 
 use std::path::PathBuf;
 
@@ -48,7 +48,7 @@ fn synthetic_from(report: &MicrophoneReport) -> Option<f64> {
         .reduce(f64::min)
 }
 
-/// What the files of sound hold, in words beside them.
+/// Content of the sound files, in words next to them.
 fn note(report: &MicrophoneReport) -> String {
     let [low, high] = report.range_hz;
     let mut text = format!(

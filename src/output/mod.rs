@@ -46,7 +46,7 @@ const PARAVIEW: &str = include_str!("paraview.py");
 pub struct File {
     /// The path.
     pub path: PathBuf,
-    /// What is in it.
+    /// The bytes of the file.
     #[serde(with = "serde_bytes")]
     pub content: Vec<u8>,
 }
@@ -60,22 +60,22 @@ impl File {
     }
 }
 
-/// Files that a run leaves behind where they are asked for.
+/// Files that a run writes on request.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize)]
 pub struct Exports {
     /// Charts as SVG.
     pub figures: bool,
-    /// Films of the bodies for ParaView, beside the sound fields.
+    /// Films of the bodies for ParaView, next to the sound fields.
     pub films: bool,
     /// All samples of histories.
     pub histories: bool,
 }
 
-/// What a run leaves behind beside its [fields](BodyFields), [`of_cycle`] and [`of_microphones`]: `ranking.csv`, `levels.csv`,
-/// `intervals.csv`, `power.csv`, `paraview.py`, where a source's power is evaluated twice `radiation.csv` and
-/// `radiation-modes.csv` (for the tool's body `radiation-body.csv`), where the design has sensors `sensors.csv`,
-/// `sensors-spectrum.csv` and `sensors.uff`, where it has pressure transducers `transducers.csv` and `transducers.uff`, and last
-/// `result.json`.
+/// Files of a run in addition to its [fields](BodyFields), [`of_cycle`] and [`of_microphones`]: `ranking.csv`,
+/// `levels.csv`, `intervals.csv`, `power.csv` and `paraview.py`. If a source's power is evaluated twice,
+/// `radiation.csv` and `radiation-modes.csv` (for the tool's body `radiation-body.csv`) follow. If the design has
+/// sensors, `sensors.csv`, `sensors-spectrum.csv` and `sensors.uff` follow, if it has pressure transducers,
+/// `transducers.csv` and `transducers.uff`, and last `result.json`.
 ///
 /// # Errors
 /// [`Error::Json`] and those of the sensors' spectra.
@@ -101,7 +101,7 @@ pub fn files(run: &Run, exports: Exports) -> Result<Vec<File>, Error> {
     Ok(files)
 }
 
-/// What the bodies of a shot leave: `modes.csv`, and for ParaView `fields/*`, with the films if they are asked for.
+/// Files of the bodies of a shot: `modes.csv`, and for ParaView `fields/*`, with the films on request.
 ///
 /// # Errors
 /// Those of the bodies' response.

@@ -26,7 +26,7 @@ pub(super) fn write(staging: &Staging, folder: &Path, body: &Body, mode: usize) 
         .fold(0.0, f64::max);
     let (low, high) = body.mesh.bounds();
     let scale = AMPLITUDE * (high - low).norm() / largest;
-    // A rigid mode has no period.
+    // A rigid mode does not have a period.
     let hz = if body.basis.rigid[mode] {
         1.0
     } else {

@@ -1,5 +1,5 @@
-//! What the sensors recorded: `sensors.csv`, `sensors-spectrum.csv`, `transducers.csv`, and `sensors.uff` and `transducers.uff`
-//! for modal-test software.
+//! Records of the sensors: `sensors.csv`, `sensors-spectrum.csv`, `transducers.csv`, and `sensors.uff` and
+//! `transducers.uff` for modal-test software.
 
 use nailnoise_acoustics::fourier::{Transform, TransformSettings};
 use nailnoise_meshes::uff::{History, Ordinate};
@@ -16,15 +16,15 @@ const SPECTRUM_FROM: f64 = 5.0;
 /// Highest frequency of the spectra \[Hz\].
 const SPECTRUM_TO: f64 = 20e3;
 
-/// The files of accelerometers and pressure transducers; none of a kind that the design does not have. Tables have `all` samples,
-/// or every so many; universal files have all of them, binary.
+/// The files of accelerometers and pressure transducers; only of kinds in the design. Tables have `all` samples, or
+/// every so many; universal files have all of them, binary.
 pub(super) fn files(run: &Run, all: bool) -> Result<Vec<File>, Error> {
     let mut files = of_accelerometers(run, all)?;
     files.extend(of_transducers(run, all)?);
     Ok(files)
 }
 
-/// Name of a sensor and where it is.
+/// Name and place of a sensor.
 fn title(name: &str, place: &str) -> String {
     format!("{name} ({place})")
 }

@@ -13,7 +13,7 @@ use crate::error::Error;
 use crate::stages::sound_fields::Fields;
 use crate::staging::{Staging, is_file_name};
 
-/// Names the design of the fields, and what they show.
+/// Names the design of the fields, and lists their content.
 const INDEX: &str = "sound.json";
 
 /// `fields/sound.json`.
@@ -29,7 +29,7 @@ struct Index {
 /// the `.vtu` of each band, and `sound.json`, which names them.
 ///
 /// # Errors
-/// [`Error::Write`] or [`Error::Mesh`] with the file that could not be written; the folder is then as it was.
+/// [`Error::Write`] or [`Error::Mesh`] with the file that could not be written; the folder is then unchanged.
 pub fn write_sound_fields(folder: &Path, digest: &str, found: &Fields) -> Result<(), Error> {
     let staging = Staging::within(folder)?;
     found.series.iter().try_for_each(|series| write(&staging, series))?;
@@ -47,8 +47,9 @@ pub fn write_sound_fields(folder: &Path, digest: &str, found: &Fields) -> Result
     staging.place(&outdated, &last)
 }
 
-/// Files and folders of the sound fields in a folder, relative to it, unless they are those of the design with this digest; and of
-/// films, unless they stand beside these fields or `films` are written anew. What an earlier run left would belong to another shot.
+/// Files and folders of the sound fields in a folder, relative to it, unless they belong to the design with this
+/// digest; and of films, unless they belong to these fields or `films` are written anew. Files from an earlier run
+/// would belong to another shot.
 pub fn outdated_fields(folder: &Path, digest: &str, films: bool) -> Vec<PathBuf> {
     let index = index_in(folder);
     if index.as_ref().is_some_and(|index| index.design == digest) {
@@ -75,7 +76,7 @@ fn index_in(folder: &Path) -> Option<Index> {
 }
 
 impl Index {
-    /// What it names, and itself.
+    /// The files that it names, and itself.
     fn paths(&self) -> Vec<PathBuf> {
         let fields = Path::new(FIELDS);
         // Anybody may have changed the file: only names of files in this folder count.

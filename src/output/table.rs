@@ -39,7 +39,7 @@ where
     finished(writer)
 }
 
-/// A field that no spreadsheet computes: one that begins like a formula and is no number gets an apostrophe.
+/// A field that no spreadsheet computes: one that begins like a formula and is not a number gets an apostrophe.
 fn plain(field: &[u8]) -> Vec<u8> {
     let number = || std::str::from_utf8(field).is_ok_and(|text| text.trim().parse::<f64>().is_ok());
     let formula = match field {
@@ -54,16 +54,16 @@ fn plain(field: &[u8]) -> Vec<u8> {
     }
 }
 
-/// Shortest interval between the rows of a table of histories that is not asked for whole \[s\].
+/// Shortest interval between the rows of a table of histories, unless it is requested in full \[s\].
 const COARSE: f64 = 1e-5;
 
-/// Every which of samples with this interval \[s\] stands in such a table: samples themselves, none between them.
+/// Stride of samples with this interval \[s\] in such a table: only samples, without values between them.
 pub(super) fn coarse(interval: f64) -> usize {
     (COARSE / interval - 1e-6).ceil().max(1.0) as usize
 }
 
-/// A long table of numbers: for every `stride`-th row an abscissa with so many decimals, then a value of each column with so
-/// many digits behind its first.
+/// A long table of numbers: for every `stride`-th row an abscissa with so many decimals, then a value of each column
+/// with so many digits after its first.
 ///
 /// # Errors
 /// [`Error::Table`] where the header does not name each column.
@@ -104,7 +104,7 @@ fn finished(writer: Writer<Vec<u8>>) -> Result<Vec<u8>, Error> {
     Ok(written.map_err(csv::Error::from)?)
 }
 
-/// A number with so many decimals; nothing where there is none.
+/// A number with so many decimals; empty for none.
 pub(super) fn optional(value: Option<f64>, decimals: usize) -> String {
     value.map_or_else(String::new, |value| format!("{value:.decimals$}"))
 }

@@ -22,7 +22,7 @@ const HEADROOM: f64 = 2.0;
 /// The microphones of a shot as a sound file with a channel each, and the push-button below the trigger as the last channel.
 ///
 /// # Errors
-/// [`Error::Write`] where the file cannot hold them.
+/// [`Error::Write`] if the file cannot store them.
 pub fn sounds(shot: &Shot, full_scale: f64, stem: &str) -> Result<Vec<u8>, Error> {
     let [pressed, button_scale, _] = BUTTON;
     let at = (shot.trigger * shot.rate).round() as usize;

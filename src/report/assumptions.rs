@@ -6,7 +6,7 @@ use crate::design::{Design, Entry, Provenance, RangeOrigin};
 
 use super::tables::plain;
 
-/// The inputs by provenance; estimates, which a designer should look at first, are open.
+/// The inputs by provenance; estimates, the first inputs for a designer to check, are open.
 pub(super) fn section(design: &Design) -> Markup {
     let entries = design.entries();
     let of = |provenance: Provenance| -> Vec<&Entry> {
@@ -60,7 +60,7 @@ pub(super) fn section(design: &Design) -> Markup {
     }
 }
 
-/// The range of a value and, if no file states it, where it comes from.
+/// The range of a value and, if no file states it, its origin.
 fn range(entry: &Entry) -> Markup {
     html! {
         @match entry.range {

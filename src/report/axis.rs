@@ -90,7 +90,7 @@ pub(super) fn upwards(axis: &Axis, height: u32) -> Vec<Tick> {
         .collect()
 }
 
-/// Labels along an axis; `side` is the side of the box from which they are placed.
+/// Labels along an axis; `side` is the reference side of the box for their places.
 pub(super) fn labels(ticks: &[Tick], side: &str) -> Markup {
     html! { @for tick in ticks {
         span.tick.w[!tick.narrow] style={ (side) ":" (percent(tick.at)) } { (tick.label) }

@@ -82,14 +82,14 @@ fn plot(chart: &Chart, panel: &Panel) -> Markup {
     }
 }
 
-/// Series in the order in which they are drawn: what comes last lies on top, and that is the first of a panel.
+/// Series in the order of drawing: the last one lies on top, and that is the first of a panel.
 fn in_order(panel: &Panel) -> impl Iterator<Item = (usize, &Series)> {
     panel.series.iter().enumerate().rev()
 }
 
 fn series(panel: &Panel, place: usize, series: &Series) -> Markup {
     let of_categories = !panel.x.categories.is_empty();
-    // A place for each category: a gap where the series has no value.
+    // A place for each category: a gap if the series has no value.
     let values = || {
         let mut values = vec![String::new(); panel.x.categories.len()];
         for (x, y) in series.x.iter().zip(&series.y).filter(|(_, y)| y.is_finite()) {

@@ -139,7 +139,7 @@ fn bars(c: &Comparison, x: &str, unit: &'static str, y: &str, rows: Vec<(&str, &
     }
 }
 
-/// Levels of a source in its bands or intervals; none where it is silent in all of them.
+/// Levels of a source in its bands or intervals; none if it is silent in all of them.
 fn labelled(c: &Comparison, row: &SourceRow, kind: &str, own: &[Labelled]) -> Option<Chart> {
     own.iter()
         .flat_map(|l| &l.levels.level_db)

@@ -5,7 +5,7 @@ use maud::{Markup, html};
 use crate::declaration;
 use crate::result::RunResult;
 
-/// The declared levels with what they hold; K follows from a study and stands in the line below the ranking.
+/// The declared levels with their contents; K follows from a study and appears in the line below the ranking.
 pub(super) fn section(result: &RunResult) -> Markup {
     let ear = &result.ear;
     let [along, across, height] = ear.position_m;

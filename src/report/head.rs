@@ -1,4 +1,4 @@
-//! The head of the report of a run: what was computed, and the result in a sentence.
+//! The head of the report of a run: the subject of the computation, and the result in a sentence.
 
 use std::time::{SystemTime, UNIX_EPOCH};
 
@@ -20,7 +20,7 @@ pub(super) fn heading(design: &Design) -> String {
     }
 }
 
-/// What a reader must know first.
+/// The first facts for a reader.
 pub(super) fn lead(design: &Design, result: &RunResult) -> Markup {
     let first = result.ranking.first().filter(|source| source.lwa_db.is_some());
     let note = &design.report().note;
@@ -75,7 +75,7 @@ pub(crate) fn capitalised(text: &str) -> String {
         .map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
 }
 
-/// For whom and by whom, as the design says it.
+/// For whom and by whom, according to the design.
 fn byline(design: &Design) -> Markup {
     let report = design.report();
     let said = [
@@ -124,7 +124,7 @@ fn given(design: &Design) -> Markup {
     html! { dl.given { @for (what, value) in facts { div { dt { (what) } dd { (value) } } } } }
 }
 
-/// The word that a key holds, before other text; nothing where the design has no such key or none is chosen.
+/// The word under a key, before other text; nothing if the key is missing from the design or none is chosen.
 fn named(design: &Design, key: &str) -> String {
     let entry = design.entries().into_iter().find(|entry| entry.key == key);
     match entry.map(|entry| entry.value) {

@@ -4,7 +4,7 @@ use maud::{Markup, PreEscaped, html};
 
 use crate::figures::{Panel, Shape, subscripts};
 
-/// A text in which `_{...}` is a subscript.
+/// A text with `_{...}` as a subscript.
 pub(super) fn marked(text: &str) -> Markup {
     let escaped = html! { (text) }.into_string();
     PreEscaped(subscripts(&escaped, "<sub>", "</sub>"))

@@ -1,4 +1,4 @@
-//! The page of predictions beside measurements.
+//! The page of predictions next to measurements.
 
 use maud::{Markup, html};
 
@@ -32,7 +32,7 @@ pub(super) fn page(comparison: &MeasuredComparison) -> Page {
     }
 }
 
-/// Levels alone: other quantities have other units.
+/// Only levels: other quantities have other units.
 fn chart(comparison: &MeasuredComparison) -> Chart {
     let rows: Vec<&ComparedQuantity> = comparison.rows.iter().filter(|own| own.level).collect();
     let lowest = rows

@@ -1,8 +1,9 @@
 //! Reports: one HTML file that opens without a network, for people who do not run the program.
 //!
-//! A report of a run shows whatever its result holds: every source, check, note and sensor by itself, and what a newer
-//! result adds as tables of their own. Charts and pictures are in the page itself, so that it is complete without a script, with
-//! light and dark colours and in print; scripts add values under the pointer, a zoom, and a view in space that turns.
+//! A report of a run shows everything in its result: every source, check, note and sensor separately, and the additions
+//! of a newer result as separate tables. Charts and pictures are in the page itself, so that it is complete without a
+//! script, with light and dark colours and in print; scripts add values under the pointer, a zoom, and a view in space
+//! that turns.
 
 mod assumptions;
 mod axis;
@@ -50,7 +51,7 @@ use page::{Page, Section};
 use surface::ColouredSurface;
 pub use surface::Surroundings;
 
-/// Keys of a result that the report shows in a form of their own.
+/// Keys of a result with a dedicated form in the report.
 const SHOWN: [&str; 18] = [
     "schema",
     "design",
@@ -75,7 +76,7 @@ const SHOWN: [&str; 18] = [
 /// The parts of a report that show the bodies in motion, ready for the page.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Pictures {
-    /// The surfaces in space; none where there are none.
+    /// The surfaces in space, if any.
     scene: Option<String>,
     /// Sources whose surface is shown.
     sources: Vec<String>,
@@ -88,7 +89,7 @@ pub struct Pictures {
 pub struct BodyPictures {
     /// The bodies.
     pub moving: Vec<MovingBody>,
-    /// What they stand in and on.
+    /// Surroundings and supports of the bodies.
     pub surroundings: Surroundings,
 }
 
@@ -236,7 +237,7 @@ pub fn run(design: &Design, run: &Run, pictures: &Pictures, recordings: &[Record
     .html()
 }
 
-/// Takes all panels of a chart but the first out of it, as a chart of their own.
+/// Takes all panels of a chart but the first out of it, as a separate chart.
 fn more_panels(chart: &mut figures::Chart) -> Option<figures::Chart> {
     let panels = chart.panels.split_off(1);
     (!panels.is_empty()).then(|| figures::Chart {
@@ -263,7 +264,7 @@ pub struct Intervals {
     pub headings: [String; 2],
     /// Source or total, interval \[dB\] and probability of being the loudest.
     pub rows: Vec<[String; 3]>,
-    /// What the columns hold, and what not.
+    /// Contents and omissions of the columns.
     pub legend: String,
 }
 
@@ -277,7 +278,7 @@ pub fn study(result: &StudyResult, charts: &[figures::Chart], scatter: &[figures
     study::page(result, charts, scatter).html()
 }
 
-/// The page of predictions beside measurements.
+/// The page of predictions next to measurements.
 pub fn measured(comparison: &MeasuredComparison) -> String {
     measured::page(comparison).html()
 }

@@ -66,13 +66,13 @@ fn x_of(panel: &Panel, x: f64) -> i64 {
     (ACROSS * (x - low) / (high - low)).round() as i64
 }
 
-/// Kept near the box: what lies far outside would only make the numbers long.
+/// Limited to the surroundings of the box: points far outside would only make the numbers long.
 fn y_of(panel: &Panel, y: f64) -> i64 {
     let [low, high] = panel.y.range;
     (UP * (1.0 - (y - low) / (high - low))).clamp(-UP, 2.0 * UP).round() as i64
 }
 
-/// A line through points, interrupted where there is none. Steps from point to point are short to write.
+/// A line through points, interrupted at missing ones. Steps from point to point are short to write.
 fn line(points: impl Iterator<Item = Option<[i64; 2]>>) -> String {
     let mut d = String::new();
     let mut last: Option<[i64; 2]> = None;
@@ -92,7 +92,7 @@ fn line(points: impl Iterator<Item = Option<[i64; 2]>>) -> String {
     d
 }
 
-/// Left and right end of the bar of a series in a category: series of bars stand beside each other.
+/// Left and right end of the bar of a series in a category: series of bars are next to each other.
 fn sides(panel: &Panel, place: usize, x: f64) -> [i64; 2] {
     let is_bar = |series: &&Series| matches!(series.shape, Shape::Bars(_) | Shape::Whiskers(_));
     let before = panel.series[..place].iter().filter(is_bar).count() as f64;

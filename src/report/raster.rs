@@ -7,7 +7,7 @@ use nalgebra::{Matrix3, Vector3};
 /// Each pixel is the mean of so many by so many.
 const SAMPLES: usize = 2;
 
-/// Margin around what is shown, as part of the picture.
+/// Margin around the content, as part of the picture.
 const MARGIN: f64 = 0.03;
 
 /// Brightness of a face whose normal is across the view; one that faces the viewer has 1.
@@ -66,7 +66,7 @@ pub(super) fn picture(triangles: &[Triangle], [width, height]: [usize; 2]) -> St
     format!("data:image/png;base64,{}", STANDARD.encode(&bytes))
 }
 
-/// The colour of each sample; none where nothing is seen.
+/// The colour of each sample; none for an empty one.
 fn draw(triangles: &[Triangle], [width, height]: [usize; 2]) -> Vec<Option<[f64; 3]>> {
     let view = view();
     let seen: Vec<[Vector3<f64>; 3]> = triangles

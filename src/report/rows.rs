@@ -1,4 +1,4 @@
-//! Charts with a row for each category: horizontal bars beside their names, or below them in a narrow window.
+//! Charts with a row for each category: horizontal bars next to their names, or below them in a narrow window.
 
 use maud::{Markup, html};
 
@@ -95,7 +95,7 @@ fn bars(panel: &Panel, row: usize) -> Vec<Bar<'_>> {
     found
 }
 
-/// What stands behind a bar: bars that share a row have no room for it.
+/// Text after a bar: bars that share a row have no room for it.
 fn note(series: &Series, index: usize) -> Option<&str> {
     let own = series.notes.get(index).map(String::as_str);
     own.filter(|_| matches!(series.shape, Shape::Spans(_)) || series.name.is_empty())

@@ -1,4 +1,5 @@
-//! The surfaces in space, coloured by what they would radiate: a picture, and the data by which the page turns it.
+//! The surfaces in space, coloured by the sound that they would radiate: a picture, and the data for its rotation in
+//! the page.
 
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
@@ -39,7 +40,7 @@ struct View {
     energies: Vec<Vec<f64>>,
 }
 
-/// A view of all bodies; none where there is no surface.
+/// A view of all bodies; none without a surface.
 pub(super) fn figure(bodies: &[ColouredSurface<'_>]) -> Option<Markup> {
     let surfaces: Vec<Triangles<'_>> = bodies.iter().map(Triangles::new).collect();
     let whole = View::new(
@@ -69,7 +70,7 @@ pub(super) fn figure(bodies: &[ColouredSurface<'_>]) -> Option<Markup> {
         "{} from the front, the right and above, coloured by the A-weighted energy per area that each face would radiate",
         names.join(", ")
     );
-    // Numbers alone: nothing in it can end the element that holds it.
+    // Only numbers: nothing in it can end the enclosing element.
     let data = data(&surfaces, &views).to_string().replace('<', "\\u003c");
     Some(html! {
         figure.scene {
@@ -159,7 +160,8 @@ fn image(surfaces: &[Triangles<'_>], view: &View) -> String {
     picture(&triangles, SIZE)
 }
 
-/// Points in whole steps, corners of triangles, and levels of the free ones for each view, as base64 of little-endian numbers.
+/// Points in integer steps, corners of triangles, and levels of the free ones for each view, as base64 of little-endian
+/// numbers.
 fn data(surfaces: &[Triangles<'_>], views: &[View]) -> serde_json::Value {
     let reach = surfaces
         .iter()

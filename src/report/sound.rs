@@ -10,18 +10,18 @@ use crate::wording;
 /// A recording that belongs to a run.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Recording {
-    /// What is heard.
+    /// Name of the sound.
     pub name: String,
-    /// A whole WAV file.
+    /// A complete WAV file.
     pub wav: Vec<u8>,
 }
 
-/// What the microphones measure beside what is radiated.
+/// Measured values of the microphones next to the radiated ones.
 pub(super) fn measured(result: &RunResult) -> Markup {
     html! { (by_source(&result.microphones)) (totals(result)) (levels(&result.microphones)) }
 }
 
-/// Sources by the array beside what they radiate.
+/// Sources by the array next to their radiated sound.
 fn by_source(report: &MicrophoneReport) -> Markup {
     let [a, b, c] = report.box_m;
     html! {
@@ -111,7 +111,7 @@ fn decibels(level: Option<f64>) -> String {
     level.map_or_else(|| "\u{2013}".to_owned(), |level| format!("{level:.1}"))
 }
 
-/// A player for each recording, and two of them in a loop and in step; nothing where there is none.
+/// A player for each recording, and two of them in a loop and in step; nothing without recordings.
 pub(super) fn players(recordings: &[Recording]) -> Markup {
     html! { @if !recordings.is_empty() {
         p.quiet {
@@ -140,7 +140,7 @@ pub(super) fn players(recordings: &[Recording]) -> Markup {
     } }
 }
 
-/// How long a recording lasts, where it can be read.
+/// Duration of a recording, if it can be read.
 fn duration(wav: &[u8]) -> String {
     let reader = hound::WavReader::new(wav).ok();
     reader.map_or_else(String::new, |reader| {

@@ -1,12 +1,12 @@
-//! What the parts of a vibrating surface, and its modes, would radiate at radiation efficiency 1.
+//! Sound that the parts of a vibrating surface, and its modes, would radiate at radiation efficiency 1.
 //!
 //! ```text
 //! e(x) = rho0 c0 2 int A(f) |v_n(x, f)|^2 df        v_n = sum over modes of phi_n a/(j omega)
 //! ```
-//! is the A-weighted equivalent radiated energy of an area \[J/m2\]. It tells where and by which modes a surface moves
-//! so that it can sound; how much of it leaves as sound is for the radiation of the ranking to say. With
-//! C = 2 sum of A(f) Re(a a^H)/omega^2 df over the bins, e = rho0 c0 phi_n^T C phi_n, and the mode r alone gives the
-//! energy rho0 c0 C_rr int phi_n^2 dS.
+//! is the A-weighted equivalent radiated energy of an area \[J/m2\]. It shows where and how a surface moves so that it
+//! could radiate; the radiation of the ranking states how much of it leaves as sound. With C = 2 sum of A(f) Re(a
+//! a^H)/omega^2 df over the bins, e = rho0 c0 phi_n^T C phi_n, and a single mode r gives the energy rho0 c0 C_rr int
+//! phi_n^2 dS.
 
 use nailnoise_acoustics::Air;
 use nailnoise_acoustics::levels::{Band, Weighting, octaves};
@@ -23,35 +23,35 @@ use crate::stages::spectra::Driven;
 /// Reference energy \[J\]: 1 pW for 1 s.
 const REFERENCE: f64 = 1e-12;
 
-/// What the bodies stand in and on.
+/// Surroundings and supports of the bodies.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Surroundings {
-    /// What supports the workpiece.
+    /// Support of the workpiece.
     pub support: SupportKind,
     /// Half the sides of the workpiece's underside \[m\].
     pub half_sides: [f64; 2],
-    /// Position of the tool's nose, where its axes begin \[m\].
+    /// Position of the tool's nose, the origin of its axes \[m\].
     pub nose: [f64; 3],
     /// The ambient air.
     pub air: Air,
 }
 
-/// A body's surface with what its faces would radiate.
+/// A body's surface with the energy that its faces would radiate.
 pub(super) struct ColouredSurface<'a> {
     pub(super) body: &'a Body,
     /// Loss factor of its modes \[-\].
     pub(super) loss_factor: f64,
-    /// Where its origin lies in the room \[m\].
+    /// Position of its origin in the room \[m\].
     pub(super) origin: Vector3<f64>,
-    /// Whether each face radiates into the air, rather than standing on or in something.
+    /// Whether each face radiates into the air, and does not touch or lie in another body or sand.
     pub(super) free: Vec<bool>,
     /// Range over which the body's motion is known \[Hz\].
     pub(super) range_hz: [f64; 2],
     /// A-weighted energy per area of each face over that range \[J/m2\].
     pub(super) whole: Vec<f64>,
-    /// The same in that part of each of the [`octaves`] that lies in the range; none where no part does.
+    /// The same in that part of each of the [`octaves`] that lies in the range; none without such a part.
     pub(super) octaves: Vec<Option<Vec<f64>>>,
-    /// What each mode alone would radiate, A-weighted \[J\].
+    /// Energy that each single mode would radiate, A-weighted \[J\].
     pub(super) modes: Vec<f64>,
 }
 
@@ -62,7 +62,7 @@ impl<'a> ColouredSurface<'a> {
         // One point a face: the picture shows no finer detail, and a rule of one point exists for every shape.
         let points = surface.quadrature(1).unwrap_or_default();
         let mut normal = normal_modes(surface, &points, &body.skin);
-        // A mesh whose cavities cannot be told from its outline is shown whole.
+        // A mesh is shown in full if its cavities cannot be separated from its outline.
         let open = open_faces(surface, None).unwrap_or_else(|_| vec![true; surface.faces.len()]);
         let free: Vec<bool> = points
             .iter()
@@ -129,7 +129,7 @@ impl<'a> ColouredSurface<'a> {
 }
 
 impl ColouredSurface<'_> {
-    /// The source to which the body belongs.
+    /// The source of the body.
     pub(super) fn source(&self) -> &'static str {
         match self.body.name {
             "tool" => "body",
@@ -168,7 +168,7 @@ fn normal_modes(surface: &Surface, points: &[QuadraturePoint], modes: &DMatrix<f
     normal
 }
 
-/// Where no sound gets out: on the support, under the block, in the sand, under the feet, at welds.
+/// Whether sound cannot leave: on the support, under the block, in the sand, under the feet, at welds.
 fn covered(around: &Surroundings, body: &str, patch: &str, p: &Point3<f64>) -> bool {
     let half = around.half_sides;
     match (body, patch) {

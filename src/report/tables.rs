@@ -10,7 +10,7 @@ use crate::output::{EVENT_NAMES, event_name};
 use crate::result::{RankedSource, RunResult, loudest};
 use crate::wording::{band, readable, rounded, unit_of_figure};
 
-/// Keys of a ranked source that the report shows in a form of their own.
+/// Keys of a ranked source with a dedicated form in the report.
 pub(super) const SOURCE: [&str; 11] = [
     "source",
     "lwa_db",
@@ -25,7 +25,7 @@ pub(super) const SOURCE: [&str; 11] = [
     "intervals",
 ];
 
-/// Rows of a table of its own shape; the rest is in `result.json`.
+/// Rows of a table with a special shape; the rest is in `result.json`.
 const ROWS: usize = 40;
 
 /// A level with one decimal.
@@ -72,7 +72,7 @@ pub(super) fn ranking(result: &RunResult) -> Markup {
     }
 }
 
-/// Where the report of a run holds the interval of a source's level, the headings or the legend of the intervals.
+/// Where the report of a run has the interval of a source's level, the headings or the legend of the intervals.
 pub(super) fn interval_of(what: &str) -> Markup {
     PreEscaped(format!("<!-- interval: {what} -->"))
 }
@@ -154,7 +154,7 @@ pub(super) fn figures(object: &Value) -> Markup {
     }
 }
 
-/// A number in another unit; other values as they are.
+/// A number in another unit; other values unchanged.
 pub(super) fn scaled(value: &Value, factor: f64) -> Value {
     value
         .as_f64()
@@ -184,7 +184,7 @@ pub(super) fn checks(result: &RunResult) -> Markup {
     }
 }
 
-/// What an object holds beside the `known` keys; nothing where there is nothing.
+/// Content of an object other than the `known` keys; nothing if there is no more.
 pub(super) fn further(object: &Value, known: &[&str]) -> Option<Markup> {
     let rest: Vec<_> = object
         .as_object()?
@@ -208,7 +208,7 @@ fn is_empty(value: &Value) -> bool {
     }
 }
 
-/// Any value: lists of objects as a table, objects by name, the rest as it stands.
+/// Any value: lists of objects as a table, objects by name, the rest unchanged.
 pub(super) fn generic(value: &Value) -> Markup {
     let nested = |value: &Value| match value {
         Value::Array(items) => items.iter().any(|item| item.is_object() || item.is_array()) || items.len() > 8,
@@ -253,7 +253,7 @@ fn words(key: &str) -> String {
     key.replace('_', " ")
 }
 
-/// A key in words, with the unit that its ending says.
+/// A key in words, with the unit of its ending.
 fn titled(key: &str) -> String {
     const UNITS: [(&str, &str); 8] = [
         ("_db", "dB"),
@@ -276,7 +276,7 @@ fn titled(key: &str) -> String {
     }
 }
 
-/// The value of a key: a share in percent, levels to a thousandth of a decibel. What rounds to nothing is 0.
+/// The value of a key: a share in percent, levels to a thousandth of a decibel. A value that rounds to nothing is 0.
 fn of_key(key: &str, value: &Value) -> String {
     match value {
         Value::Array(items) => items
@@ -318,7 +318,7 @@ mod tests {
 
     use super::*;
 
-    /// What a later version adds to a result is shown without this code knowing it.
+    /// Additions of a later version to a result are shown without changes to this code.
     #[test]
     fn anything_has_a_table() {
         let value = json!({

@@ -16,7 +16,7 @@ pub enum ScalingError {
         /// The names of the classes.
         known: String,
     },
-    /// Dimensions that do not go together.
+    /// Conflicting dimensions.
     #[error("no design of a {tool} follows from the rules: {source}")]
     Together {
         /// Class, bore, stroke and mass.
@@ -27,13 +27,13 @@ pub enum ScalingError {
     /// Rules that cannot be read; never with the rules of a tested program.
     #[error("the rules of scaling cannot be read: {problem}")]
     Rules {
-        /// What is wrong.
+        /// The fault.
         problem: String,
     },
 }
 
 impl ScalingError {
-    /// What to do about it.
+    /// The remedy.
     pub fn remedy(&self) -> String {
         match self {
             Self::UnknownClass { known, .. } => format!("choose from: {known}"),

@@ -33,7 +33,7 @@ impl FromStr for Fastener {
         let expected =
             || "give a name of `nailnoise list nails`, or length and diameter as in \"64 x 1.6 mm\"".to_owned();
         let (length, diameter) = text.split_once('x').ok_or_else(expected)?;
-        // Both have the unit that stands behind the second, unless the first has one.
+        // Both have the unit after the second, unless the first has one.
         let unit = diameter
             .trim()
             .trim_start_matches(|c: char| c.is_ascii_digit() || c == '.');

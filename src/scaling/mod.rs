@@ -28,7 +28,7 @@ pub const RATED: [f64; 2] = [70.0 * PSI, 120.0 * PSI];
 /// Pound-force per square inch \[Pa\].
 pub const PSI: f64 = 6_894.757_293_168;
 
-/// A tool to make a design of: what is not given is that of its class.
+/// The given data of a new tool; missing data are those of its class.
 #[derive(Debug, Clone)]
 pub struct Request {
     /// Class of the tool, a name of `rules.toml`.
@@ -39,7 +39,7 @@ pub struct Request {
     pub bore: Option<f64>,
     /// Travel of the piston \[m\].
     pub stroke: Option<f64>,
-    /// Mass of the whole tool without fasteners \[kg\].
+    /// Mass of the complete tool without fasteners \[kg\].
     pub mass: Option<f64>,
     /// The fastener.
     pub fastener: Option<Fastener>,
@@ -115,7 +115,7 @@ impl Request {
 /// fastener, if there are any within the rated pressures.
 ///
 /// # Errors
-/// [`ScalingError`] for an unknown class, and for dimensions that do not go together; errors of the cycle.
+/// [`ScalingError`] for an unknown class, and for conflicting dimensions; errors of the cycle.
 pub fn scaled(request: &Request, file: &str) -> Result<Scaled, Error> {
     let rules = Rules::load()?;
     let tool = request.tool(&rules)?;

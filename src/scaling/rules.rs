@@ -22,7 +22,7 @@ pub struct Rules {
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Class {
-    /// What the tools drive.
+    /// Fasteners of the tools.
     pub what: String,
     /// Bore of the cylinder.
     pub bore: String,
@@ -36,17 +36,17 @@ pub struct Class {
     pub magazine: String,
     /// Provenance of the defaults.
     pub source: String,
-    /// Drive energy that a maker states for a tool of the class, where one was found.
+    /// Drive energy that a maker states for a tool of the class, if one was found.
     pub energy: Option<String>,
     /// Source of that energy.
     pub energy_source: Option<String>,
 }
 
-/// A rule: exponents of bore, stroke and mass, all relative to the base, and the keys they hold for.
+/// A rule: exponents of bore, stroke and mass, all relative to the base, and the keys in its scope.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Rule {
-    /// What the keys are, and why they scale so.
+    /// Description of the keys, and why they scale so.
     pub what: String,
     /// Exponent of the bore.
     #[serde(default)]
@@ -64,7 +64,7 @@ pub struct Rule {
     pub keys: Vec<String>,
 }
 
-/// A value whose base has no range gets one of 10 %.
+/// A value gets a range of 10 % if its base has none.
 fn least_spread() -> f64 {
     1.1
 }

@@ -7,16 +7,16 @@ use crate::chain;
 use crate::design::{Design, inputs};
 use crate::error::Error;
 
-/// Gauge pressures in the order in which they are tried \[psi\]: first the usual one, then the least that does.
+/// Gauge pressures in the order of trial \[psi\]: first the usual one, then the lowest that works.
 const PRESSURES: [f64; 6] = [90.0, 80.0, 70.0, 100.0, 110.0, 120.0];
 
-/// Depth adjustments in the order in which they are tried, as factors on the scaled protrusion of the rod.
+/// Depth adjustments in the order of trial, as factors on the scaled protrusion of the rod.
 const DEPTHS: [f64; 5] = [1.0, 0.75, 0.5, 0.25, 0.0];
 
 /// Steps of Simpson's rule over the nail's length.
 const STEPS: u32 = 1000;
 
-/// What a user sets on the tool.
+/// Settings by the user of the tool.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Setting {
     /// Gauge pressure at the inlet \[Pa\].
@@ -32,7 +32,7 @@ pub struct Setting {
 pub struct Shot {
     /// Its outcome.
     pub outcome: Outcome,
-    /// Depth of the head below the surface \[m\]; negative where it stands out.
+    /// Depth of the head below the surface \[m\]; negative if it protrudes.
     pub head_depth: f64,
     /// Work of the rod on nail and wood \[J\].
     pub energy_at_nail: f64,
@@ -45,10 +45,10 @@ pub struct Settled {
     pub setting: Setting,
     /// The shot at that setting.
     pub shot: Shot,
-    /// Work of the penetration law over the whole fastener \[J\].
+    /// Work of the penetration law over the length of the fastener \[J\].
     pub needed: f64,
-    /// Energy that the tool gives until the head is flush, at 100 psig \[J\]: what makers state as the energy of a tool. None
-    /// where the tool is so strong that nothing stops its piston.
+    /// Energy that the tool gives until the head is flush, at 100 psig \[J\]: makers state this as the energy of a
+    /// tool. None where the tool is so strong that nothing stops its piston.
     pub tool_energy: Option<f64>,
 }
 
@@ -62,7 +62,7 @@ impl Shot {
         }
     }
 
-    /// Whether the nail is in, its head not below what the design allows.
+    /// Whether the nail is in, its head not deeper than the design allows.
     pub fn drives(&self) -> bool {
         match self.outcome {
             Outcome::Drives => true,

@@ -106,7 +106,7 @@ impl File<'_> {
         };
         let [value, low, high] = [value, range[0], range[1]].map(|x| quantity_in_words(x, dimension));
         let (number, unit) = low.split_once(' ').unwrap_or((&low, ""));
-        // A range states the unit once, behind its end.
+        // A range states the unit once, after its end.
         let quoted = |text: &str| {
             if unit.is_empty() {
                 text.to_owned()
@@ -122,7 +122,7 @@ impl File<'_> {
         Ok(())
     }
 
-    /// What was asked for or is of the class.
+    /// Values that were requested or belong to the class.
     fn given(&mut self, tool: &Tool, ratios: Ratios, setting: Setting) -> Result<(), ScalingError> {
         let source = &tool.class.source;
         let own = |chosen: Chosen| match chosen.given {
@@ -253,7 +253,7 @@ impl File<'_> {
         self.line(&format!("\n# {}: {}, here {factor:.3}", rule.what, rule.law()));
         for key in &rule.keys {
             let adjusted = key == "piston.rod_protrusion" && setting.depth != 1.0;
-            // The base's own value, with its own source, where nothing changes.
+            // The base's value with its source, if nothing changes.
             if factor == 1.0 && !adjusted {
                 continue;
             }

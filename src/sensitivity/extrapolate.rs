@@ -13,22 +13,22 @@ pub(super) struct Estimate {
 /// F'(x) F''(x)", 1982).
 ///
 /// `order` is the power of the step between terms of the error: 2 for central differences, 1 for one-sided ones.
-/// `noise` is how far a value may be off for reasons other than the parameter; at a small step it stands in the
-/// difference divided by the step. Of all entries of the tableau
+/// `noise` is how far a value may be off for reasons other than the parameter; at a small step the difference contains
+/// it divided by the step. Of all entries of the tableau
 /// ```text
 /// D_k0 = difference at h/2^k,  D_km = D_k,m-1 + (D_k,m-1 - D_k-1,m-1)/(2^(order m) - 1)
 /// ```
-/// the one is taken whose error is least, the larger of its distance to its two ancestors and the noise it carries, which
-/// is noise over step in the first column and goes through the tableau with the sum of the weights' magnitudes:
-/// truncation makes the first large where steps are long, noise the second where they are short. A difference that is
-/// missing ends the tableau; fewer than two give nothing.
+/// the one with the least error is taken. Its error is the larger of its distance to its two ancestors and the noise in
+/// it. This noise is noise over step in the first column and goes through the tableau with the sum of the weights'
+/// magnitudes: truncation makes the first large at long steps, noise the second at short ones. A difference that is
+/// missing ends the tableau; fewer than two yield none.
 pub(super) fn extrapolate(differences: &[Option<f64>], first: f64, order: i32, noise: f64) -> Option<Estimate> {
     let known: Vec<(usize, f64)> = differences
         .iter()
         .enumerate()
         .filter_map(|(k, d)| Some((k, (*d)?)))
         .collect();
-    // Steps that are missing at the long end, where the design would be no design, leave a shorter tableau.
+    // Steps that are missing at the long end, because the design would not be valid, leave a shorter tableau.
     let start = known.first()?.0;
     let run: Vec<f64> = known
         .iter()

@@ -1,16 +1,17 @@
-//! How the figures of a shot answer to the parameters of its design.
+//! Response of the figures of a shot to the parameters of its design.
 //!
 //! For each key that has a range and takes part in the cycle, the derivative of each figure is taken from central
-//! differences at steps of 8, 4, 2 and 1 % of the parameter's size, extrapolated to the step zero. Where a step leads out
-//! of what a design allows, the differences are one-sided. The cycle has contacts and switches, and its figures are
-//! smooth in the parameters as long as the order of these is the same, so that differences through events are
-//! derivatives through events; where the order changes, the differences do not agree and the error says so.
+//! differences at steps of 8, 4, 2 and 1 % of the parameter's size, extrapolated to the step zero. If a step leads out
+//! of the limits of a design, the differences are one-sided. The cycle has contacts and switches. Its figures are
+//! smooth in the parameters as long as these occur in the same order, so that differences through events are
+//! derivatives through events. If the order changes, the differences do not agree, which the error shows.
 //!
-//! Parameters rank by what their ranges do to a figure: the derivative times half the range, unless the runs at the ends
-//! of the range, which are made too, show that the figure does not follow it so far.
+//! Parameters rank by the effect of their ranges on a figure: the derivative times half the range, unless the runs at
+//! the ends of the range, which are also made, show that the figure does not follow it so far.
 //!
-//! The integration is run a hundred times closer than the design asks for. What is left of it and of the sampling of
-//! peaks is measured, by running the design at two tolerances and intervals, and stands in the error of every derivative.
+//! The tolerance of the integration is a hundred times tighter than the design's. The remaining error, and that of the
+//! sampling of peaks, is measured by running the design at two tolerances and intervals, and is part of the error of
+//! every derivative.
 
 mod extrapolate;
 mod outputs;
@@ -42,7 +43,7 @@ const SAMPLES: f64 = 4e-6;
 /// Sensitivity of figures of a shot to the parameters of its design.
 #[derive(Debug, Clone, Serialize)]
 pub struct Sensitivity {
-    /// What the shot of the design itself does.
+    /// Outcome of the shot of the design itself.
     pub outcome: Outcome,
     /// The figures, and how the parameters rank for each.
     pub outputs: Vec<OutputSensitivity>,
@@ -57,7 +58,7 @@ pub struct OutputSensitivity {
     pub name: &'static str,
     /// SI unit.
     pub unit: &'static str,
-    /// Value in the design; null where its phase does not occur.
+    /// Value in the design; null if its phase does not occur.
     pub value: Option<f64>,
     /// How far integration and sampling leave the value uncertain.
     pub noise: f64,
@@ -74,14 +75,14 @@ pub struct Derivative {
     pub derivative: f64,
     /// Estimated error of the derivative: truncation and noise.
     pub error: f64,
-    /// Derivative times half the parameter's range: what the parameter's uncertainty does to the figure.
+    /// Derivative times half the parameter's range: effect of the parameter's uncertainty on the figure.
     pub effect: f64,
-    /// By how much the parameter's range moves the figure: the size of `effect`; where the figure does not follow its
+    /// By how much the parameter's range moves the figure: the size of `effect`; if the figure does not follow its
     /// derivative to the ends of the range, the larger of its moves to them.
     pub weight: f64,
     /// Smallest step of the parameter the derivative is made of.
     pub step: f64,
-    /// The figure with the parameter at the lower and upper end of its range; null where that is no design, or where
+    /// The figure with the parameter at the lower and upper end of its range; null if that is not a valid design, or if
     /// the figure's phase does not occur.
     pub at_ends: [Option<f64>; 2],
 }
@@ -92,8 +93,8 @@ impl Derivative {
         self.error <= 0.1 * self.derivative.abs()
     }
 
-    /// Whether the figure moves over the whole range as its derivative says, within a factor of two; `None` where an
-    /// end is no design.
+    /// Whether the figure moves over the full range according to its derivative, within a factor of two; `None` if an
+    /// end is not a valid design.
     pub fn is_linear(&self) -> Option<bool> {
         let [low, high] = self.at_ends;
         let (moved, told) = (high? - low?, 2.0 * self.effect);
@@ -107,19 +108,19 @@ pub struct ParameterOutcome {
     /// The parameter.
     #[serde(flatten)]
     pub parameter: Parameter,
-    /// What happens at the lower and upper end of the range, all else equal.
+    /// The outcome at the lower and upper end of the range, all else equal.
     pub ends: [End; 2],
     /// Whether an end of the range, or one of the steps, has another outcome than the design.
     pub outcome_changes: bool,
 }
 
-/// What happens with a parameter at an end of its range.
+/// The outcome with a parameter at an end of its range.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum End {
     /// The shot does this.
     Outcome(Outcome),
-    /// The values do not go together.
+    /// The values conflict.
     Refused(String),
     /// The cycle ends with this error.
     Failed(String),
@@ -148,7 +149,7 @@ pub fn sensitivity(
     progress: &Progress,
 ) -> Result<Sensitivity, Error> {
     let mut parameters = taking_part(design)?;
-    // A derivative with respect to a whole number is none.
+    // A derivative with respect to an integer does not exist.
     parameters.retain(|parameter| matches!(parameter.value, Value::Number(_)));
     if let Some(keys) = keys {
         if let Some(key) = keys.iter().find(|key| !parameters.iter().any(|own| own.key == **key)) {
@@ -242,7 +243,7 @@ fn first_step(parameter: &Parameter) -> f64 {
     FIRST_STEP * size
 }
 
-/// Where a parameter is set: up and down by each step, then to the ends of its range.
+/// The values of a parameter: up and down by each step, then to the ends of its range.
 fn points(parameter: &Parameter) -> Vec<f64> {
     let (value, first) = (parameter.number(), first_step(parameter));
     let step = |k: usize| first / f64::from(1_u32 << k);

@@ -1,4 +1,4 @@
-//! Figures of a shot whose sensitivity can be asked for.
+//! Figures of a shot with a sensitivity on request.
 
 use nailnoise_dynamics::CycleRecord;
 
@@ -7,7 +7,7 @@ use crate::error::Error;
 /// A figure of a shot.
 #[derive(Clone, Copy)]
 pub struct Output {
-    /// Its name, as in the output.
+    /// Its name in the output.
     pub name: &'static str,
     /// The group it can be chosen by: `speed`, `penetration`, `events`, `forces` or `masses`.
     pub group: &'static str,
@@ -100,7 +100,7 @@ pub const OUTPUTS: &[Output] = &[
     output("supply_mass", "masses", "kg", |r| Some(r.summary.supply_mass)),
 ];
 
-/// The figures that are asked for unless others are named.
+/// The default figures, unless others are named.
 pub const USUAL: [&str; 7] = [
     "speed_before_impact",
     "mean_drive_speed",
@@ -168,7 +168,7 @@ mod tests {
             let wave: Vec<f64> = (0..40)
                 .map(|i| (0.17 * (f64::from(i) + phase)).sin().max(0.0))
                 .collect();
-            // A parabola through samples h apart misses the crest of a sine by h^4/64 at most.
+            // A parabola through samples at an interval h misses the crest of a sine by no more than h^4/64.
             assert!(
                 (peak(&wave, 1.0) - 1.0).abs() < 0.17f64.powi(4) / 64.0,
                 "{}",

@@ -7,9 +7,9 @@ use serde::Serialize;
 use serde::de::DeserializeOwned;
 use thiserror::Error;
 
-/// The kept form of a type.
+/// The stored form of a type.
 pub trait Codec<T> {
-    /// Whether anything is kept at all.
+    /// Whether anything is stored at all.
     const KEPT: bool = true;
 
     /// Writes a value.
@@ -21,7 +21,7 @@ pub trait Codec<T> {
     /// Reads a value from its `length` bytes.
     ///
     /// # Errors
-    /// [`Undecodable`] when the bytes are no such value.
+    /// [`Undecodable`] if the bytes do not encode a value of the type.
     fn read(from: &mut dyn Read, length: usize) -> Result<T, Undecodable>;
 }
 
@@ -37,7 +37,7 @@ impl Undecodable {
     }
 }
 
-/// The postcard format: for whatever serde can write.
+/// The postcard format: for any serde type.
 pub struct Postcard;
 
 impl<T: Serialize + DeserializeOwned> Codec<T> for Postcard {
@@ -100,7 +100,7 @@ entry!(f32, f64);
 /// Numbers that are encoded or decoded at once.
 const PART: usize = 1 << 13;
 
-/// A large matrix with what belongs to it, read straight into place:
+/// A large matrix and its further data, read straight into place:
 ///
 /// ```text
 /// 8 bytes  length of the head
@@ -151,7 +151,7 @@ impl<T: HasMatrix + Serialize + DeserializeOwned> Codec<T> for WithMatrix {
     }
 }
 
-/// A small matrix or vector as a field of what serde writes.
+/// A small matrix or vector as a field of a serde type.
 pub mod matrix {
     use nalgebra::{DMatrix, DVector};
     use serde::de::Error;
@@ -200,7 +200,7 @@ pub mod matrix {
     }
 }
 
-/// Nothing is kept: the output costs less to compute than to read, or is an intermediate of outputs that are kept.
+/// Nothing is stored: the output costs less to compute than to read, or is an intermediate of stored outputs.
 pub struct Uncached;
 
 impl<T> Codec<T> for Uncached {

@@ -17,8 +17,8 @@ pub struct MovedPart {
     pub received: AtMicrophones,
 }
 
-/// Exhaust with the cap, and body with the trigger vent, from exhaust without vent and body without cap; as they are where
-/// nothing moves. `range_hz` is that in which sources are compared.
+/// Exhaust with the cap, and body with the trigger vent, from exhaust without vent and body without cap; unchanged if
+/// nothing moves. Sources are compared over `range_hz`.
 pub fn counted(
     [exhaust, body]: [&SoundSource; 2],
     [cap, vent]: [Option<&SoundSource>; 2],
@@ -26,7 +26,7 @@ pub fn counted(
 ) -> [SoundSource; 2] {
     let energy = |source: &SoundSource| source.spectrum.energy(range_hz, Weighting::A);
     let of = |source: &SoundSource| errors(energy(source), &source.uncertainty);
-    // The error of the whole body may be all in its cap, or all in the rest.
+    // The error of the body may be all in its cap, or all in the rest.
     let of_body = errors(energy(body) + cap.map_or(0.0, energy), &body.uncertainty);
     let uncertain = |source: SoundSource, errors: [Option<f64>; 2], basis: &str| SoundSource {
         uncertainty: within(energy(&source), errors, source.uncertainty.basis.clone() + basis),

@@ -38,19 +38,19 @@ impl Stage for Cycle {
     }
 }
 
-/// A published form of the model, put in the place of the forms that the design chooses.
+/// A published form of the model, which replaces the forms that the design chooses.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Preset {
     /// Every form as published: gas, valve, nail, impact, contacts, intake, trigger channel and refill; without the
     /// leak and the damping that the thesis does not have, and with the seat diameter its valve balance needs.
     PublishedAll,
-    /// The published nail alone: elastic penetration, and no impact of the rod on the nail.
+    /// The published nail only: elastic penetration, and no impact of the rod on the nail.
     PublishedNailOnly,
 }
 
 impl Preset {
-    /// Its name, as in the output.
+    /// Name of the preset in the output.
     pub fn as_str(self) -> &'static str {
         match self {
             Self::PublishedAll => "published_all",

@@ -57,7 +57,7 @@ pub struct Influence {
     pub figure: f64,
 }
 
-/// By what a shot misses.
+/// Limits by which a shot misses.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) enum Miss {
     /// Length of the nail above the surface.
@@ -75,7 +75,7 @@ pub(crate) enum Miss {
 }
 
 impl Miss {
-    /// That of an outcome; none where nothing is missed.
+    /// That of an outcome; none if nothing is missed.
     pub(crate) fn of(outcome: Outcome) -> Option<Self> {
         match outcome {
             Outcome::Drives => None,
@@ -143,7 +143,7 @@ fn rise(record: &CycleRecord) -> f64 {
     highest(wood.iter().zip(nose).map(|(wood, nose)| wood - nose))
 }
 
-/// Speed of the piston against the tool when it first meets the bumper; 0 where it does not \[m/s\].
+/// Speed of the piston against the tool when it first meets the bumper; 0 if it does not \[m/s\].
 fn bumper_speed(record: &CycleRecord) -> f64 {
     let met = record
         .log
@@ -199,7 +199,7 @@ pub fn sentence(record: &CycleRecord, parameters: &Parameters) -> String {
 }
 
 impl Headline {
-    /// The headline of a shot without the inputs that change it; none where the nail is driven and the exhaust opens.
+    /// The headline of a shot without the inputs that change it; none if the nail is driven and the exhaust opens.
     pub fn of(record: &CycleRecord, parameters: &Parameters) -> Option<Self> {
         let miss = Miss::of(record.outcome)?;
         let exhaust_opens = record.events.t13.is_some();
@@ -258,7 +258,7 @@ impl Headline {
         })
     }
 
-    /// Which inputs would change it most, in words; none where none is known.
+    /// Which inputs would change it most, in words; none if unknown.
     pub fn advice(&self) -> Option<String> {
         if self.inputs.is_empty() {
             return None;
@@ -288,7 +288,7 @@ impl Headline {
     }
 }
 
-/// Why levels of shots must not be compared, where they end differently; `ends` are their names and headlines.
+/// Why levels of shots must not be compared, if they end differently; `ends` are their names and headlines.
 pub fn unlike<'a>(ends: impl IntoIterator<Item = (&'a str, Option<&'a Headline>)>) -> Option<String> {
     let ends: Vec<(&str, Option<&Headline>)> = ends.into_iter().collect();
     let kind = |end: Option<&Headline>| end.map(|own| (own.outcome.clone(), own.exhaust_opens));
@@ -340,7 +340,7 @@ impl Stage for Influences {
 
     fn compute(&self, _: &Progress) -> Result<Vec<Influence>, Error> {
         let figure = |cycle: &Cycle| {
-            // A shot that ends with an error has no figure.
+            // A shot that ends with an error yields no figure.
             let record = simulate(&cycle.parameters, &cycle.settings).ok()?;
             Some((record.outcome, self.miss.value(&record, &cycle.parameters)))
         };

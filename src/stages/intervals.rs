@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::result::IntervalLevel;
 
-/// What a source radiates between two events.
+/// Sound of a source between two events.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Interval {
     /// Event at its start.
@@ -52,7 +52,7 @@ impl EventEdges {
             .enumerate()
             .filter_map(|(i, time)| Some(((*time)?, format!("t{i}"))))
             .collect();
-        // Stable: simultaneous events keep the order of their numbers.
+        // Stable: simultaneous events stay in the order of their numbers.
         marks.sort_by(|a, b| a.0.total_cmp(&b.0));
         if marks.first().is_none_or(|first| first.0 > 0.0) {
             marks.insert(0, (0.0, "start".to_owned()));

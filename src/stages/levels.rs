@@ -1,4 +1,4 @@
-//! Levels of a shot alone, without its sound at microphones and histories: what a study keeps of a draw.
+//! Levels of a shot only, without its sound at microphones and histories: the record of a draw in a study.
 
 use nailnoise_acoustics::radiator::Detail;
 use serde::{Deserialize, Serialize};
@@ -28,13 +28,13 @@ pub struct ShotLevels {
     pub cycles: Cycles,
     /// End of all records \[s\].
     pub end: Stored<f64>,
-    /// Range in which sources are compared \[Hz\].
+    /// Range over which sources are compared \[Hz\].
     pub range_hz: [f64; 2],
     /// Elastic bodies, whose checks count.
     pub bodies: Vec<Stored<Body>>,
     /// Their responses, whose checks count.
     pub responses: Vec<Stored<Vibration>>,
-    /// Sensors, where the design has any.
+    /// Sensors, if the design has any.
     pub sensors: Option<Sensors>,
 }
 
@@ -45,7 +45,7 @@ pub struct Levels {
     pub outcome: String,
     /// Workpiece, exhaust, body, in this order.
     pub sources: Vec<SourceLevels>,
-    /// Checks of cycle, bodies and responses that do not hold.
+    /// Failed checks of cycle, bodies and responses.
     pub failed_checks: Vec<String>,
     /// Name of each sensor and its RMS acceleration over 1 s \[g\].
     pub sensors: Vec<(String, f64)>,

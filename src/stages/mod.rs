@@ -1,11 +1,11 @@
 //! The stages of the chain from inputs to sound power, and functions that several of them share; `chain` shows their order.
 //!
-//! A [`Stage`] is a value that holds all its inputs and nothing else. Its key is the digest of its name, of the code it
-//! calls and of its serialised fields, so that a kept result can be neither stale nor confused with another. A large input
-//! is a [`Stored`]: it counts by the key of the stage that makes it, and is made when it is first read.
+//! A [`Stage`] is a value that contains all its inputs and nothing else. Its key is the digest of its name, of the code
+//! it calls and of its serialised fields, so that a stored result can be neither stale nor confused with another. A
+//! large input is a [`Stored`]: it counts by the key of the stage that makes it, and is made when it is first read.
 //!
-//! Stages know neither the design file nor the store. `design::inputs` makes their fields from a design, `chain` puts them
-//! together, and `graph` looks them up, computes, keeps and times them.
+//! Stages depend neither on the design file nor on the store. `design::inputs` makes their fields from a design,
+//! `chain` assembles them, and `graph` looks them up, computes, stores and times them.
 
 pub mod bodies;
 pub mod changes;
@@ -43,11 +43,11 @@ pub use progress::{Observer, Progress, Silent, Task, WithoutStages};
 
 use crate::error::Error;
 
-/// A step of the chain: what it needs, what it makes.
+/// A step of the chain: its inputs and its output.
 pub trait Stage: Serialize + Send + Sync + 'static {
-    /// What it makes.
+    /// Its output.
     type Output: Send + Sync + 'static;
-    /// How the output is kept between runs: [`Postcard`], [`Uncached`], or a form of its own.
+    /// How the output is stored between runs: [`Postcard`], [`Uncached`], or a dedicated form.
     type Codec: Codec<Self::Output>;
     /// Its name in the store, in progress and in the timing of a run.
     const NAME: &'static str;
@@ -84,14 +84,14 @@ pub type Digest = [u8; 32];
 
 /// The output of a stage, made when it is first read and shared by all who read it.
 ///
-/// It is serialised as the key of its stage: what depends on it depends on what it is made from, not on its bytes, whose
-/// last digits may differ between machines.
+/// It is serialised as the key of its stage: a result that uses it depends on the inputs of that stage, not on its
+/// bytes, whose last digits may differ between machines.
 pub struct Stored<T> {
     key: Digest,
     source: Arc<dyn Source<T>>,
 }
 
-/// Where a [`Stored`] value comes from.
+/// Origin of a [`Stored`] value.
 pub trait Source<T>: Send + Sync {
     /// The value, looked up or computed.
     ///
@@ -153,7 +153,7 @@ pub(crate) fn all<T>(inputs: &[Stored<T>]) -> Result<Vec<Arc<T>>, Error> {
     inputs.iter().map(Stored::get).collect()
 }
 
-/// An input of a stage, whatever its type.
+/// An input of a stage, of any type.
 pub trait Input: Send + Sync {
     /// Makes the value, if it is not made yet.
     ///

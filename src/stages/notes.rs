@@ -1,4 +1,4 @@
-//! Notes of a run: what a reader must know beside its numbers.
+//! Notes of a run: facts that a reader needs in addition to its numbers.
 
 use nailnoise_dynamics::CycleRecord;
 
@@ -6,19 +6,19 @@ use super::exhaust::{ExhaustDetails, Muffler, Openings};
 use super::tool_response::Stiffness;
 use crate::result::{FluidLoading, FluidLoadingChange, Loading, RadiationReport};
 
-/// What the notes of a run are made from, beside cycle and exhaust.
+/// Inputs of the notes of a run, in addition to cycle and exhaust.
 pub struct NoteInputs<'a> {
     /// How the shot ended, in words.
     pub shot: String,
-    /// What the workpiece is supported by, in words.
+    /// Support of the workpiece, in words.
     pub support: &'a str,
     /// Whether the workpiece is in sand.
     pub in_sand: bool,
-    /// Upper end of the range in which sources are compared \[Hz\].
+    /// Upper end of the range over which sources are compared \[Hz\].
     pub range_high: f64,
     /// Radiation of workpiece and tool.
     pub radiation: [Option<&'a RadiationReport>; 2],
-    /// Levels with the frozen and the complete impedance of the air, where its mass acts.
+    /// Levels with the frozen and the complete impedance of the air, if its mass acts.
     pub fluid_loading_changes: &'a [FluidLoadingChange],
     /// Stiffness of an elastic tool body at the cycle's contacts.
     pub stiffness: Option<&'a [Stiffness; 2]>,
@@ -26,28 +26,28 @@ pub struct NoteInputs<'a> {
     pub truncations: Vec<String>,
     /// How the response ended, in words.
     pub ending: &'a str,
-    /// Sensors on bodies that the design lacks.
+    /// Sensors on bodies that are not in the design.
     pub idle_sensors: Vec<&'a str>,
     /// Sensors whose band ends with the modes of their body, and the frequency of that end \[Hz\].
     pub limited_sensors: Vec<(&'a str, f64)>,
-    /// Where the shot lies in the range of a fitted penetration law, in words.
+    /// Place of the shot in the range of a fitted penetration law, in words.
     pub fitted_law: Vec<String>,
     /// Values outside the ranges that the design gives, in words.
     pub outside_ranges: Vec<String>,
-    /// Springs on bodies that the design lacks.
+    /// Springs on bodies that are not in the design.
     pub idle_springs: Vec<&'a str>,
     /// Surfaces on bodies that are built in.
     pub idle_surfaces: Vec<&'a str>,
     /// Surfaces that the program recognised, in words.
     pub guessed: Vec<String>,
-    /// What counts to another source than by the physical convention, in words.
+    /// Parts that count to another source than by the physical convention, in words.
     pub convention: Option<String>,
 }
 
 /// Notes on one run, most important first.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Notes {
-    /// On the shot, the values of the design, and sources of which there is only an estimate.
+    /// On the shot, the values of the design, and sources that are only estimated.
     pub shot: Vec<String>,
     /// On methods: their ranges, errors and limits.
     pub methods: Vec<String>,
@@ -111,7 +111,8 @@ struct Landing {
 }
 
 impl Landing {
-    /// How long the nose must be free of the workpiece before \[s\]: contacts that chatter during the drive are no landings.
+    /// How long the nose must be free of the workpiece before \[s\]: contacts that chatter during the drive do not
+    /// count as landings.
     const FLIGHT: f64 = 5e-3;
 
     fn of(record: &CycleRecord) -> Option<Self> {
@@ -285,7 +286,7 @@ fn radiation_note(what: &str, report: &RadiationReport) -> String {
 /// Added mass of a mode, relative to its own, beyond which it should act on the motion.
 const NOTABLE_MASS: f64 = 0.02;
 
-/// What fluid loading changes in some sources.
+/// Effect of fluid loading on some sources.
 fn loading_note(sources: &[(&str, &FluidLoading)]) -> Option<String> {
     let mut parts = Vec::new();
     let mut heaviest = None;
@@ -327,7 +328,7 @@ fn loading_note(sources: &[(&str, &FluidLoading)]) -> Option<String> {
     (!parts.is_empty()).then(|| format!("fluid loading: {}{warning}", parts.join("; ")))
 }
 
-/// What the complete impedance of every frequency changes against that frozen at each mode's resonance.
+/// Effect of the full impedance at every frequency, compared with that frozen at each mode's resonance.
 fn complete_impedance_note(changes: &[FluidLoadingChange]) -> Option<String> {
     let part = |change: &FluidLoadingChange| {
         let acts = match change.complete_acts {

@@ -1,4 +1,4 @@
-//! What many shots do, without their sound: the cheap part of a study.
+//! Outcomes of many shots, without their sound: the cheap part of a study.
 
 use nailnoise_dynamics::{CycleError, simulate};
 use rayon::prelude::*;
@@ -15,7 +15,7 @@ pub struct Outcomes {
     pub cycles: Vec<Cycle>,
 }
 
-/// What became of a shot.
+/// The outcome of a shot.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub enum ShotOutcome {
     /// The cycle was computed.
@@ -31,7 +31,7 @@ pub enum ShotOutcome {
 /// Figures of a shot.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Shot {
-    /// Name of the outcome, as in the output.
+    /// Name of the outcome in the output.
     pub outcome: String,
     /// Mean speed of the piston over the nail's length in the wood \[m/s\].
     pub mean_drive_speed: Option<f64>,
@@ -64,7 +64,7 @@ impl Stage for Outcomes {
     }
 }
 
-/// What becomes of the shot of a cycle.
+/// The outcome of the shot of a cycle.
 pub fn outcome(cycle: &Cycle) -> ShotOutcome {
     match simulate(&cycle.parameters, &cycle.settings) {
         Ok(record) => ShotOutcome::Shot(Shot {

@@ -1,4 +1,4 @@
-//! How far a computation has got, for whoever waits for it.
+//! Progress of a computation, for its observers.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -7,7 +7,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 pub trait Observer: Send + Sync {
     /// A stage begins.
     fn stage(&self, name: &str);
-    /// A remark that the user should read beside the result.
+    /// A remark for the user to read with the result.
     fn note(&self, text: &str);
     /// So many items of the command's own work are done, of so many.
     fn done(&self, _items: u64, _of: u64) {}
@@ -53,7 +53,7 @@ impl Observer for WithoutStages {
 pub struct Task {
     /// Its name.
     pub name: &'static str,
-    /// What is counted.
+    /// The counted items.
     pub items: &'static str,
     /// How many items are done.
     pub done: u64,
@@ -87,7 +87,7 @@ impl Progress {
         Self(Arc::new(Silent))
     }
 
-    /// Where progress goes.
+    /// Target of the progress.
     pub fn observer(&self) -> Arc<dyn Observer> {
         Arc::clone(&self.0)
     }
@@ -97,7 +97,7 @@ impl Progress {
         self.0.stage(name);
     }
 
-    /// A remark that the user should read beside the result.
+    /// A remark for the user to read with the result.
     pub fn note(&self, text: &str) {
         self.0.note(text);
     }

@@ -14,11 +14,11 @@ const CELL: f64 = 1e-4;
 /// Time shown before and after the records \[s\]: the finite range of frequencies spreads a sudden sound to both sides.
 const MARGIN: f64 = 0.01;
 
-/// Largest relative difference between a signal's bins and the spectrum's, beside the interpolation error of the
-/// resistance, which its root shares: 0.04 dB.
+/// Largest relative difference between a signal's bins and the spectrum's, in addition to the interpolation error of
+/// the resistance, which its root shares: 0.04 dB.
 const MISMATCH: f64 = 1e-2;
 
-/// Largest relative difference between a sum of energies and the energy of the whole.
+/// Largest relative difference between a sum of energies and the total energy.
 const ROUNDING: f64 = 1e-9;
 
 /// A source's A-weighted power over time, in the common range.
@@ -206,7 +206,7 @@ mod tests {
         let part = 1e-6;
         assert!((gap(1.0 - part, 20, energy_level(1.0)) / part - 1.0).abs() < 1e-6);
         assert!((gap(1.0 + part, 0, energy_level(1.0)) / part - 1.0).abs() < 1e-6);
-        // A silent source, with and without bands that say otherwise.
+        // A silent source, with and without bands that contradict it.
         assert_eq!(gap(0.0, 27, None), 0.0);
         assert!(gap(1e-12, 0, None) > 1.0);
     }

@@ -1,4 +1,4 @@
-//! What a run requires of a body, checked as soon as it is meshed and before time is spent on its modes.
+//! Requirements of a run on a body, checked as soon as it is meshed and before time is spent on its modes.
 
 use std::sync::Arc;
 
@@ -11,8 +11,8 @@ use super::radiation::{CapSurface, Places, ToolRadiation, WorkpieceRadiation};
 use super::{Code, Input, Postcard, Progress, Stage, Stored, all, code};
 use crate::error::Error;
 
-/// What a run requires of a body: places of forces, contacts, springs and sensors, its mass, one piece, and a surface that
-/// can radiate.
+/// Requirements of a run on a body: places of forces, contacts, springs and sensors, its mass, one piece, and a surface
+/// that can radiate.
 #[derive(Serialize)]
 pub struct Requirements {
     /// Which body it is.
@@ -32,9 +32,9 @@ pub struct Requirements {
 /// A surface that radiates, of one body or of several.
 #[derive(Serialize)]
 pub enum Radiating {
-    /// The tool's body, its cap where that is apart, and the microphones.
+    /// The tool's body, its cap if separate, and the microphones.
     Tool(ToolRadiation, Option<CapSurface>, Places),
-    /// The workpiece, the table that it may stand on, and the microphones.
+    /// The workpiece, a table below it, and the microphones.
     Workpiece(WorkpieceRadiation, Vec<Stored<Meshed>>, Places),
 }
 
@@ -58,7 +58,7 @@ impl Stage for Requirements {
         stages_requirements
     );
 
-    /// Without the model, whose errors stand beside the others.
+    /// Without the model, whose errors are reported with the others.
     fn inputs(&self) -> Vec<&dyn Input> {
         let others = match &self.radiating {
             Some(Radiating::Workpiece(_, bodies, _)) => &bodies[..],
@@ -75,7 +75,7 @@ impl Stage for Requirements {
             Some(Radiating::Workpiece(_, bodies, _)) => all(bodies)?,
             _ => Vec::new(),
         };
-        // Independent of each other; what they find keeps its order.
+        // Independent of each other; their findings stay in order.
         let of_pieces = || meshed.check_pieces(body);
         let of_radiation = || match &self.radiating {
             Some(radiating) => radiating.check(&Surface::of(&meshed.imported.mesh), &others),

@@ -23,13 +23,13 @@ const STANDARD_GRAVITY: f64 = 9.80665;
 /// Time constants of a high-pass that a transform lasts longer than the motion, so that exp(-12) of its decay wraps around.
 const DECAY: f64 = 12.0;
 
-/// Longest decay of a high-pass that a transform holds \[s\]; only one below 0.5 Hz lasts longer.
+/// Longest high-pass decay that fits into a transform \[s\]; only one below 0.5 Hz lasts longer.
 const LONGEST_DECAY: f64 = 4.0;
 
 /// Share of a signal's energy that the end of its record may leave out: 4e-5 dB of its level.
 const REST: f64 = 1e-5;
 
-/// Shortest record, in samples: what a spectrum needs.
+/// Shortest record, in samples: the minimum for a spectrum.
 const SHORTEST: usize = 8;
 
 /// An accelerometer with its measuring chain.
@@ -37,13 +37,13 @@ const SHORTEST: usize = 8;
 pub struct Accelerometer {
     /// Name in the design.
     pub name: String,
-    /// What it is fixed to.
+    /// Body that carries the sensor.
     pub body: Carrier,
     /// Component of its axis along z, upwards; on a rigid tool nothing else matters.
     pub axis_z: f64,
     /// Limits of its band, -3 dB, the upper one not above the modes of its body \[Hz\].
     pub band_hz: [f64; 2],
-    /// Law and position, where the sensor is on sand beside the workpiece.
+    /// Law and position, if the sensor is on sand next to the workpiece.
     pub sand: Option<(MovingSand, [f64; 2])>,
 }
 
@@ -69,7 +69,7 @@ impl Accelerometer {
 pub struct SensorRecord {
     /// Name in the design.
     pub name: String,
-    /// What it is fixed to.
+    /// Body that carries the sensor.
     pub body: Carrier,
     /// Sampling interval, the first sample at t = 0 \[s\].
     pub interval: f64,
@@ -134,8 +134,8 @@ impl Sensors {
     }
 }
 
-/// Signals of sensors on a time grid (`step` \[s\], number of `samples`), cut where all have come to rest. Sensors without a motion
-/// of their body are on a rigid tool, which moves as in the cycle.
+/// Signals of sensors on a time grid (`step` \[s\], number of `samples`), cut once all have come to rest. Sensors
+/// without a motion of their body are on a rigid tool, which moves as in the cycle.
 ///
 /// # Errors
 /// Those of the filter.

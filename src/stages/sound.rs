@@ -89,7 +89,7 @@ impl SoundSource {
         }
     }
 
-    /// Analyses a part of a surface, whose energy may have either sign; it is as uncertain as `uncertainty` says.
+    /// Analyses a part of a surface, whose energy may have either sign; `uncertainty` is its uncertainty.
     pub(super) fn of_part(
         part: PartOfSurface,
         uncertainty: Uncertainty,
@@ -164,7 +164,7 @@ pub(super) fn sum_with(own: &SourceSpectrum, part: &SourceSpectrum) -> SourceSpe
     sum
 }
 
-/// The contributions of a spectrum as spectra of their own.
+/// The contributions of a spectrum as separate spectra.
 pub(super) fn parts_of(spectrum: &SourceSpectrum) -> Vec<SourceSpectrum> {
     let part = |contribution: &Contribution| SourceSpectrum {
         source: contribution.name.clone(),

@@ -22,8 +22,8 @@ use crate::result::Check;
 /// Largest difference of the energy in a field from the source's \[dB\].
 const DIFFERENCE: f64 = 0.1;
 
-/// Computes the sound field of workpiece and tool, and the velocity of all surfaces. The output is kept, but not with a run:
-/// pressures in thousands of places are a hundred times what levels need.
+/// Computes the sound field of workpiece and tool, and the velocity of all surfaces. The output is stored, but not with
+/// a run: pressures in thousands of places take a hundred times the space of the data for levels.
 #[derive(Serialize)]
 pub struct SoundFields {
     /// How the field of the workpiece is computed.
@@ -36,7 +36,7 @@ pub struct SoundFields {
     pub tool: Option<ToolField>,
     /// The ambient air.
     pub air: Air,
-    /// Planes in which the field is shown.
+    /// Planes that show the field.
     pub cuts: Cuts,
 }
 
@@ -47,7 +47,7 @@ pub enum FieldMethod {
     BoundaryElements(WorkpieceBoundaryElements, Stored<ModalBem>),
     /// By Rayleigh's integral, given the workpiece as a radiator.
     Rayleigh(FlushTop, Stored<Box<dyn Radiator>>),
-    /// The equivalent radiated power has no field.
+    /// The equivalent radiated power yields no field.
     Erp,
 }
 
@@ -58,7 +58,7 @@ pub struct ToolField {
     pub body: Stored<Body>,
     /// Its motion.
     pub motion: Stored<BodyMotion>,
-    /// Boundary elements and their matrix in the ambient air, where the design asks for them.
+    /// Boundary elements and their matrix in the ambient air, if the design requests them.
     pub elements: Option<(ToolRadiation, Stored<ModalBem>)>,
     /// Position of its nose \[m\].
     pub nose: [f64; 3],
@@ -69,9 +69,9 @@ pub struct ToolField {
 pub struct Fields {
     /// How the workpiece's sound is computed.
     pub method: String,
-    /// What the fields show and what they do not.
+    /// Contents and omissions of the fields.
     pub notes: Vec<String>,
-    /// Whether they hold the energy of the source.
+    /// Whether they contain the energy of the source.
     pub checks: Vec<Check>,
     /// Surfaces with fields.
     pub series: Vec<FieldSeries>,
@@ -181,7 +181,7 @@ impl SoundFields {
         })
     }
 
-    /// Adds the field of the tool, where it is solved by boundary elements.
+    /// Adds the field of the tool, if it is solved by boundary elements.
     fn add_tool(&self, tool: &ToolField, fields: &mut Fields) -> Result<(), Error> {
         let Some((elements, matrix)) = &tool.elements else {
             return Ok(());
@@ -237,7 +237,7 @@ impl SoundFields {
     }
 }
 
-/// Checks that a field holds the energy of its source.
+/// Checks that a field contains the energy of its source.
 fn checks(source: &str, field: &SoundField) -> Vec<Check> {
     let check = |(what, decibels): &(&str, f64)| {
         let name = format!("sound field: energy by {what} relative to that of the {source} in these bands [dB]");

@@ -18,7 +18,8 @@ use crate::error::Error;
 /// Modes whose motion is computed together: their forces are one matrix product.
 const BLOCK: usize = 32;
 
-/// Analyses the motion of one body of a response. Its output is not kept: it is an intermediate of hundreds of megabytes.
+/// Analyses the motion of one body of a response. Its output is not stored: it is an intermediate of hundreds of
+/// megabytes.
 #[derive(Clone, Serialize)]
 pub struct BodyAnalysis {
     /// The response.
@@ -47,7 +48,7 @@ pub struct MovingBody {
 }
 
 impl MovingBody {
-    /// What the stage of an export waits for.
+    /// Inputs that the stage of an export waits for.
     pub fn inputs(&self) -> [&dyn Input; 3] {
         [&self.body, &self.vibration, &self.motion]
     }
@@ -149,9 +150,9 @@ impl Stage for BodyAnalysis {
     }
 }
 
-/// Spectra within `range_hz` of the modal accelerations of the body at `index` of a response, and the accelerations of points
-/// of that body at the response's samples (samples x points), given the displacement of each mode there (`points`, modes x
-/// points).
+/// Spectra within `range_hz` of the modal accelerations of the body at `index` of a response, and accelerations of
+/// points of that body at the response's samples (samples x points). `points` (modes x points) contains the
+/// displacement of each mode there.
 ///
 /// # Errors
 /// Those of the response and of the Fourier transform.

@@ -19,7 +19,7 @@ pub struct OtherStarts {
     pub first: Stored<SurfaceSource>,
     /// Energies of the other starts.
     pub others: Vec<Stored<SourceSpectrum>>,
-    /// Range in which sources are compared \[Hz\].
+    /// Range over which sources are compared \[Hz\].
     pub range_hz: [f64; 2],
 }
 

@@ -14,7 +14,7 @@ use crate::result::TransducerRange;
 pub struct PressureTransducer {
     /// Name in the design.
     pub name: String,
-    /// Where it is.
+    /// Its chamber.
     pub chamber: Chamber,
     /// Travel of the piston at which it passes a transducer in the cylinder's wall \[m\].
     pub position: f64,
@@ -27,7 +27,7 @@ pub struct PressureTransducer {
 pub struct PressureRecord {
     /// Name in the design.
     pub name: String,
-    /// Where it is.
+    /// Its chamber.
     pub chamber: Chamber,
     /// Sampling interval, the first sample at t = 0 \[s\].
     pub interval: f64,
@@ -50,7 +50,7 @@ impl PressureRecord {
 
 /// Signals of all pressure transducers of a shot.
 ///
-/// Its output is not kept: to compute it takes less time than to read it would.
+/// Its output is not stored: computing it takes less time than reading it would.
 #[derive(Serialize)]
 pub struct Transducers {
     /// The transducers.
@@ -104,13 +104,13 @@ impl PressureTransducer {
     }
 }
 
-/// A signal behind the first-order high-pass of a discharging charge, from rest at its first value.
+/// A signal after the first-order high-pass of a discharging charge, from rest at its first value.
 ///
 /// ```text
 /// y' + y/tau = p'      H = s tau/(1 + s tau)
 /// ```
 ///
-/// The solution is exact for a pressure that is linear between its samples, `interval` \[s\] apart.
+/// The solution is exact for a pressure that is linear between its samples at `interval` \[s\].
 fn discharged(pressure: &[f64], interval: f64, tau: f64) -> Vec<f64> {
     let ratio = interval / tau;
     let (kept, gained) = ((-ratio).exp(), -(-ratio).exp_m1() / ratio);

@@ -1,4 +1,4 @@
-//! Truncation: the energy of a part above its top frequency, where the model has no modes.
+//! Truncation: the energy of a part above its top frequency, beyond the modes of the model.
 //!
 //! The part does not radiate there. The absent energy is estimated by continuing the slope of its last octave.
 
@@ -26,7 +26,7 @@ pub struct Part {
     pub top_hz: f64,
 }
 
-/// A-weighted energy that a source lacks above the top frequency of a part.
+/// A-weighted energy that is missing from a source above the top frequency of a part.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Truncation {
     /// Name of the part.
@@ -105,8 +105,8 @@ fn truncation((source, whole): (&'static str, &SourceSpectrum), range_hz: [f64; 
 
 /// A-weighted energy between `top` and `high` if the band energies went on as in the octave below `top` \[J\].
 ///
-/// The line of 10 lg E over the band number is fitted by least squares to the last three whole bands. It may not rise:
-/// a rising end says nothing about where the rise ends.
+/// The line of 10 lg E over the band number is fitted by least squares to the last three complete bands. It may not
+/// rise: a rising end does not show where the rise ends.
 fn extrapolated(spectrum: &SourceSpectrum, top: f64, high: f64) -> f64 {
     let bands: Vec<BandLevel> = spectrum.band_levels([0.0, top]);
     let whole = bands

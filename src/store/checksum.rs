@@ -1,7 +1,7 @@
 //! Whether bytes are those that were written.
 //!
-//! A checksum finds damage, for which XXH3-128 (Collet) is as good as a cryptographic digest and many times as fast: one
-//! altered file in 2^128 passes. What must not be confused, inputs of stages and of designs, has SHA-256.
+//! A checksum finds damage, for which XXH3-128 (Collet) is as good as a cryptographic digest and many times as fast:
+//! one altered file in 2^128 passes. Inputs of stages and of designs, which must not be confused, have SHA-256.
 
 use std::io::{self, Read, Write};
 
@@ -15,7 +15,7 @@ pub(crate) fn checksum(bytes: &[u8]) -> Checksum {
     XxHash3_128::oneshot(bytes).to_le_bytes()
 }
 
-/// Reads or writes on and sums up what passes.
+/// Continues to read or write and sums up the bytes.
 pub(super) struct Summed<W> {
     to: W,
     sum: XxHash3_128,
@@ -32,7 +32,7 @@ impl<W> Summed<W> {
         self.sum.finish_128().to_le_bytes()
     }
 
-    /// What is read or written.
+    /// The underlying reader or writer.
     pub(super) fn inner(&self) -> &W {
         &self.to
     }

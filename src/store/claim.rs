@@ -1,14 +1,14 @@
 //! Claims: which process computes an entry, so that those that share a folder do not compute the same one side by side.
 //!
-//! A claim is a file beside the entry. It is created only where there is none (O_EXCL, which network file systems honour, too) and
-//! removed once the entry is written. Nothing is locked: the owner sets the time of the file every [`BEAT`], and a claim whose time
-//! has stood still for [`Patience::stale`] is taken over, by the clock of the one who waits, because clocks of machines differ. A
-//! claim whose owner is a process of this machine that has ended is taken over at once. A claim that cannot be read has a time
-//! all the same.
-//! No wait is without limit: what is not a file, what cannot be removed, and an owner that does not finish end it, each with its
-//! cause.
+//! A claim is a file next to the entry. It is created only if none exists (O_EXCL, which network file systems honour,
+//! too) and removed once the entry is written. There are no locks: the owner sets the time of the file every [`BEAT`].
+//! A claim whose time has not changed for [`Patience::stale`] is taken over. The clock of the waiting process decides,
+//! because clocks of machines differ. A claim whose owner is a process of this machine that has ended is taken over at
+//! once. A claim that cannot be read still has a time. Every wait is limited: an object that is not a file, an object
+//! that cannot be removed, and an owner that does not finish end it, each with its cause.
 //!
-//! A claim is advice. Entries are written whole and verified whoever wrote them, so that two owners at once cost time alone.
+//! A claim is advice. Entries are written completely and verified whoever wrote them, so that two owners at once only
+//! cost time.
 
 use std::fs::{self, File, OpenOptions};
 use std::io::{self, ErrorKind, Read as _, Write as _};
@@ -37,7 +37,7 @@ pub(super) struct Patience {
     reported: Duration,
     /// Without a change for this long, the owner of a claim is taken to have ended.
     stale: Duration,
-    /// After this, an entry is computed whoever else computes it.
+    /// After this, an entry is computed regardless of other processes.
     longest: Duration,
 }
 
@@ -58,15 +58,15 @@ pub(super) enum Unclaimed {
     NotCreated {
         /// The claim, or the folder.
         path: PathBuf,
-        /// What the system said.
+        /// Message of the system.
         source: io::Error,
     },
-    /// The name of the claim is taken by what no process writes.
+    /// The name of the claim is taken by an object that processes do not write.
     #[error("{} is {kind}, not the claim of a process; remove it", path.display())]
     Obstacle {
         /// The claim.
         path: PathBuf,
-        /// What it is.
+        /// Kind of the object.
         kind: &'static str,
     },
     /// The claim of an ended process stays.
@@ -76,7 +76,7 @@ pub(super) enum Unclaimed {
         path: PathBuf,
         /// Who made it.
         owner: String,
-        /// What the system said.
+        /// Message of the system.
         source: io::Error,
     },
     /// The owner lives, and does not finish.
@@ -99,7 +99,7 @@ pub struct Claim {
     beat: Option<(Sender<()>, JoinHandle<()>)>,
 }
 
-/// The claim's file beside an entry; the name is that of a file which is swept away when it is old.
+/// The claim's file next to an entry; its name is that of a file that is swept away when it is old.
 fn beside(entry: &Path) -> PathBuf {
     let mut name = std::ffi::OsString::from(".");
     name.push(entry.file_name().unwrap_or_default());
@@ -107,8 +107,8 @@ fn beside(entry: &Path) -> PathBuf {
     entry.with_file_name(name)
 }
 
-/// The claim on an entry, once nobody else has it; none where the entry has appeared meanwhile. While another process has it,
-/// `step` is called now and then, and `report` once with the cause of a wait that is not short.
+/// The claim on an entry, once nobody else has it; none if the entry has appeared meanwhile. While another process has
+/// it, `step` is called now and then, and `report` once with the cause of a wait that is not short.
 ///
 /// # Errors
 /// [`Unclaimed`]: the entry is then computed without a claim.
@@ -131,7 +131,7 @@ pub(super) fn wait(
         if appeared() {
             return Ok(None);
         }
-        // Where the claim has gone, the next round makes one.
+        // If the claim has gone, the next round makes one.
         let owner = if let Some(now) = Seen::look(&path)? {
             let since = last.take().filter(|(seen, _)| *seen == now);
             let since = since.map_or_else(Instant::now, |(_, since)| since);
@@ -172,7 +172,7 @@ pub(super) fn wait(
 #[derive(Debug, PartialEq, Eq)]
 enum Token {
     Text(String),
-    /// Another user may have made a claim that only they can read; its time can be seen all the same.
+    /// Another user may have made a claim that only they can read; its time is still visible.
     Unreadable(ErrorKind),
 }
 
@@ -184,11 +184,12 @@ struct Seen {
 }
 
 impl Seen {
-    /// What can be seen of the claim; none where it has gone. It is opened each time, which makes a network file system ask its
-    /// server.
+    /// Visible state of the claim; none if it has gone. It is opened each time, which makes a network file system ask
+    /// its server.
     ///
     /// # Errors
-    /// [`Unclaimed::Obstacle`] for anything but a file: no process of this program makes it, so that nobody will remove it.
+    /// [`Unclaimed::Obstacle`] for anything but a file: processes of this program do not make such an object, so that
+    /// nobody will remove it.
     fn look(path: &Path) -> Result<Option<Self>, Unclaimed> {
         // Only a file can be opened without waiting: a pipe waits for a writer.
         match fs::symlink_metadata(path) {
@@ -227,14 +228,15 @@ impl Seen {
         matches!(&self.token, Token::Text(own) if own == token)
     }
 
-    /// Machine, number and start of the owner; none where the token does not state them.
+    /// Machine, number and start of the owner; none if the token does not state them.
     fn process(&self) -> Option<(&str, u32, &str)> {
         let Token::Text(text) = &self.token else { return None };
         let mut parts = text.split_whitespace();
         Some((parts.next()?, parts.next()?.parse().ok()?, parts.next()?))
     }
 
-    /// Whether the owner was a process of this machine that no longer runs. A token that is not yet written says nothing.
+    /// Whether the owner was a process of this machine that no longer runs. A token that is not yet written proves
+    /// nothing.
     fn owner_has_ended(&self) -> bool {
         self.process().is_some_and(|(machine, process, started)| {
             this_machine().is_some_and(|own| own == machine) && start_of(process).as_deref() != Some(started)
@@ -254,10 +256,11 @@ impl Seen {
     }
 }
 
-/// Removes a claim that is nobody's. Of several who try, one renames it; a claim that was taken over meanwhile is put back.
+/// Removes a claim without an owner. Of several who try, one renames it; a claim that was taken over meanwhile is put
+/// back.
 ///
 /// # Errors
-/// Where the claim cannot be renamed, as in a folder in which only owners may rename their files.
+/// If the claim cannot be renamed, for example where only owners may rename their files in a folder.
 fn take_over(path: &Path, stale: &Seen) -> io::Result<()> {
     let mut aside = path.as_os_str().to_owned();
     aside.push(format!(
@@ -278,17 +281,18 @@ fn take_over(path: &Path, stale: &Seen) -> io::Result<()> {
     }
 }
 
-/// Name of this machine since it started, and of the space of its process numbers; none where the system does not tell.
+/// Name of this machine since it started, and of the space of its process numbers; none if the system does not state
+/// it.
 fn this_machine() -> Option<String> {
     let boot = fs::read_to_string("/proc/sys/kernel/random/boot_id").ok()?;
     let space = fs::read_link("/proc/self/ns/pid").ok()?;
     Some(format!("{}/{}", boot.trim(), space.display()))
 }
 
-/// When a process of this machine started, in ticks of its clock; none where it does not run.
+/// When a process of this machine started, in ticks of its clock; none if it does not run.
 fn start_of(process: u32) -> Option<String> {
     let text = fs::read_to_string(format!("/proc/{process}/stat")).ok()?;
-    // The name of the command, in brackets, may hold spaces; the start is the 20th field behind it.
+    // The name of the command, in brackets, may contain spaces; the start is the 20th field after it.
     Some(text.rsplit_once(')')?.1.split_whitespace().nth(19)?.to_owned())
 }
 
@@ -302,9 +306,9 @@ enum NotMade {
 }
 
 impl Claim {
-    /// Creates the file where there is none.
+    /// Creates the file unless it exists.
     fn create(path: &Path) -> Result<Self, NotMade> {
-        // A file with the name of the folder is no claim, although the system has the same error for both.
+        // A file with the name of the folder is not a claim, although the system has the same error for both.
         if let Some(folder) = path.parent() {
             fs::create_dir_all(folder).map_err(|source| NotMade::Failed(folder.to_owned(), source))?;
         }
@@ -332,8 +336,8 @@ impl Claim {
     }
 }
 
-/// A thread that sets the time of a claim's file until it is told to end. The file stays open: what has been put in its place by one
-/// who took over is left alone.
+/// A thread that sets the time of a claim's file until it is told to end. The file stays open: a file that a new owner
+/// has put there is not touched.
 fn beating(file: File) -> Option<(Sender<()>, JoinHandle<()>)> {
     let (sender, ended) = channel();
     let beat = move || {
@@ -438,7 +442,7 @@ mod tests {
         fs::remove_dir_all(entry.parent().unwrap()).unwrap();
     }
 
-    /// Empty, not text, half-written, and far longer than a claim: each is a file that nobody renews.
+    /// Empty, not text, half-written, and far longer than a claim: each is a file without renewal.
     #[test]
     fn a_claim_without_a_legible_owner_is_taken_over_when_it_is_stale_and_the_wait_is_reported() {
         let entry = entry("illegible");
@@ -499,7 +503,7 @@ mod tests {
         fs::remove_dir_all(entry.parent().unwrap()).unwrap();
     }
 
-    /// A file, and below a file: the system says `AlreadyExists` of the first, as it does of a claim.
+    /// A file, and below a file: the system reports `AlreadyExists` for the first, the same as for a claim.
     #[test]
     fn a_folder_that_cannot_be_is_no_claim_of_another_process() {
         let entry = entry("no-folder");

@@ -35,7 +35,7 @@ const BUFFER: usize = 1 << 16;
 /// Extension of the files.
 const EXTENSION: &str = "entry";
 
-/// What is wrong with an entry.
+/// The fault of an entry.
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum Damage {
@@ -45,7 +45,7 @@ pub enum Damage {
     /// The file cannot be read.
     #[error("cannot be read ({0})")]
     Unreadable(#[from] io::Error),
-    /// It is no entry of this format.
+    /// It is not an entry of this format.
     #[error("is of another format")]
     Foreign,
     /// Its header names other inputs than its file name.
@@ -66,8 +66,8 @@ pub(super) fn is_name(name: &str) -> bool {
     digits.len() == 64 && digits.bytes().all(|digit| digit.is_ascii_hexdigit())
 }
 
-/// Whether a file begins as an entry of this or another version of the program, or has been cut short of its header. What is no
-/// file is in the way of an entry, and nothing else.
+/// Whether a file begins as an entry of this or another version of the program, or has been cut short of its header.
+/// Only an object that is not a file is in the way of an entry.
 pub(super) fn is_own(path: &Path) -> bool {
     if !path.is_file() {
         return true;
@@ -87,8 +87,8 @@ pub(super) fn name(stage: &str, digest: &[u8; 32]) -> String {
     format!("{stage}-{}.{EXTENSION}", hexadecimal(digest))
 }
 
-/// What `decode` makes of the value's bytes, and their number, as they are read, if there are any; nobody sees what it makes
-/// of other bytes than those that were written.
+/// Result of `decode` from the value's bytes as they are read, and their number, if there are any. The result is
+/// discarded unless the bytes are those that were written.
 pub(super) fn read_by<T>(
     path: &Path,
     inputs: &[u8; 32],
@@ -99,7 +99,7 @@ pub(super) fn read_by<T>(
     };
     let mut content = BufReader::with_capacity(BUFFER, Summed::over(file));
     let value = decode(&mut content, length);
-    // What could not be decoded is damaged, or else holds something else: the rest tells.
+    // A value that could not be decoded is damaged, or else is another one: the rest of the file decides.
     io::copy(&mut content, &mut io::sink())?;
     let content = content.into_inner();
     if content.checksum() != of_content {
@@ -111,7 +111,7 @@ pub(super) fn read_by<T>(
 
 /// The file at the beginning of the value's bytes, their number and checksum, if there is one.
 fn open(path: &Path, inputs: &[u8; 32]) -> Result<Option<(File, usize, Checksum)>, Damage> {
-    // A link to nothing is no entry, either; the next one replaces it.
+    // A link to nothing is not an entry, either; the next one replaces it.
     let data = match std::fs::metadata(path) {
         Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(None),
         found => found?,
@@ -137,7 +137,7 @@ pub(super) fn is_file(data: &Metadata) -> Result<(), Damage> {
     }))
 }
 
-/// Counts an entry as used now, where there is one.
+/// Counts an entry as used now, if it exists.
 pub(super) fn renew(path: &Path) {
     if path.is_file()
         && let Ok(file) = File::open(path)
@@ -147,12 +147,12 @@ pub(super) fn renew(path: &Path) {
 }
 
 fn used(file: &File) {
-    // The time tells the order in which entries go; where it cannot be set they go in the order they came.
+    // The time determines the order of removal; if it cannot be set, entries go in the order of their arrival.
     let _ = file.set_modified(SystemTime::now());
 }
 
-/// Writes the bytes that `fill` gives and returns the size of the file, without a copy of them in memory. There is no sync: an entry that a failure of power
-/// leaves in parts is noticed like any other damage.
+/// Writes the bytes that `fill` gives and returns the size of the file, without a copy of them in memory. The file is
+/// not synced: an entry that a failure of power leaves in parts is noticed like any other damage.
 pub(super) fn write_by(
     path: &Path,
     inputs: &[u8; 32],
@@ -173,7 +173,7 @@ pub(super) fn write_by(
     })
 }
 
-/// Whether the file is whole and stands under its own name.
+/// Whether the file is intact and has the name of its entry.
 pub(super) fn verify(path: &Path) -> Result<(), Damage> {
     is_file(&std::fs::metadata(path).or_else(|_| std::fs::symlink_metadata(path))?)?;
     let bytes = std::fs::read(path)?;

@@ -1,4 +1,4 @@
-//! The folder of the entries: where it is, what is in it, how large it may grow.
+//! The folder of the entries: its place, its content, its limit.
 
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
@@ -11,13 +11,13 @@ use thiserror::Error;
 use super::Listed;
 use super::entry::{Damage, is_file, is_name, is_own, renew};
 
-/// Bytes the entries may take together when nothing else is said: 4 GiB.
+/// Bytes the entries may take together by default: 4 GiB.
 pub const LIMIT: u64 = 4 << 30;
 
 /// How far clocks of machines that share a folder may differ.
 const AHEAD: Duration = Duration::from_secs(3600);
 
-/// Age at which a half-written file is nobody's.
+/// Age beyond which a half-written file is abandoned.
 const ABANDONED: Duration = Duration::from_secs(3600);
 
 /// Why there is no cache.
@@ -28,13 +28,13 @@ pub enum StoreError {
     #[error("there is no folder for the cache: neither NAILNOISE_CACHE nor XDG_CACHE_HOME nor HOME is set")]
     #[diagnostic(help("set NAILNOISE_CACHE to a folder"))]
     NoFolder,
-    /// What the folder of the cache should be is something else, or cannot be reached.
+    /// The path of the cache leads to something that is not a folder, or cannot be reached.
     #[error("the cache {} {obstacle}", path.display())]
     #[diagnostic(help("set NAILNOISE_CACHE to a folder"))]
     Unusable {
         /// The path.
         path: PathBuf,
-        /// What is there.
+        /// The object at that path.
         obstacle: Obstacle,
     },
     /// The folder that the user named for results cannot be used.
@@ -43,20 +43,20 @@ pub enum StoreError {
     NoStore {
         /// The path.
         path: PathBuf,
-        /// What is there.
+        /// The object at that path.
         obstacle: Obstacle,
     },
-    /// The limit is no size.
+    /// The limit is not a size.
     #[error("NAILNOISE_CACHE_LIMIT is \"{found}\", which is no size in GiB")]
     #[diagnostic(help("give a number above zero, for instance 4 or 0.5"))]
     Limit {
-        /// What it holds.
+        /// Its content.
         found: String,
     },
 }
 
 impl StoreError {
-    /// Whether a command can do its work all the same, without a cache.
+    /// Whether a command can still do its work, without a cache.
     pub fn is_dispensable(&self) -> bool {
         matches!(self, Self::NoFolder | Self::Unusable { .. })
     }
@@ -140,7 +140,7 @@ pub(super) fn limit() -> Result<u64, StoreError> {
     }
 }
 
-/// What a folder holds; nothing when it does not exist.
+/// Files in a folder; none if it does not exist.
 fn files(folder: &Path) -> io::Result<Vec<fs::DirEntry>> {
     match fs::read_dir(folder) {
         Ok(files) => files.collect(),
@@ -149,7 +149,8 @@ fn files(folder: &Path) -> io::Result<Vec<fs::DirEntry>> {
     }
 }
 
-/// Folders, links to nothing, pipes and the like that have the names of entries. What has another name is somebody else's.
+/// Folders, links to nothing, pipes and the like that have the names of entries. Objects with other names belong to
+/// somebody else.
 pub(super) fn obstacles(folder: &Path) -> io::Result<Vec<(PathBuf, Damage)>> {
     let mut found = Vec::new();
     for file in files(folder)? {
@@ -171,7 +172,7 @@ pub(super) fn entries(folder: &Path) -> io::Result<Vec<Listed>> {
     let mut entries = Vec::new();
     for file in files(folder)? {
         let path = file.path();
-        // What has another name is somebody else's.
+        // Objects with other names belong to somebody else.
         if !is_name(&file.file_name().to_string_lossy()) {
             continue;
         }
@@ -195,12 +196,12 @@ pub(super) fn entries(folder: &Path) -> io::Result<Vec<Listed>> {
     Ok(entries)
 }
 
-/// Removes the least recently used entries until the others keep the limit; the bytes that these take.
+/// Removes the least recently used entries until the others are within the limit; returns the bytes of the others.
 pub(super) fn bound(folder: &Path, limit: u64) -> io::Result<u64> {
     sweep(folder)?;
     let (mut sum, mut left) = (0_u64, 0);
     let mut entries = entries(folder)?;
-    // A clock that was set back leaves times in the future, whose order says nothing: they count as used now.
+    // A clock that was set back leaves times in the future, whose order is meaningless: they count as used now.
     let soon = SystemTime::now() + AHEAD;
     for entry in entries.iter().filter(|entry| entry.used > soon) {
         renew(&entry.path);
@@ -216,7 +217,7 @@ pub(super) fn bound(folder: &Path, limit: u64) -> io::Result<u64> {
     Ok(left)
 }
 
-/// Removes what killed processes left half-written; a file of the last hour may still be under way.
+/// Removes half-written files of killed processes; a file of the last hour may still be under way.
 fn sweep(folder: &Path) -> io::Result<()> {
     for file in files(folder)? {
         let path = file.path();
@@ -227,14 +228,14 @@ fn sweep(folder: &Path) -> io::Result<()> {
                 .file_name()
                 .is_some_and(|name| name.to_string_lossy().starts_with('.'));
         if old && is_own {
-            // What another user left stays where only owners may remove their files.
+            // Files of another user stay if only owners may remove their files.
             let _ = remove(&path);
         }
     }
     Ok(())
 }
 
-/// Removes an entry or what has its name, unless another process has done so.
+/// Removes an entry or the object under its name, unless another process has done so.
 pub(super) fn remove(path: &Path) -> io::Result<()> {
     let removed = match fs::symlink_metadata(path) {
         Ok(data) if data.is_dir() => fs::remove_dir_all(path),

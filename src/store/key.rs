@@ -8,7 +8,7 @@ use sha2::{Digest as _, Sha256};
 /// Bytes of inputs that are digested at once: the record of a cycle has twenty million.
 const BUFFER: usize = 1 << 16;
 
-/// Takes whatever is written.
+/// Digests all bytes written to it.
 struct Digesting<'a>(&'a mut Sha256);
 
 impl Write for Digesting<'_> {
@@ -33,7 +33,7 @@ impl Default for Key {
 }
 
 impl Key {
-    /// Depends on the code of the whole program.
+    /// Depends on the code of the entire program.
     pub fn new() -> Self {
         Self::empty().with(env!("NAILNOISE_SOURCES"))
     }

@@ -1,10 +1,10 @@
-//! Results of expensive stages, kept from run to run under the digest of everything they depend on.
+//! Results of expensive stages, stored from run to run under the digest of everything they depend on.
 //!
 //! An entry is one file, named by its stage and by the SHA-256 of its inputs and of the sources of this program; it
-//! carries the checksum of its own content. What is truncated, altered or foreign is noticed, reported and computed anew.
-//! Values have the same bytes on every machine.
-//! Files are written whole, so that several processes may share a folder and a killed one leaves nothing half-written.
-//! The least recently used entries go first when the folder outgrows its limit.
+//! contains the checksum of its content. Truncated, altered or foreign entries are noticed, reported and computed anew.
+//! Values have the same bytes on every machine. Files are written completely, so that several processes may share a
+//! folder and a killed one leaves nothing half-written. The least recently used entries go first when the folder
+//! outgrows its limit.
 
 mod checksum;
 mod claim;
@@ -29,11 +29,11 @@ pub use key::Key;
 
 use crate::stages::{Codec, Digest};
 
-/// Where results of expensive stages are kept, if anywhere.
+/// The store for results of expensive stages, if any.
 #[derive(Debug, Clone, Default)]
 pub struct Store {
     place: Option<Place>,
-    /// What the user should know: damaged entries, a folder that cannot be written.
+    /// Notes for the user: damaged entries, a folder that cannot be written.
     notes: Arc<Mutex<Vec<String>>>,
     /// Which notes there have been that are worth one a run.
     noted: Arc<Noted>,
@@ -44,7 +44,7 @@ pub struct Store {
 /// Notes that are taken once however often their cause occurs.
 #[derive(Debug, Default)]
 struct Noted {
-    /// Nothing can be kept.
+    /// Nothing can be stored.
     unkept: AtomicBool,
     /// Another process computes the same.
     waiting: AtomicBool,
@@ -52,7 +52,7 @@ struct Noted {
     unclaimed: AtomicBool,
 }
 
-/// An entry's time and size, by which a new one is told from an old one; none where there is no entry.
+/// An entry's time and size, which distinguish a new one from an old one; none if the entry does not exist.
 pub type Stamp = Option<(SystemTime, u64)>;
 
 #[derive(Debug, Clone)]
@@ -65,8 +65,9 @@ struct Place {
 }
 
 impl Place {
-    /// Keeps the folder within its limit. A scan costs time for every entry, and a study writes thousands: the folder is scanned
-    /// when as much was written as was free, or a sixteenth of the limit, which is what other processes may write meanwhile.
+    /// Bounds the folder by its limit. A scan costs time for every entry, and a study writes thousands. Thus the folder
+    /// is scanned once the bytes written reach the free space or a sixteenth of the limit, which other processes may
+    /// write meanwhile.
     fn bound(&self, written: u64) -> std::io::Result<()> {
         let mut allowance = self.allowance.lock().unwrap_or_else(PoisonError::into_inner);
         *allowance = match allowance.and_then(|free| free.checked_sub(written)) {
@@ -119,7 +120,7 @@ impl Store {
         }
     }
 
-    /// In a folder that the user named for results, and that nobody bounds; it is created if it does not exist.
+    /// In a folder that the user named for results, and that has no limit; it is created if it does not exist.
     ///
     /// # Errors
     /// [`StoreError::NoStore`] where no files can be written in it.
@@ -130,7 +131,7 @@ impl Store {
     /// In a folder that the user named, with this many bytes at most; files may be read-only there.
     ///
     /// # Errors
-    /// [`StoreError::NoStore`] where it is not a folder.
+    /// [`StoreError::NoStore`] if it is not a folder.
     pub fn in_folder(path: &Path, limit: u64) -> Result<Self, StoreError> {
         Self::examined(path, limit, folder::examine(path))
     }
@@ -157,17 +158,17 @@ impl Store {
         }
     }
 
-    /// The folder; none when nothing is kept.
+    /// The folder; none if nothing is stored.
     pub fn folder(&self) -> Option<&Path> {
         self.place.as_ref().map(|store| store.folder.as_path())
     }
 
-    /// Bytes that all entries may take together; 0 when nothing is kept.
+    /// Bytes that all entries may take together; 0 if nothing is stored.
     pub fn limit(&self) -> u64 {
         self.place.as_ref().map_or(0, |store| store.limit)
     }
 
-    /// What was read; damage becomes a note.
+    /// The value that was read; damage becomes a note.
     fn undamaged<T>(&self, place: &Place, path: &Path, found: Result<Option<T>, Damage>) -> Option<T> {
         found.unwrap_or_else(|damage| {
             // No entry is damaged where the folder has become something else.
@@ -199,7 +200,7 @@ impl Store {
         }
     }
 
-    /// The kept output of a stage; damage becomes a note.
+    /// The stored output of a stage; damage becomes a note.
     pub fn load<T, C: Codec<T>>(&self, stage: &str, key: &Digest) -> Option<T> {
         let key = &in_this_layout(key);
         let place = self.place.as_ref()?;
@@ -226,9 +227,9 @@ impl Store {
         Some((data.modified().ok()?, data.len()))
     }
 
-    /// The claim to compute the output of a stage, which other processes heed until it is dropped. Waits while another one has it,
-    /// up to an hour; none where nothing is kept, where the entry is no longer that of `before`, or where no claim can be made.
-    /// `step` is called now and then meanwhile; the first long wait and the first failure become notes.
+    /// The claim to compute the output of a stage, which other processes heed until it is dropped. Waits while another
+    /// one has it, up to an hour; none if nothing is stored, if the entry is no longer that of `before`, or if no claim
+    /// can be made. `step` is called now and then meanwhile; the first long wait and the first failure become notes.
     pub fn claim(&self, stage: &str, key: &Digest, before: Stamp, step: impl Fn()) -> Option<Claim> {
         let path = self
             .place
@@ -242,7 +243,7 @@ impl Store {
             }
         };
         claim::wait(&path, Patience::USUAL, appeared, step, report).unwrap_or_else(|cause| {
-            // Where no file can be created, the output cannot be kept, either: that is the note.
+            // If no file can be created, the output cannot be stored, either: that is the note.
             let is_noted = matches!(cause, Unclaimed::NotCreated { .. });
             if !is_noted && !self.noted.unclaimed.swap(true, Ordering::Relaxed) {
                 self.note(format!("{cause}; the result is computed without waiting"));
@@ -251,7 +252,7 @@ impl Store {
         })
     }
 
-    /// Names of the entries that were read or written since this was last asked, by this value and its clones.
+    /// Names of the entries that were read or written since the last call, by this value and its clones.
     pub fn take_used(&self) -> Vec<String> {
         let mut used = self.used.lock().unwrap_or_else(PoisonError::into_inner);
         std::mem::take(&mut *used).into_iter().collect()
@@ -262,28 +263,28 @@ impl Store {
         used.extend(path.file_name().map(|name| name.to_string_lossy().into_owned()));
     }
 
-    /// Keeps the output of a stage; trouble becomes a note.
+    /// Stores the output of a stage; trouble becomes a note.
     pub fn save<T, C: Codec<T>>(&self, stage: &str, key: &Digest, value: &T) {
         let Some(place) = &self.place else { return };
         let key = &in_this_layout(key);
         let path = place.folder.join(entry::name(stage, key));
         let written = entry::write_by(&path, key, |to| C::write(value, to)).and_then(|bytes| place.bound(bytes));
         match written {
-            // A note on what has the name of the entry was taken when it was to be read.
+            // The note on an object under the name of the entry was taken when the entry was to be read.
             Err(source) if source.kind() == ErrorKind::IsADirectory && path.is_dir() => {}
             Err(source) => self.unkept(place, &source),
             Ok(()) => self.count_as_used(&path),
         }
     }
 
-    /// An entry that is of use though nobody reads it counts as used.
+    /// An entry that is useful without being read counts as used.
     pub fn renew(&self, stage: &str, key: &Digest) {
         if let Some(place) = &self.place {
             entry::renew(&place.folder.join(entry::name(stage, &in_this_layout(key))));
         }
     }
 
-    /// Takes what there is to tell the user.
+    /// Takes the notes for the user.
     pub fn take_notes(&self) -> Vec<String> {
         self.notes
             .lock()
@@ -307,7 +308,8 @@ impl Store {
         self.folder().map_or_else(|| Ok(Vec::new()), folder::obstacles)
     }
 
-    /// Reads every entry whole; the files that are damaged and the [`obstacles`](Self::obstacles), with what is wrong.
+    /// Reads every entry completely; returns the damaged files and the [`obstacles`](Self::obstacles), with their
+    /// faults.
     ///
     /// # Errors
     /// Those of the file system.
@@ -318,7 +320,7 @@ impl Store {
         Ok(found)
     }
 
-    /// Removes an entry, or what has its name.
+    /// Removes an entry, or the object under its name.
     ///
     /// # Errors
     /// Those of the file system.

@@ -1,4 +1,4 @@
-//! Entries that are whole or absent.
+//! Entries that are complete or absent.
 
 use std::fs::File;
 use std::io;
@@ -8,8 +8,9 @@ use std::sync::atomic::{AtomicU64, Ordering};
 /// Files written by this process so far.
 static WRITTEN: AtomicU64 = AtomicU64::new(0);
 
-/// Replaces a file with what `fill` writes: a temporary file beside it, rename. A killed process leaves the old file or
-/// none. Without a sync in `fill` a power failure may leave a partial file; such files must be verified when they are read.
+/// Replaces a file with the output of `fill`: a temporary file next to it, rename. A killed process leaves the old file
+/// or none. Without a sync in `fill` a power failure may leave a partial file; such files must be verified when they
+/// are read.
 ///
 /// # Errors
 /// Those of the file system and of `fill`; the temporary file is removed.

@@ -1,10 +1,11 @@
 //! Which inputs decide whether a shot counts: first-order contributions to the variance of that, over all candidates with a shot.
 //!
-//! Y is 1 where a shot counts, else 0, and S_i = Var E[Y|X_i]/Var Y. E[Y|X_i] is the part that counts of the candidates in each of
-//! [`BINS`] equal parts of the input's distribution, so that a study keeps counts and no candidates. The scatter of these parts is
-//! taken off as for the levels (Kelley 1935). Resamples draw the number of counting shots in each part from its binomial
-//! distribution; they scatter around those of the sample, so that the correction is made twice there. Where an input does nothing, n
-//! times the uncorrected estimate has the chi-squared distribution of `BINS` - 1 degrees of freedom.
+//! Y is 1 if a shot counts, else 0, and S_i = Var E[Y|X_i]/Var Y. E[Y|X_i] is the share of candidates that count in
+//! each of [`BINS`] equal parts of the input's distribution, so that a study stores counts and no candidates. The
+//! scatter of these parts is taken off as for the levels (Kelley 1935). Resamples draw the number of counting shots in
+//! each part from its binomial distribution; they scatter around those of the sample, so that the correction is made
+//! twice there. For an input without effect, n times the uncorrected estimate has the chi-squared distribution of
+//! `BINS` - 1 degrees of freedom.
 
 use nailnoise_acoustics::random::uniform;
 use schemars::JsonSchema;
@@ -21,11 +22,11 @@ const BINS: usize = 16;
 /// Probability that any of the inputs is above the limit by chance.
 const CHANCE: f64 = 0.05;
 
-/// Fewest shots, and fewest of those that count or do not, from which contributions are estimated.
+/// Fewest shots for an estimate of contributions, and fewest of those that count or do not.
 const FEWEST: u64 = 200;
 const FEWEST_OF_A_KIND: u64 = 20;
 
-/// Variance of a binomial number from which it is drawn as a normal one.
+/// Variance beyond which a binomial number is drawn as a normal one.
 const NORMAL: f64 = 50.0;
 
 const SEED: u64 = 0x5EED_C0DE;
@@ -39,7 +40,7 @@ pub struct Counts {
 }
 
 impl Counts {
-    /// Adds a candidate by the places of its inputs in their distributions; an input that is not drawn is no number.
+    /// Adds a candidate by the places of its inputs in their distributions; NaN for an input that is not drawn.
     pub(super) fn add(&mut self, shares: &[f64], counts: bool) {
         self.inputs.resize(shares.len(), [[0; 2]; BINS]);
         self.shots += 1;
@@ -58,7 +59,7 @@ fn sum(bins: &[[u64; 2]]) -> [u64; 2] {
         .fold([0, 0], |sums, bin| [sums[0] + bin[0], sums[1] + bin[1]])
 }
 
-/// S of an input without the correction, and its degrees of freedom; none for an input that is held.
+/// S of an input without the correction, and its degrees of freedom; none for a fixed input.
 fn explained(bins: &[[u64; 2]]) -> Option<(f64, f64)> {
     let occupied = || bins.iter().filter(|[shots, _]| *shots > 0);
     let degrees = occupied().count().checked_sub(1).filter(|degrees| *degrees > 0)?;
@@ -139,7 +140,7 @@ fn chi_squared(degrees: f64, p: f64) -> f64 {
     degrees * (1.0 - part + normal::quantile(p) * part.sqrt()).powi(3)
 }
 
-/// States which of the variables decide; none with too few shots, or where nearly all of them count or none.
+/// States the variables that decide; none with too few shots, or if nearly all of them count or none.
 pub(super) fn condition(counts: &Counts, variables: &[Variable]) -> Option<Condition> {
     let (shots, counting) = (counts.shots, counts.counting);
     if shots < FEWEST || counting.min(shots - counting) < FEWEST_OF_A_KIND {
@@ -227,7 +228,7 @@ mod tests {
         assert!(above.count() < 11);
     }
 
-    /// Stated intervals of 90 % hold the true value in 84 to 96 % of 200 repetitions.
+    /// Stated intervals of 90 % contain the true value in 84 to 96 % of 200 repetitions.
     #[test]
     fn intervals_cover_as_stated() {
         let mut covered = [0; 2];

@@ -1,4 +1,4 @@
-//! Inputs that decide each level of a study: what an input explains alone, and by how much it moves the level.
+//! Inputs that decide each level of a study: the share that one input explains, and by how much it moves the level.
 
 use rayon::prelude::*;
 use schemars::JsonSchema;
@@ -9,7 +9,7 @@ use super::draws::{Draw, Draws};
 use super::level_table::{LevelTable, number, outputs};
 use super::statistics::{Bootstrap, Estimate};
 
-/// Fewest draws from which contributions are estimated.
+/// Fewest draws for an estimate of contributions.
 pub(super) const FEWEST: usize = 40;
 
 /// Inputs that decide a level.
@@ -120,7 +120,7 @@ pub(super) fn contributions(
         });
         let mut found: Vec<Found<'_>> = found.collect();
         found.sort_by(|a, b| b.first_order.total_cmp(&a.first_order));
-        // Where no input is above its limit, no resample is needed.
+        // If no input is above its limit, resamples are not needed.
         let figures_of = |counts: &[u32]| {
             let sums = sums_of(counts);
             let figures = |own: &Found<'_>| {

@@ -4,14 +4,14 @@
 //! estimates Var E[Y|X_i]. Means of finite bins scatter even where the input does nothing, by (M - 1)/(n - 1) of the variance in
 //! the mean, which is taken off (Kelley, "An unbiased correlation ratio measure", PNAS 21, 554 (1935)).
 //!
-//! Shots on one structure share its inputs. Such an input has no more independent values than there are structures: its bins hold
-//! structures, n is their number, and the variance that it can explain is that between them.
+//! Shots on one structure share its inputs. Such an input has only as many independent values as there are structures:
+//! its bins contain structures, n is their number, and the variance that it can explain is that between them.
 //!
 //! A resample repeats draws, so that its bins scatter once more around those of the sample: Kelley's correction is made twice there.
 //!
-//! Of many inputs some seem to matter by chance. An estimate counts where it is above what the *largest* of all inputs reaches in
-//! 19 of 20 random pairings of levels with inputs. Inputs of structures and inputs of shots have limits of their own, each of 39
-//! in 40 pairings, because the fewer structures scatter more.
+//! Of many inputs some seem to matter by chance. An estimate counts if it is above the *largest* value of all inputs in
+//! 19 of 20 random pairings of levels with inputs. Inputs of structures and inputs of shots have separate limits, each
+//! of 39 in 40 pairings, because the fewer structures scatter more.
 
 use nailnoise_acoustics::random::uniform;
 use rayon::prelude::*;
@@ -22,7 +22,7 @@ const PERMUTATIONS: usize = 400;
 /// Part of them that may reach the limit of one kind of inputs or the other.
 const CHANCE: f64 = 0.05;
 
-/// Fewest structures from which contributions of their inputs are estimated.
+/// Fewest structures for an estimate of the contributions of their inputs.
 const FEWEST_STRUCTURES: usize = 10;
 
 /// Most bins.
@@ -30,7 +30,7 @@ const MOST_BINS: usize = 32;
 
 const SEED: u64 = 0xC047_121B;
 
-/// What has values of its own of an input: a draw, or a structure with all draws on it.
+/// The unit that has separate values of an input: a draw, or a structure with all draws on it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Unit {
     /// Each draw.
@@ -43,7 +43,7 @@ impl Unit {
     pub(super) const ALL: [Self; 2] = [Self::Draw, Self::Structure];
 }
 
-/// Structures of draws, numbered from 0 on; none where all draws are on that of the design.
+/// Structures of draws, numbered from 0 on; none if all draws are on that of the design.
 pub(super) struct Structures {
     of_draws: Vec<usize>,
     /// The first draw on each.
@@ -51,7 +51,7 @@ pub(super) struct Structures {
 }
 
 impl Structures {
-    /// From a number of each draw's structure; `drawn` says whether structures differ at all.
+    /// From a number of each draw's structure; `drawn` is whether structures differ at all.
     pub(super) fn new(numbers: &[usize], drawn: bool) -> Self {
         let mut known = numbers.to_vec();
         known.sort_unstable();
@@ -73,15 +73,15 @@ impl Structures {
     }
 }
 
-/// What an input explains of a variance, part of the whole, less what it explains by chance, after so many such corrections: what it
-/// does not explain grows by the same factor with each.
+/// Share of a variance that an input explains, less the share that it explains by chance, after so many such
+/// corrections: the unexplained share grows by the same factor with each.
 pub(super) fn corrected(explained: f64, chance: f64, corrections: i32) -> f64 {
     1.0 - (1.0 - explained) / (1.0 - chance).powi(corrections)
 }
 
 /// Levels of draws that count several times each, as sums over units.
 pub(super) struct Sums {
-    /// How many draws each unit holds, and the sum of their levels above the mean \[dB\].
+    /// Number of draws in each unit, and the sum of their levels above the mean \[dB\].
     units: Vec<(f64, f64)>,
     /// Units, each as often as it counts.
     count: f64,
@@ -132,7 +132,7 @@ impl Sums {
 
 /// An input in bins along its values.
 pub(super) struct Binned {
-    /// What the bins hold.
+    /// Content of the bins.
     pub(super) unit: Unit,
     /// Bin of each unit, below [`MOST_BINS`].
     bins: Vec<u8>,
@@ -208,8 +208,8 @@ impl Binned {
     }
 }
 
-/// The estimate that the largest of all inputs of one kind exceeds by chance in one of forty random pairings; in one of twenty where
-/// there is no other kind.
+/// The estimate that the largest of all inputs of one kind exceeds by chance in one of forty random pairings; in one of
+/// twenty if there is only one kind.
 pub(super) fn by_chance(inputs: &[&Binned], sums: &Sums, alone: bool) -> f64 {
     let largest = |permutation: u64| {
         let mut shuffled = sums.units.clone();
@@ -417,7 +417,7 @@ mod tests {
         assert!(Binned::new(&values, &Structures::new(&numbers, true)).is_none());
     }
 
-    /// Stated intervals of 90 % hold the true value in 84 to 95 % of 200 repetitions, by draws and by structures.
+    /// Stated intervals of 90 % contain the true value in 84 to 95 % of 200 repetitions, by draws and by structures.
     #[test]
     fn intervals_cover_as_stated() {
         let mut covered = [0; 3];

@@ -1,5 +1,5 @@
-//! What is kept of the draws of a study: their levels, and where each quantity lies in its distribution, so that the draws can be
-//! weighted for another design.
+//! The stored record of the draws of a study: their levels, and the place of each quantity in its distribution, so that
+//! the draws can be weighted for another design.
 
 use std::collections::BTreeMap;
 
@@ -9,7 +9,7 @@ use super::draws::Draws;
 use super::level_table::{LevelTable, TOTAL};
 use super::variables::Kind;
 
-/// Draws that are kept at most.
+/// Maximum number of stored draws.
 const MOST: usize = 4096;
 
 /// Decimals of the levels \[dB\].

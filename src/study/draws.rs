@@ -1,12 +1,12 @@
 //! The draws of a study: each a design with the levels of its shot.
 //!
-//! Structures (modes and radiation matrices) are dear, shots on them are cheap. Where structures are drawn, each serves several
-//! shots: a joint draw of structure and shot that is accepted gives the structure, and further shots are drawn on it. Both have
-//! the distribution of independent joint draws under the condition, because an accepted pair is a draw of the structure given
-//! that it is accepted.
+//! Structures (modes and radiation matrices) are dear, shots on them are cheap. If structures are drawn, each serves
+//! several shots: a joint draw of structure and shot that is accepted gives the structure, and further shots are drawn
+//! on it. Both have the distribution of independent joint draws under the condition, because an accepted pair is a draw
+//! of the structure given that it is accepted.
 //!
-//! Nothing is written but the outcomes of candidates and the levels of draws, as outputs of stages in the store: a study that
-//! ended early goes on where it was, and a larger one begins with the draws of a smaller one.
+//! The only output is the outcomes of candidates and the levels of draws, as outputs of stages in the store: a study
+//! that ended early continues from there, and a larger one begins with the draws of a smaller one.
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -26,11 +26,12 @@ use crate::stages::outcomes::{Shot, ShotOutcome};
 /// A draw.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Draw {
-    /// Number of its structure; 0 where structures are held.
+    /// Number of its structure; 0 if structures are fixed.
     pub structure: usize,
     /// Number of the candidate in its sequence.
     pub candidate: u64,
-    /// Place of each variable in its distribution, 0 .. 1, from which [`Variable::drawn`] says what it is; NaN for one that is held.
+    /// Place of each variable in its distribution, 0 .. 1, which [`Variable::drawn`] converts to its value; NaN for a
+    /// fixed one.
     pub shares: Vec<f64>,
     /// Figures of the shot.
     pub shot: Shot,
@@ -47,9 +48,9 @@ pub struct Draws {
     pub variables: Vec<Variable>,
     /// The draws.
     pub draws: Vec<Draw>,
-    /// Structures that were drawn; 0 where they are those of the design.
+    /// Structures that were drawn; 0 if they are those of the design.
     pub structures: usize,
-    /// What became of all candidates.
+    /// Outcomes of all candidates.
     pub tally: Tally,
     /// Draws whose sound cannot be computed, with the message.
     pub failures: Vec<(usize, String)>,
@@ -58,7 +59,7 @@ pub struct Draws {
 }
 
 impl Request {
-    /// The design with the sensors that its draws keep.
+    /// The design with the sensors of its draws.
     fn with_sensors(&self, design: &Design) -> Design {
         if self.workpiece_sensors {
             with_workpiece_sensors(design)
@@ -74,7 +75,7 @@ pub(super) struct Planned {
     pub(super) candidate: Candidate,
 }
 
-/// Makes the draws that are asked for on a graph, and says on `progress` how far they are.
+/// Makes the requested draws on a graph, and reports their number on `progress`.
 ///
 /// # Errors
 /// Those of the chain of the design itself; [`Error::NothingDrawn`] where no candidate is accepted; [`Error::NoLevels`] where those
@@ -192,7 +193,7 @@ fn plan(
 /// Draws of each design, and those that cannot be computed.
 pub(super) type Made = (Vec<Vec<Draw>>, Vec<(usize, String)>);
 
-/// The levels of all planned draws, structure by structure, each shot on a thread of its own.
+/// The levels of all planned draws, structure by structure, each shot on a separate thread.
 pub(super) fn levels(
     graph: &Graph,
     (designs, sampler): (&[Design], &Sampler),
@@ -221,7 +222,7 @@ pub(super) fn levels(
                 options,
             )
         };
-        // Hold the structures' stages while their draws come and go.
+        // Retain the structures' stages while their draws come and go.
         let anchors: Vec<_> = (0..designs.len()).map(|which| of(0, which)).collect();
         let count = group.len() * designs.len();
         let all = on_threads(count, |job| {
@@ -264,8 +265,8 @@ fn design_of(design: &Design, sampler: &Sampler, point: &Point) -> Result<Design
     drawn(design, sampler, design, point).map_err(|reason| Error::NoDesign { reason })
 }
 
-/// The shapes of a drawn structure that other structures may have too: those that its alternatives alone give. A dimension from
-/// a range gives each structure a shape of its own.
+/// The shapes of a drawn structure that other structures may have too: those that depend only on its alternatives. A
+/// dimension from a range gives each structure a different shape.
 fn shared_shapes(graph: &Graph, (design, sampler): (&Design, &Sampler), point: &Point) -> Result<SharedShapes, Error> {
     let mut chosen = point.clone();
     for (share, variable) in chosen.shares.iter_mut().zip(sampler.variables()) {
@@ -311,7 +312,7 @@ fn open_ends(sampler: &Sampler, draws: &[Draw]) -> Vec<String> {
     open.into_iter().collect()
 }
 
-/// Levels of the design itself; none where its shot or its sound cannot be computed.
+/// Levels of the design itself; none if its shot or its sound cannot be computed.
 ///
 /// # Errors
 /// Those of the chain's inputs.

@@ -1,13 +1,14 @@
 //! Contributions of groups of inputs to the variance of a level, by pairs of draws that share a part of their inputs.
 //!
-//! Y and Y' have the same distribution. Where they share the inputs of a group alone and are independent otherwise,
-//! E (Y - Y')^2/2 = E Var(Y|X_g), so that S_g = 1 - E (Y - Y')^2/(2 Var Y): what knowing the group takes off the variance. Where
-//! they share all but the group, E (Y - Y')^2/(2 Var Y) = E Var(Y|X_~g)/Var Y = T_g: what remains where all but the group is known
-//! (Jansen, "Analysis of variance designs for model output", Comput. Phys. Commun. 117, 35 (1999)).
+//! Y and Y' have the same distribution. If they share only the inputs of a group and are independent otherwise, E (Y -
+//! Y')^2/2 = E Var(Y|X_g), so that S_g = 1 - E (Y - Y')^2/(2 Var Y): the reduction of the variance if the group is
+//! known. If they share all but the group, E (Y - Y')^2/(2 Var Y) = E Var(Y|X_~g)/Var Y = T_g: the remaining variance
+//! if all but the group is known (Jansen, "Analysis of variance designs for model output", Comput. Phys. Commun. 117,
+//! 35 (1999)).
 //!
-//! Both hold under a condition, too, which makes inputs depend on each other, if the part that is not shared is drawn anew given
-//! the shared part and the condition (Kucherenko, Tarantola, Annoni, Comput. Phys. Commun. 183, 937 (2012)). S_g then holds what
-//! the group implies about the other inputs, and may be above T_g.
+//! Both are also valid under a condition, which makes inputs depend on each other, if the part that is not shared is
+//! drawn anew given the shared part and the condition (Kucherenko, Tarantola, Annoni, Comput. Phys. Commun. 183, 937
+//! (2012)). S_g then includes the information of the group about the other inputs, and may be above T_g.
 
 use super::statistics::{Bootstrap, Estimate};
 
@@ -16,11 +17,11 @@ use super::statistics::{Bootstrap, Estimate};
 pub(super) struct Row {
     /// Level of the draw itself \[dB\].
     pub(super) base: f64,
-    /// For each group the partner that shares the group alone, and the one that shares all else \[dB\].
+    /// For each group the partner that shares only the group, and the one that shares all else \[dB\].
     pub(super) partners: Vec<[f64; 2]>,
 }
 
-/// First-order and total contribution of each group, and the variance \[dB2\]; none where the level does not vary.
+/// First-order and total contribution of each group, and the variance \[dB2\]; none if the level does not vary.
 pub(super) fn indices(rows: &[Row]) -> Option<(Vec<[Estimate; 2]>, f64)> {
     let groups = rows.first()?.partners.len();
     let all = |row: &Row| -> Vec<f64> {
@@ -77,8 +78,8 @@ mod tests {
     use crate::study::normal;
     use crate::study::statistics::energy_sum;
 
-    /// Rows of a function of inputs that are uniform in 0 .. 1 under a condition, each input a group: what is not shared is drawn
-    /// until the condition holds.
+    /// Rows of a function of inputs that are uniform in 0 .. 1 under a condition, each input a group: the part that is
+    /// not shared is drawn until it satisfies the condition.
     fn rows<const K: usize>(
         n: u64,
         seed: u64,

@@ -1,8 +1,8 @@
-//! Which groups of inputs decide a level: each draw has two partners for each group, one that shares the group with it and one that
-//! shares all else. What is not shared is drawn anew until the shot counts.
+//! Which groups of inputs decide a level: each draw has two partners for each group, one that shares the group with it
+//! and one that shares all else. The part that is not shared is drawn anew until the shot counts.
 //!
-//! A group is what one decision or one measurement settles: tables of the design file, and the errors of methods. Quantities with a
-//! common rule or correlation stay together, in the group of the first of them.
+//! One decision or one measurement settles a group: tables of the design file, and the errors of methods. Quantities
+//! with a common rule or correlation stay together, in the group of the first of them.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -21,13 +21,13 @@ use crate::graph::Graph;
 use crate::output;
 use crate::stages::Progress;
 
-/// The sequence from which partners are drawn: apart from those of all structures.
+/// The random sequence of the partners, separate from those of all structures.
 const STREAM: u64 = u64::MAX;
 
 /// Which part of a draw its partner shares.
 const SHARED: [&str; 2] = ["group", "rest"];
 
-/// Groups with their tables of the design file; a table that is not named is a group of its own.
+/// Groups with their tables of the design file; a table that is not named is a separate group.
 const GROUPS: [(&str, &[&str]); 7] = [
     ("supply", &["supply", "ambient"]),
     ("valves", &["head_valve", "trigger", "chambers"]),
@@ -107,7 +107,7 @@ fn groups(sampler: &Sampler) -> Vec<(String, Vec<usize>)> {
     groups
 }
 
-/// A draw, one of its groups, what its partner shares, and the partner.
+/// A draw, one of its groups, the set that its partner shares, and the partner.
 struct PartnerDraw {
     row: usize,
     group: usize,
@@ -115,8 +115,8 @@ struct PartnerDraw {
     draw: Draw,
 }
 
-/// Draws the partners of draws whose structures are held, computes their levels, and states the contributions; a table of all
-/// partners beside it.
+/// Draws the partners of draws with fixed structures, computes their levels, and states the contributions, together
+/// with a table of all partners.
 ///
 /// # Errors
 /// Those of the chain; [`Error::Table`] of the table.
@@ -194,7 +194,7 @@ struct Levels {
 }
 
 impl Levels {
-    /// What `figure` says of the draw and of all its partners; none where one is missing.
+    /// Values of `figure` for the draw and for all its partners; none if one is missing.
     fn row(&self, figure: impl Fn(&[f64]) -> f64) -> Option<Row> {
         let pair = |[group, rest]: &[Option<Vec<f64>>; 2]| Some([figure(group.as_ref()?), figure(rest.as_ref()?)]);
         Some(Row {
@@ -204,7 +204,7 @@ impl Levels {
     }
 }
 
-/// What follows from the partners.
+/// Results from the partners.
 fn stated(sampler: &Sampler, groups: &[(String, Vec<usize>)], made: &Draws, partners: &[PartnerDraw]) -> GroupStudy {
     let of_draw = |draw: &Draw| Levels {
         base: levels_of(draw),

@@ -1,4 +1,4 @@
-//! Jobs on threads of their own. The pool of threads serves the stages within a job, which wait for each other.
+//! Jobs on separate threads. The pool of threads serves the stages within a job, which wait for each other.
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
@@ -27,7 +27,7 @@ pub(super) fn on_threads<T: Send>(count: usize, compute: impl Fn(usize) -> T + S
             .map(|_| beside(scope, &work))
             .collect();
         work();
-        // A panic goes on as it began: it may be the end of work that was abandoned.
+        // A panic continues unchanged: it may be the end of work that was abandoned.
         others.into_iter().for_each(Begun::join);
     });
     // Every job has a result here, since a panic has gone on.
@@ -35,7 +35,7 @@ pub(super) fn on_threads<T: Send>(count: usize, compute: impl Fn(usize) -> T + S
     results.into_iter().flatten().collect()
 }
 
-/// The levels of the shot of a chain, where they are kept.
+/// The levels of the shot of a chain, if they are stored.
 pub(super) fn kept_levels(graph: &Graph, chain: Result<Chain, Error>) -> Result<Levels, Error> {
     let kept = graph
         .store()

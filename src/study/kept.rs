@@ -1,4 +1,4 @@
-//! Studies kept for `nailnoise run`, in the user's store.
+//! Studies stored for `nailnoise run`, in the user's store.
 
 use serde::{Deserialize, Serialize};
 
@@ -17,10 +17,10 @@ use crate::wording::hexadecimal;
 /// Its name in the store.
 const STUDY: &str = "study";
 
-/// Version of the layout of what is kept.
+/// Version of the layout of the stored data.
 const LAYOUT: &str = "2";
 
-/// Studies kept, the last ones.
+/// Maximum number of stored studies; the last ones remain.
 const MOST: usize = 16;
 
 /// A study in the store.
@@ -34,14 +34,14 @@ struct Kept {
 /// A study that serves a design.
 #[derive(Debug, Clone)]
 pub struct Found {
-    /// What it states.
+    /// Its results.
     pub result: StudyResult,
-    /// How the draws of another study are weighted; none where they are of this population.
+    /// How the draws of another study are weighted; none if they are of this population.
     pub weighting: Option<Weighting>,
 }
 
 impl Found {
-    /// What a study states of a design; none where it does not serve it.
+    /// Results of a study for a design; none if it does not serve it.
     ///
     /// # Errors
     /// A design that cannot be digested.
@@ -70,7 +70,7 @@ impl Found {
     }
 }
 
-/// Digest of the code on which levels of draws depend.
+/// Digest of the code that determines levels of draws.
 pub(super) fn code() -> String {
     hexadecimal(&Key::empty().with(&ShotLevels::NAME).with(&ShotLevels::CODE).digest())
 }
@@ -101,7 +101,7 @@ pub fn kept(store: &Store, design: &Design) -> Result<Option<Found>, Error> {
     Ok(largest)
 }
 
-/// Keeps a study, unless one of the same population with drawn structures or more draws is kept.
+/// Stores a study, unless one of the same population with drawn structures or more draws is stored.
 ///
 /// # Errors
 /// A design that cannot be digested.

@@ -6,13 +6,13 @@ use crate::design::Design;
 use crate::design::inputs::cycle::fitted_law;
 use crate::error::Error;
 
-/// The key whose file holds the law; the variables are named after it.
+/// The key whose file contains the law; the variables are named after it.
 const KEY: &str = "wood.penetration_fit";
 
-/// A key whose scatter the specimens of a fit hold: to draw it too would count it twice.
+/// A key whose scatter the specimens of a fit already include: to draw it too would count it twice.
 const HELD: &str = "wood.hardness_modulus";
 
-/// Leaves out what the scatter of a fitted law's specimens holds.
+/// Leaves out the key whose scatter the specimens of a fitted law include.
 pub(super) fn leave_out_held(design: &Design, parameters: &mut Vec<Parameter>) -> Result<(), Error> {
     if fitted_law(design)?.is_some() {
         parameters.retain(|parameter| parameter.key != HELD);

@@ -51,15 +51,15 @@ impl LevelTable {
     }
 }
 
-/// Level of all sources of a shot together \[dB re 1 pW s\]; none where all are silent.
+/// Level of all sources of a shot together \[dB re 1 pW s\]; none if all are silent.
 pub(super) fn total_of(levels: &Levels) -> Option<f64> {
     let sources = levels.sources.iter();
     let total = energy_sum(sources.map(|source| source.lwa_db.unwrap_or(f64::NEG_INFINITY)));
     total.is_finite().then_some(total)
 }
 
-/// Levels of the total, each source, and the difference of the two loudest, in each draw \[dB\], where none is silent; `names` are the
-/// sources in their order.
+/// Levels of the total, each source, and the difference of the two loudest, in each draw \[dB\], if none is silent;
+/// `names` are the sources in their order.
 pub(super) fn outputs(table: &LevelTable, names: &[String]) -> Vec<(String, Vec<f64>)> {
     let of = |name: &String| table.column(table.place(name));
     let mut outputs: Vec<(String, Vec<f64>)> = vec![(TOTAL.to_owned(), table.totals())];
@@ -72,7 +72,7 @@ pub(super) fn outputs(table: &LevelTable, names: &[String]) -> Vec<(String, Vec<
     outputs
 }
 
-/// A number for what a variable is in a draw.
+/// A number for the value of a variable in a draw.
 pub(super) fn number(drawn: Option<Drawn>) -> Option<f64> {
     match drawn? {
         Drawn::Value(Value::Number(value)) => Some(value),
@@ -83,7 +83,7 @@ pub(super) fn number(drawn: Option<Drawn>) -> Option<f64> {
     }
 }
 
-/// What a variable is in each draw, as a number; NaN where it is held.
+/// Value of a variable in each draw, as a number; NaN if it is fixed.
 pub fn column(made: &Draws, variable: &str) -> Vec<f64> {
     let own = made.variables.iter().enumerate().find(|(_, own)| own.name == variable);
     let drawn = |draw: &Draw| own.and_then(|(place, variable)| variable.drawn(draw.shares[place]));

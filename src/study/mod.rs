@@ -1,7 +1,8 @@
-//! What the ranges of a design do to its shot and its levels.
+//! Effects of the ranges of a design on its shot and its levels.
 //!
-//! [`variables`] lists what is drawn, [`Sampler`] draws it, [`screen`] computes the shots of candidates and accepts those that
-//! count, [`draws`] computes their levels, and [`StudyResult`] states what follows. [`shots`] draws for the cycle alone.
+//! [`variables`] lists the variables, [`Sampler`] draws them, [`screen`] computes the shots of candidates and accepts
+//! those that count, [`draws`] computes their levels, and [`StudyResult`] states the results. [`shots`] draws only for
+//! the cycle.
 
 mod condition;
 mod contributions;

@@ -1,4 +1,4 @@
-//! What a reader of a study must know beside its numbers.
+//! Facts that a reader of a study needs in addition to its numbers.
 
 use std::collections::BTreeSet;
 
@@ -9,7 +9,7 @@ use super::variable_report::VariableReport;
 use super::variables::Kind;
 use crate::design::Design;
 
-/// Share of a distribution at which a value stands at its end.
+/// Share of a distribution within which a value is at its end.
 const AT_THE_END: f64 = 0.02;
 
 /// Standard errors by which the condition moves the mean of a variable before that is stated.

@@ -1,8 +1,8 @@
-//! What each input does to the levels of the design itself: levels at the 5th and the 95th percentile of its distribution, with all
-//! other inputs as in the design.
+//! Effect of each input on the levels of the design itself: levels at the 5th and the 95th percentile of its
+//! distribution, with all other inputs as in the design.
 //!
-//! Such changes hold at the design alone. Where inputs act together, or a shot no longer drives the nail, they say nothing of other
-//! designs; contributions to the variance do.
+//! Such changes are valid only at the design. If inputs act together, or a shot no longer drives the nail, they do not
+//! apply to other designs; contributions to the variance do.
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -161,7 +161,7 @@ pub fn one_at_a_time(
 /// A table with a row for each input.
 ///
 /// # Errors
-/// What the format refuses.
+/// Errors of the format.
 pub fn one_at_a_time_csv(own: &OneAtATime) -> Result<Vec<u8>, Error> {
     let ends = ["at P5", "at P95"];
     let of_end = |end: &str| -> Vec<String> {

@@ -50,7 +50,7 @@ pub struct Change {
 }
 
 impl PairedStudy {
-    /// States what follows from common draws of a reference and a design.
+    /// States the results of common draws of a reference and a design.
     pub fn new((reference, a): (&Design, &Draws), (design, b): (&Design, &Draws), request: &Request) -> Self {
         Self {
             reference: reference.name().to_owned(),
@@ -71,7 +71,7 @@ pub(super) fn changes(a: &Draws, b: &Draws) -> Vec<Change> {
     let [of_a, of_b] = [a, b].map(|made| LevelTable::new(&made.draws));
     let width = |own: &Quantiles| Some(own.p95.value? - own.p05.value?);
     let change = |source: &str, before: &[f64], after: &[f64]| {
-        // Silence in both is no change.
+        // Silence in both does not count as a change.
         let difference = |(a, b): (&f64, &f64)| if a == b { 0.0 } else { b - a };
         let changes: Vec<f64> = before.iter().zip(after).map(difference).collect();
         let change_db = bootstrap.quantiles(&changes);

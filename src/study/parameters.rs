@@ -15,7 +15,7 @@ const CUT: f64 = 3.0;
 pub struct Parameter {
     /// Full name, as `piston.mass`.
     pub key: String,
-    /// Symbol; empty where there is none.
+    /// Symbol; empty if there is none.
     pub symbol: &'static str,
     /// SI unit; empty for plain numbers and counts.
     pub unit: String,
@@ -32,7 +32,7 @@ pub struct Parameter {
 }
 
 impl Parameter {
-    /// That of an entry, if it has a range that is no point.
+    /// The parameter of an entry, if it has a range of more than one point.
     pub(crate) fn of(entry: Entry) -> Option<Self> {
         let range = entry.range.filter(|range| range[0] < range[1])?;
         matches!(entry.value, Value::Number(_) | Value::Count(_)).then_some(Self {
@@ -46,8 +46,8 @@ impl Parameter {
         })
     }
 
-    /// Those of a design that have a range that is no point: keys, and derived quantities that are drawn. Properties of the
-    /// numerical method are among them.
+    /// The parameters of a design that have a range of more than one point: keys, and derived quantities that are
+    /// drawn. Properties of the numerical method are among them.
     pub(crate) fn all(design: &Design) -> Vec<(Self, Provenance)> {
         let own = design.entries().into_iter().filter_map(|entry| {
             let provenance = entry.provenance;
@@ -131,7 +131,7 @@ impl Parameter {
         }
     }
 
-    /// The value `x` as this key holds it; a count is rounded and at least 1.
+    /// The value `x` in the form of this key; a count is rounded and at least 1.
     pub(crate) fn hold(&self, x: f64) -> Value {
         match self.value {
             Value::Count(_) => Value::Count(x.round().clamp(1.0, f64::from(u32::MAX)) as u32),
@@ -144,7 +144,7 @@ impl Parameter {
         let [low, high] = self.range;
         let mode = self.number();
         let x = match self.distribution {
-            // Every whole number of the range is as likely.
+            // Every integer of the range is as likely.
             Distribution::Uniform if matches!(self.value, Value::Count(_)) => (low.ceil()
                 + u * (high.floor() - low.ceil() + 1.0))
                 .floor()
@@ -170,9 +170,9 @@ impl Parameter {
 
 /// The keys that have a range and take part in the cycle, in the order of the reference.
 ///
-/// Whether a key takes part is found by setting it: it does where the cycle's parameters change. Keys of the chosen
-/// form of the physics alone do not show there, so that those of a form that is not chosen are among them; what they do
-/// to the cycle is nothing.
+/// Whether a key takes part is found by setting it: it does where the cycle's parameters change. Keys that appear only
+/// in the chosen form of the physics do not show there, so that those of a form that is not chosen are included; they
+/// have no effect on the cycle.
 ///
 /// # Errors
 /// As [`parameters`](cycle_parameters).

@@ -10,7 +10,7 @@ use nailnoise_acoustics::random::uniform;
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
-/// Most terms from which those of a polynomial are chosen, and the highest degree.
+/// Largest number of candidate terms of a polynomial, and the highest degree.
 const MOST_CANDIDATES: usize = 12_000;
 const HIGHEST_DEGREE: usize = 10;
 
@@ -30,7 +30,7 @@ pub(super) fn fold_of(number: usize) -> u64 {
 /// A product of polynomials: inputs with the degrees of theirs.
 type Term = Vec<(usize, usize)>;
 
-/// Terms from which those of a polynomial are chosen, with their values at all points.
+/// Candidate terms of a polynomial, with their values at all points.
 pub(super) struct Candidates {
     terms: Vec<Term>,
     /// Highest total degree.
@@ -39,7 +39,7 @@ pub(super) struct Candidates {
     columns: Vec<Vec<f64>>,
 }
 
-/// Terms of a polynomial beside the constant in the order in which they were chosen, and their coefficients.
+/// Terms of a polynomial other than the constant in the order of their choice, and their coefficients.
 pub(super) struct Polynomial {
     pub(super) terms: Vec<usize>,
     coefficients: Vec<f64>,
@@ -48,7 +48,7 @@ pub(super) struct Polynomial {
 }
 
 impl Candidates {
-    /// All terms up to the highest degree of which there are not too many, for points in the unit cube.
+    /// All terms up to the highest degree with a limited number of terms, for points in the unit cube.
     pub(super) fn new(points: &[Vec<f64>], inputs: usize) -> Self {
         let degree = (1..=HIGHEST_DEGREE)
             .take_while(|&degree| degree == 1 || number_of_terms(inputs, degree) <= MOST_CANDIDATES)
@@ -57,7 +57,7 @@ impl Candidates {
         let mut terms: Vec<Term> = vec![Vec::new()];
         let mut last = 0..1;
         for _ in 0..degree {
-            // One degree more: in the last input of a term or in one behind it, so that each product comes once.
+            // One degree more: in the last input of a term or in a later one, so that each product appears once.
             let mut next = Vec::new();
             for term in &terms[last.clone()] {
                 let (begin, rest) = term.split_at(term.len().saturating_sub(1));
@@ -92,7 +92,7 @@ impl Candidates {
         }
     }
 
-    /// The polynomial of levels at the points, of which each belongs to a fold.
+    /// The polynomial of levels at the points; each point belongs to a fold.
     pub(super) fn fitted(&self, levels: &[f64], folds: &[u64]) -> Polynomial {
         let most = (levels.len() / 4).min(MOST_TERMS).min(self.terms.len() - 1);
         // Sum of squared errors at the points of a fold for every number of terms, predicted from the other folds.
@@ -123,8 +123,8 @@ impl Candidates {
         }
     }
 
-    /// Chooses up to `most` terms by the points that are `known`; `each` gets the prediction at all points with the constant
-    /// alone and after every term. Returns the terms beside the constant, and their coefficients.
+    /// Chooses up to `most` terms by the points that are `known`; `each` gets the prediction at all points with only
+    /// the constant and after every term. Returns the terms other than the constant, and their coefficients.
     fn pursue(
         &self,
         levels: &[f64],
@@ -139,7 +139,7 @@ impl Candidates {
         let norms: Vec<f64> = self.columns.iter().map(|column| dot(column, column).sqrt()).collect();
         let mut rest: Vec<f64> = levels.to_vec();
         let mut prediction = vec![0.0; levels.len()];
-        // Orthonormal columns over the known points, and what they are of the terms' own columns.
+        // Orthonormal columns over the known points, and their coefficients over the terms' columns.
         let (mut basis, mut of_terms) = (Vec::<Vec<f64>>::new(), Vec::<Vec<f64>>::new());
         let (mut chosen, mut amplitudes) = (Vec::<usize>::new(), Vec::new());
         for step in 0..=most {
@@ -236,7 +236,7 @@ impl Candidates {
             |i, j| if i >= j { dot(&weighted[i], columns[j]) } else { 0.0 },
         );
         let right = DVector::from_iterator(size, weighted.iter().map(|column| dot(column, levels)));
-        // The factorisation reads the lower triangle alone.
+        // The factorisation reads only the lower triangle.
         let factor = normal.cholesky()?;
         let diagonal = factor.l_dirty().diagonal();
         if diagonal.min() < 1e-6 * diagonal.max() {

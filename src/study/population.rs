@@ -1,14 +1,15 @@
-//! The population from which a study draws, and its comparison with that of another design.
+//! The population of a study's draws, and its comparison with that of another design.
 //!
-//! A study may be used for a design whose drawn quantities have the same distributions and which agrees in everything else. Where
-//! some distributions differ, its draws may be weighted by the ratio of the densities (importance sampling),
+//! A study may be used for a design whose drawn quantities have the same distributions and which agrees in everything
+//! else. If some distributions differ, its draws may be weighted by the ratio of the densities (importance sampling),
 //!
 //! ```text
 //! w_i = prod_j q_j(x_ij)/p_j(x_ij)        n_eff = (sum w_i)^2 / sum w_i^2        (Kish 1965)
 //! ```
 //!
-//! with the densities p_j of the study and q_j of the design, of the quantities j that differ. p_j must be above zero wherever q_j is.
-//! A condition, such as "drives", and the rejection of values that do not go together are the same on both sides and cancel.
+//! with the densities p_j of the study and q_j of the design, of the quantities j that differ. p_j must be above zero
+//! wherever q_j is. A condition, such as "drives", and the rejection of conflicting values are the same on both sides
+//! and cancel.
 
 use serde::{Deserialize, Serialize};
 
@@ -19,7 +20,7 @@ use crate::error::Error;
 use crate::store::Key;
 use crate::wording::hexadecimal;
 
-/// Relative difference up to which ends of ranges are the same; provided studies have five digits.
+/// Relative tolerance for equal ends of ranges; provided studies have five digits.
 const SAME: f64 = 1e-4;
 
 /// The distribution of a quantity that is drawn.
@@ -28,7 +29,7 @@ pub(super) struct Marginal {
     pub(super) key: String,
     range: [f64; 2],
     distribution: Distribution,
-    /// The value of the design, where the distribution depends on it.
+    /// The value of the design, if the distribution depends on it.
     mode: Option<f64>,
     is_count: bool,
 }
@@ -96,13 +97,13 @@ impl Marginal {
     }
 }
 
-/// What a study draws, and a digest of all else.
+/// Variables of a study, and a digest of all else.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub(super) struct Population {
     drawn: Vec<Marginal>,
-    /// Keys with a range that the study does not draw: they change no level, or belong to structures that are held.
+    /// Keys with a range that the study does not draw: they change no level, or belong to fixed structures.
     not_drawn: Vec<String>,
-    /// Digest of all values that are not drawn, and of what `[study]` says.
+    /// Digest of all values that are not drawn, and of the settings in `[study]`.
     rest: String,
 }
 
@@ -117,8 +118,8 @@ pub(super) enum Difference {
     Other,
 }
 
-/// All quantities of a design with a range that is no point, but properties of the numerical method, with the key that their draw
-/// sets.
+/// All quantities of a design with a range of more than one point, except properties of the numerical method, with the
+/// key that their draw sets.
 fn ranged(design: &Design) -> Vec<(Parameter, String)> {
     let entries = design.entries().into_iter();
     let entries = entries.filter(|entry| entry.provenance != Provenance::Numerical);

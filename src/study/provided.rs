@@ -19,7 +19,7 @@ const SCHEMA: &str = "nailnoise-provided-study/2";
 /// Significant digits of the figures.
 const DIGITS: i32 = 5;
 
-/// A study with what it was made of.
+/// A study with its inputs.
 #[derive(Debug, Serialize, Deserialize)]
 pub struct ProvidedStudy {
     schema: String,
@@ -31,14 +31,14 @@ pub struct ProvidedStudy {
     pub version: String,
     code: String,
     population: Population,
-    /// What it states, without bands and intervals between events.
+    /// Its results, without bands and intervals between events.
     pub result: StudyResult,
     /// Levels and places of its draws.
     #[serde(flatten)]
     pub draws: DrawTable,
 }
 
-/// What is read of a file to see whether it serves a design.
+/// The part of a file that is read to see whether it serves a design.
 #[derive(Deserialize)]
 struct Head {
     population: Population,
@@ -51,7 +51,7 @@ pub struct ProvidedState {
     pub design: &'static str,
     /// Draws of its study; none without one.
     pub draws: Option<usize>,
-    /// What has changed since it was made.
+    /// Inputs that have changed since it was made.
     pub changed: Vec<&'static str>,
 }
 
@@ -60,7 +60,7 @@ pub struct ProvidedState {
 pub struct FoundProvided {
     /// The study.
     pub study: ProvidedStudy,
-    /// What it states of the design.
+    /// Its results for the design.
     pub found: Found,
 }
 

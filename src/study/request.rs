@@ -1,17 +1,17 @@
-//! What a study is asked for: how many draws, and which part of them.
+//! The request for a study: how many draws, and which part of them.
 
-/// What a study is asked for.
+/// The request for a study.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Request {
     /// Number of draws.
     pub draws: usize,
     /// Seed.
     pub seed: u64,
-    /// Shots on each structure that is drawn; `None` holds the structures of the design.
+    /// Shots on each structure that is drawn; with `None`, the structures of the design are fixed.
     pub shots_a_structure: Option<usize>,
     /// The draws that are computed.
     pub part: Part,
-    /// Whether the draws keep the sensors on the workpiece.
+    /// Whether the draws retain the sensors on the workpiece.
     pub workpiece_sensors: bool,
 }
 
@@ -33,26 +33,26 @@ impl Request {
 pub enum Part {
     /// All draws.
     All,
-    /// Every `of`-th structure, where structures are drawn, else every `of`-th draw: the `number`-th of them, from 1.
+    /// Every `of`-th structure, if structures are drawn, else every `of`-th draw: the `number`-th of them, from 1.
     Task {
         /// Its number, 1 .. `of`.
         number: u32,
         /// How many tasks there are.
         of: u32,
     },
-    /// The same, where the outcomes of the candidates are kept by then: none is computed ahead for other tasks.
+    /// The same with the outcomes of the candidates that are already stored: none is computed ahead for other tasks.
     Screened {
         /// Its number, 1 .. `of`.
         number: u32,
         /// How many tasks there are.
         of: u32,
     },
-    /// All draws, but those alone whose levels are kept.
+    /// All draws, limited to those with stored levels.
     Kept,
 }
 
 impl Part {
-    /// Whether a structure, or a draw where structures are held, belongs to it.
+    /// Whether a structure belongs to it, or a draw if structures are fixed.
     pub(super) fn holds(self, place: usize) -> bool {
         match self {
             Self::Task { number, of } | Self::Screened { number, of } => place % of as usize == (number - 1) as usize,

@@ -1,4 +1,5 @@
-//! What follows from the draws of a study; the JSON Schema of `study --json` and of `study.json` is derived from these types.
+//! Results from the draws of a study; the JSON Schema of `study --json` and of `study.json` is derived from these
+//! types.
 
 use std::collections::BTreeMap;
 
@@ -122,7 +123,7 @@ impl LevelStudy {
     }
 }
 
-/// What [`LevelStudy::ends`] of so many draws are called.
+/// Names of [`LevelStudy::ends`] for so many draws.
 pub fn names_of_ends(draws: usize) -> [&'static str; 2] {
     match draws {
         STATED_FROM.. => ["P5", "P95"],
@@ -197,7 +198,7 @@ impl StudyResult {
         schema_of::<Self>()
     }
 
-    /// States what follows from draws of a design, whose own levels are `nominal`.
+    /// States the results of draws of a design whose nominal levels are `nominal`.
     pub fn new(design: &Design, request: &Request, made: &Draws, nominal: Option<&Levels>) -> Self {
         let draws = &made.draws;
         let table = LevelTable::new(draws);

@@ -1,11 +1,11 @@
-//! Draws of the variables: an Owen-scrambled Sobol' sequence, correlations, and rejection of values that do not go together.
+//! Draws of the variables: an Owen-scrambled Sobol' sequence, correlations, and rejection of conflicting values.
 //!
-//! Point `i` of the sequence depends on `i`, the seed and the list of variables alone, so that more draws leave the first ones
-//! as they are, and threads and machines do not matter.
+//! Point `i` of the sequence depends only on `i`, the seed and the list of variables, so that more draws do not change
+//! the first ones, and threads and machines do not matter.
 //!
-//! Some values do not go together: a seat wider than the valve, say. The variables of such rules form connected components.
-//! Values are rejected and drawn anew *within a component*, which gives the same distribution as to reject whole designs, and
-//! leaves all other variables their low-discrepancy points.
+//! Some values conflict, for example a seat wider than the valve. The variables of such rules form connected
+//! components. Values are rejected and drawn anew *within a component*, which gives the same distribution as rejecting
+//! entire designs, and leaves all other variables their low-discrepancy points.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -15,7 +15,7 @@ use super::normal;
 use super::variables::{Drawn, Variable};
 use crate::design::{Correlation, Design, Value, Values};
 
-/// Dimensions and length of the sequence: beyond them it goes on with another scramble.
+/// Dimensions and length of the sequence: beyond them it continues with another scramble.
 const DIMENSIONS: usize = 256;
 const LENGTH: u64 = 1 << 16;
 
@@ -25,7 +25,7 @@ const MOST_ATTEMPTS: u64 = 1000;
 /// Designs by which rules that values may break are looked for: a rule that one draw in twenty breaks is missed once in 500 000.
 const PROBES: u64 = 256;
 
-/// Numbers of the sequence are multiples of 2^-24 from 0 on; half of that keeps them from the ends.
+/// Numbers of the sequence are multiples of 2^-24 from 0 on; half of that moves them away from the ends.
 const HALF_STEP: f64 = 1.0 / (1 << 25) as f64;
 
 /// Draws of a list of variables.
@@ -39,7 +39,7 @@ pub struct Sampler {
 #[derive(Debug, Clone, PartialEq)]
 struct Component {
     members: Vec<usize>,
-    /// Whether some of their values do not go together.
+    /// Whether some of their values conflict.
     conflicts: bool,
     /// Those members that are correlated.
     correlated: Vec<Correlated>,
@@ -52,23 +52,23 @@ struct Correlated {
     pearson: f64,
 }
 
-/// A point: where each active variable is in its distribution, from which [`Variable::drawn`] says what it is.
+/// A point: the place of each active variable in its distribution, which [`Variable::drawn`] converts to its value.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Point {
-    /// Share of its distribution below each variable, 0 .. 1; NaN for one that is held.
+    /// Share of its distribution below each variable, 0 .. 1; NaN for a fixed one.
     pub shares: Vec<f64>,
 }
 
 /// Which variables are drawn, around which values, and which of many independent sequences is used.
 #[derive(Clone, Copy)]
 pub struct Frame<'a> {
-    /// Values of all that is held, for each of several designs that are drawn in common.
+    /// Values of all fixed quantities, for each of several designs that are drawn in common.
     pub bases: &'a [Values],
     /// Whether each variable is drawn.
     pub active: &'a [bool],
     /// Number of the sequence.
     pub stream: u64,
-    /// A point of the bases whose values go together. It gives all variables that are not drawn; without it they are those of
+    /// A point of the bases without conflicts. It gives all variables that are not drawn; without it they are those of
     /// the bases.
     pub given: Option<&'a Point>,
     /// Number of the given point where partners of many points are drawn: their first candidates are the points of one sequence.
@@ -88,7 +88,7 @@ impl<'a> Frame<'a> {
     }
 }
 
-/// Variables that are drawn together have no values that go together.
+/// Variables that are drawn together have no compatible values.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[error("{MOST_ATTEMPTS} draws of {drawn} broke a rule, the last one that of {keys}")]
 pub struct NoValues {
@@ -98,7 +98,7 @@ pub struct NoValues {
     pub keys: String,
 }
 
-/// How often values were rejected, by the keys that do not go together.
+/// How often values were rejected, by the conflicting keys.
 pub type Rejections = BTreeMap<String, u64>;
 
 impl Sampler {
@@ -133,7 +133,7 @@ impl Sampler {
     /// Point `index` of a frame.
     ///
     /// # Errors
-    /// [`NoValues`] where values of a component did not go together in any attempt.
+    /// [`NoValues`] if values of a component conflicted in every attempt.
     pub fn point(&self, frame: Frame<'_>, index: u64, rejections: &mut Rejections) -> Result<Point, NoValues> {
         let count = self.variables.len();
         let mut point = frame.given.cloned().unwrap_or_else(|| Point {
@@ -204,8 +204,8 @@ impl Sampler {
         f64::from(number) + HALF_STEP
     }
 
-    /// The bases with the values that the given point has outside the active members of a component: they break no rule by
-    /// themselves, as the bases alone may where the given point changes one of two values that a rule compares.
+    /// The bases with the values of the given point outside the active members of a component. These break no rule; the
+    /// bases without them may, if the given point changes one of two values that a rule compares.
     fn bases_around(&self, component: &Component, frame: Frame<'_>) -> Vec<Values> {
         let mut bases = frame.bases.to_vec();
         if let Some(given) = frame.given {
@@ -221,7 +221,7 @@ impl Sampler {
         bases
     }
 
-    /// Keys of the rule that is broken when members are drawn; none where their values go together.
+    /// Keys of the rule that is broken when members are drawn; none if their values are compatible.
     fn broken_rule(&self, base: &Values, members: &[usize], point: &Point) -> Option<String> {
         let mut values = base.clone();
         match values.set(&self.changes_of(members, point)) {
@@ -260,8 +260,8 @@ fn correlate(z: &mut [f64], r: f64) {
     }
 }
 
-/// Sets of variables whose values may not go together: for designs drawn at random, the smallest sets of their variables that
-/// break a rule by themselves.
+/// Sets of variables whose values may conflict: for designs drawn at random, the smallest sets of their variables that
+/// break a rule without the others.
 fn rules(design: &Design, variables: &[Variable]) -> BTreeSet<Vec<usize>> {
     /// Apart from any seed of a study: the rules do not depend on it.
     const SEED: u64 = 0x5EED_0F9A_0BE5;
@@ -294,7 +294,7 @@ fn rules(design: &Design, variables: &[Variable]) -> BTreeSet<Vec<usize>> {
             };
             let mut rule: Vec<usize> = members.iter().copied().filter(sets).collect();
             if conflict(&rule, &drawn).is_none() {
-                // Values that the message does not name take part: take away what is not needed.
+                // Values that the message does not name are involved: remove the superfluous ones.
                 rule.clone_from(&members);
                 for member in members.clone() {
                     let rest: Vec<usize> = rule.iter().copied().filter(|other| *other != member).collect();
@@ -368,7 +368,7 @@ mod tests {
         Design::parse(&format!("base = \"n80cb.toml\"\n{text}"), folder).unwrap()
     }
 
-    /// Variables of these keys of a design, without the question what they change.
+    /// Variables of these keys of a design, whether or not they change levels.
     fn of(design: &Design, keys: &[&str]) -> Vec<Variable> {
         let entry = |key: &&str| design.entries().into_iter().find(|entry| entry.key == *key).unwrap();
         let parameters = keys.iter().map(entry).filter_map(Parameter::of);
@@ -432,7 +432,7 @@ mod tests {
         }
     }
 
-    /// The law of rejection: conditional on the rule, the pair is uniform over what the rule leaves.
+    /// The law of rejection: conditional on the rule, the pair is uniform over the remaining domain.
     #[test]
     fn values_that_do_not_go_together_are_drawn_anew_alone() {
         let design = design("");
@@ -468,7 +468,7 @@ mod tests {
         );
         let share = N as f64 / (N + rejections.values().sum::<u64>()) as f64;
         assert!((share - count / 250_000.0).abs() < 0.02, "{share}");
-        // What is in no rule keeps its even points.
+        // A variable without rules retains its even points.
         let mut cells = [0; 64];
         points
             .iter()

@@ -16,10 +16,11 @@ use crate::graph::Graph;
 use crate::stages::cycle::Cycle;
 use crate::stages::outcomes::{Outcomes, ShotOutcome};
 
-/// Candidates computed and kept at a time; for a partner of a point, which needs one, at first and then twice as many each time.
+/// Candidates that are computed and stored at a time; for a partner of a point, which needs one, at first and then
+/// twice as many each time.
 pub(super) const BLOCK: u64 = 64;
 const FIRST_BLOCK: u64 = 2;
-/// Candidates drawn at most for each draw asked for, and before any is accepted.
+/// Maximum number of candidates for each requested draw, and before any is accepted.
 const MOST: u64 = 1000;
 const MOST_IN_VAIN: u64 = 4096;
 /// Interval of the samples, which no outcome needs \[s\].
@@ -30,26 +31,26 @@ const SAMPLES: f64 = 1e-3;
 pub struct Candidate {
     /// Its number in the sequence.
     pub index: u64,
-    /// What is drawn.
+    /// The drawn point.
     pub point: Point,
-    /// What became of its shot in each design.
+    /// Outcome of its shot in each design.
     pub outcomes: Vec<ShotOutcome>,
 }
 
-/// What became of all candidates.
+/// Outcomes of all candidates.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Tally {
     /// Candidates drawn.
     pub candidates: u64,
-    /// Values drawn anew because they do not go together, by their keys.
+    /// Values drawn anew because of conflicts, by their keys.
     pub rejections: Rejections,
-    /// Candidates that are no designs, by the reason.
+    /// Candidates that are not valid designs, by the reason.
     pub refused: BTreeMap<String, u64>,
     /// Shots by outcome, `dry_fire` or `solver_failure`.
     pub outcomes: BTreeMap<String, u64>,
     /// Candidates whose shot cannot be computed, with the message.
     pub failures: Vec<(u64, String)>,
-    /// Where in the distributions the shots are that count.
+    /// Places of the counting shots in the distributions.
     pub condition: Counts,
 }
 
@@ -93,7 +94,7 @@ pub(crate) fn drawn(design: &Design, sampler: &Sampler, base: &Values, point: &P
     }
 }
 
-/// A candidate's point and the cycle of each design, or why it is no design.
+/// A candidate's point and the cycle of each design, or why it is not a valid design.
 pub(super) fn cycles_of(
     (designs, sampler): (&[Design], &Sampler),
     frame: Frame<'_>,
@@ -120,7 +121,8 @@ pub(super) fn cycles_of(
     Ok((point, cycles))
 }
 
-/// A candidate before its shot: its point and cycles, or why it is no design; and what was drawn anew for it.
+/// A candidate before its shot: its point and cycles, or why it is not a valid design; and the values that were drawn
+/// anew for it.
 pub(super) type Prepared = (Result<(Point, Vec<Cycle>), String>, Rejections);
 
 /// The candidates of a block, and the stage that computes their shots.
@@ -149,9 +151,9 @@ fn name(outcomes: &[ShotOutcome]) -> String {
     names.join(" / ")
 }
 
-/// Draws candidates until `want` of them are accepted in all of the designs, in the order of the sequence. Fewer come back where
-/// 1000 candidates for each were not enough. Tasks that share a store share the work: each computes its own of as many blocks as
-/// there are tasks, and then reads those of the others where they are kept by then.
+/// Draws candidates until `want` of them are accepted in all of the designs, in the order of the sequence. Fewer come
+/// back where 1000 candidates for each were not enough. Tasks that share a store share the work. Out of as many blocks
+/// as there are tasks, each task computes one, and then reads those of the others that are stored by then.
 ///
 /// # Errors
 /// [`Error::NothingDrawn`] where no candidate is accepted.

@@ -1,4 +1,4 @@
-//! Designs drawn for the nailing cycle alone: what becomes of each shot.
+//! Designs drawn only for the nailing cycle: the outcome of each shot.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -16,7 +16,8 @@ use crate::graph::Graph;
 use crate::stages::outcomes::ShotOutcome;
 use crate::stages::{Progress, Stage};
 
-/// Candidates drawn at most for each design asked for, lest a design whose ranges hardly go together never ends.
+/// Maximum number of candidates drawn for each requested design, to end a design whose ranges hardly ever yield
+/// compatible values.
 const MOST_CANDIDATES: usize = 1000;
 
 /// Designs drawn from the ranges of one, with their shots.
@@ -28,7 +29,7 @@ pub struct Shots {
     pub parameters: Vec<Parameter>,
     /// Names of the scores by which a fitted penetration law is drawn.
     pub scores: Vec<String>,
-    /// What became of the candidates.
+    /// Outcomes of the candidates.
     #[serde(flatten)]
     pub counted: Counted,
     /// The designs, in the order they were drawn.
@@ -42,13 +43,13 @@ pub struct DrawnShot {
     pub candidate: usize,
     /// Values of the parameters, then the scores, in their order.
     pub values: Vec<Value>,
-    /// What became of it.
+    /// Outcome of its shot.
     pub outcome: ShotOutcome,
 }
 
 /// Draws `count` designs from the ranges of the keys of `design` that take part in the cycle, and computes the cycle of each on a graph.
 ///
-/// The draws depend on `seed` and the ranges alone, not on the number of threads. Fewer than `count` designs come back
+/// The draws depend only on `seed` and the ranges, not on the number of threads. Fewer than `count` designs come back
 /// where a thousand candidates for each were not enough.
 ///
 /// # Errors
@@ -69,7 +70,7 @@ pub fn shots(graph: &Graph, design: &Design, count: usize, seed: u64, progress: 
     })
 }
 
-/// What became of the candidates for drawn shots.
+/// Outcomes of the candidates for drawn shots.
 #[derive(Debug, Clone, Default, PartialEq, Serialize)]
 pub struct Counted {
     /// Number of designs drawn. It is the length of their list, so that it is not written.
@@ -79,13 +80,13 @@ pub struct Counted {
     pub candidates: usize,
     /// How many were refused, by the rule of the cycle that is broken.
     pub refused: BTreeMap<String, usize>,
-    /// Values drawn anew because they do not go together, by their keys.
+    /// Values drawn anew because of conflicts, by their keys.
     pub rejections: Rejections,
     /// How many designs came to each end: an outcome, `dry_fire` or `solver_failure`.
     pub counts: BTreeMap<String, usize>,
 }
 
-/// Draws designs for the cycle alone, one batch after the other: no draw is kept.
+/// Draws designs only for the cycle, one batch after the other: no draw is stored.
 pub struct ShotSampler {
     pub(super) design: Design,
     pub(super) sampler: Sampler,
@@ -140,7 +141,7 @@ impl ShotSampler {
             let first = all.candidates;
             let block = first as u64..first as u64 + BLOCK;
             let (block, outcomes) = block_of((designs, &self.sampler), frame, block);
-            // Without a store, a graph would hold the outcomes of all blocks.
+            // Without a store, a graph would retain the outcomes of all blocks.
             let outcomes = match graph.store().folder() {
                 Some(_) => graph.get(outcomes)?,
                 None => Arc::new(outcomes.compute(progress)?),

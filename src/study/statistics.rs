@@ -1,8 +1,9 @@
 //! Quantiles, probabilities of orders and losses of decisions from draws, each with its bootstrap interval.
 //!
-//! Levels are in dB re 1 pW s; minus infinity is silence. Quantiles of draws interpolate between neighbouring ones linearly, at the
-//! place p (n + 1) (type 6 of Hyndman and Fan, "Sample quantiles in statistical packages", The American Statistician 50, 361
-//! (1996)): a further draw lies below with the probability p, whatever the distribution. Those of resamples are of type 7.
+//! Levels are in dB re 1 pW s; minus infinity is silence. Quantiles of draws interpolate linearly between neighbouring
+//! ones, at the place p (n + 1): a further draw lies below with the probability p, whatever the distribution (type 6 of
+//! Hyndman and Fan, "Sample quantiles in statistical packages", The American Statistician 50, 361 (1996)). Those of
+//! resamples are of type 7.
 
 use std::collections::BTreeMap;
 
@@ -26,7 +27,7 @@ pub struct Estimate {
 }
 
 impl Estimate {
-    /// Half the width of the interval; none where silence is in it.
+    /// Half the width of the interval; none if silence is in it.
     pub fn half_width(&self) -> Option<f64> {
         let [low, high] = self.interval;
         Some(0.5 * (high? - low?))
@@ -81,10 +82,10 @@ pub(super) fn energy_sum(levels: impl IntoIterator<Item = f64>) -> f64 {
         .log10()
 }
 
-/// Resampled draws. A resample is made where it is needed: how often each draw is in it takes 4 bytes a draw for as long as one
-/// estimate looks at it, where all resamples together would take 4 kB a draw.
+/// Resampled draws. A resample is made on demand: the count of each draw in it takes 4 bytes a draw for as long as one
+/// estimate uses it, whereas all resamples together would take 4 kB a draw.
 pub(super) struct Bootstrap {
-    /// Draws of each cluster; none where single draws are resampled.
+    /// Draws of each cluster; none if single draws are resampled.
     clusters: Option<Vec<Vec<u32>>>,
     /// Clusters, or draws.
     units: usize,
@@ -92,7 +93,8 @@ pub(super) struct Bootstrap {
 }
 
 impl Bootstrap {
-    /// Resamples clusters of draws, or draws where all are in one cluster. `clusters` holds the cluster of each draw.
+    /// Resamples clusters of draws, or draws where all are in one cluster. `clusters` contains the cluster of each
+    /// draw.
     pub(super) fn new(clusters: &[usize]) -> Self {
         let mut members: BTreeMap<usize, Vec<u32>> = BTreeMap::new();
         if clusters.iter().any(|cluster| *cluster != clusters[0]) {
@@ -109,7 +111,7 @@ impl Bootstrap {
         Self { clusters, units, draws }
     }
 
-    /// What `statistic` says of each resample, from how often each draw is in it.
+    /// Value of `statistic` for each resample, from the count of each draw in it.
     fn resampled<T>(&self, mut statistic: impl FnMut(&[u32]) -> T) -> Vec<T> {
         let mut counts = vec![0; self.draws];
         let resample = |resample: u64| {
@@ -145,8 +147,9 @@ impl Bootstrap {
         self.estimate(|counts| weighted_mean(figures, counts))
     }
 
-    /// The part of the draws of which something is true. Where it is true of all or of none, no resample differs: the interval is
-    /// then that of the binomial distribution, beyond whose end so many draws would show it with 5 % (Clopper and Pearson 1934).
+    /// The share of the draws for which something is true. If it is true of all or of none, no resample differs: the
+    /// interval is then that of the binomial distribution, beyond whose end so many draws would show it with 5 %
+    /// (Clopper and Pearson 1934).
     pub(super) fn share(&self, is_so: &[bool]) -> Estimate {
         let figures: Vec<f64> = is_so.iter().map(|&is_so| f64::from(u8::from(is_so))).collect();
         let mut estimate = self.mean(&figures);
@@ -185,7 +188,7 @@ pub(super) fn interval(mut resampled: Vec<f64>) -> [Option<f64>; 2] {
     [0.05, 0.95].map(|p| Some(quantile(&resampled, p)).filter(|value| value.is_finite()))
 }
 
-/// Quantiles of levels that count several times each; `order` holds their places from the lowest level on.
+/// Quantiles of levels that count several times each; `order` contains their places from the lowest level on.
 fn counted_quantiles<const N: usize>(levels: &[f64], order: &[u32], counts: &[u32], shares: [f64; N]) -> [f64; N] {
     let count = counts.iter().sum::<u32>();
     let last = count.saturating_sub(1);
@@ -217,8 +220,8 @@ fn counted_quantiles<const N: usize>(levels: &[f64], order: &[u32], counts: &[u3
     std::array::from_fn(|own| interpolated(ends[own][0], ends[own][1], at[own].fract()))
 }
 
-/// The quantile `p` of levels with weights: each stands for its share of all weights, and has the middle of that share below it
-/// (type 5 of Hyndman and Fan, where the weights are equal).
+/// The quantile `p` of levels with weights: each represents its share of all weights and lies at the middle of that
+/// share (type 5 of Hyndman and Fan, if the weights are equal).
 pub(super) fn weighted_quantiles(levels: &[f64], weights: &[f64], p: f64) -> f64 {
     let mut order: Vec<usize> = (0..levels.len()).filter(|&draw| weights[draw] > 0.0).collect();
     order.sort_by(|a, b| levels[*a].total_cmp(&levels[*b]));
@@ -237,7 +240,7 @@ pub(super) fn weighted_quantiles(levels: &[f64], weights: &[f64], p: f64) -> f64
     before.map_or(f64::NAN, |(_, level)| level)
 }
 
-/// Places of sources by their levels, loudest first; equal levels keep the order of the sources.
+/// Places of sources by their levels, loudest first; equal levels stay in the order of the sources.
 pub(super) fn order(levels: &[f64]) -> Vec<usize> {
     let mut places: Vec<usize> = (0..levels.len()).collect();
     places.sort_by(|a, b| levels[*b].total_cmp(&levels[*a]));
@@ -377,7 +380,7 @@ mod tests {
         (0..n as u64).map(number).collect()
     }
 
-    /// Stated intervals of 90 % hold the true value in 84 to 95 % of 200 repetitions.
+    /// Stated intervals of 90 % contain the true value in 84 to 95 % of 200 repetitions.
     #[test]
     fn intervals_of_the_median_and_of_a_probability_cover_as_stated() {
         let (mut medians, mut shares) = (0, 0);
@@ -396,7 +399,8 @@ mod tests {
         assert!((168..=190).contains(&shares), "{shares} of 200 shares");
     }
 
-    /// Draws of a cluster share what is theirs: resampled one by one, their interval is far too narrow.
+    /// Draws of a cluster share the inputs of the cluster: if they are resampled one by one, their interval is far too
+    /// narrow.
     #[test]
     fn intervals_of_clusters_cover_as_stated() {
         let mut covered = 0;

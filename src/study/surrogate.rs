@@ -104,7 +104,7 @@ pub(super) fn surrogates(design: &Design, made: &Draws, names: &[String]) -> Vec
         .collect()
 }
 
-/// The reason why none of them states indices, where it is the same for all.
+/// The common reason why all of them state no indices, if it is the same for all.
 pub fn common_reason(surrogates: &[Surrogate]) -> Option<&str> {
     let reason = surrogates.first()?.not_resolved.as_deref()?;
     let same = |own: &Surrogate| own.not_resolved.as_deref() == Some(reason);
@@ -142,7 +142,7 @@ fn indices(
     own.iter().zip(intervals.chunks(2)).map(index).collect()
 }
 
-/// Why the inputs of the draws depend on each other; none where they do not.
+/// Why the inputs of the draws depend on each other; none if they do not.
 fn dependence(design: &Design, made: &Draws) -> Option<&'static str> {
     if !design.study().correlations.is_empty() {
         return Some("inputs are correlated");

@@ -30,7 +30,7 @@ const MOST: usize = 100_000;
 pub struct Axis {
     /// Full name of the key.
     pub key: String,
-    /// Values as they would stand in a design file, without quotes.
+    /// Values as in a design file, without quotes.
     pub values: Vec<String>,
 }
 
@@ -39,19 +39,19 @@ pub struct Axis {
 pub struct SweptPoint {
     /// The value of each key, in the order of the axes.
     pub values: Vec<String>,
-    /// Its levels; none where the values are no design or the shot cannot be computed.
+    /// Its levels; none if the values are not a valid design or the shot cannot be computed.
     pub levels: Option<Levels>,
     /// Level of all sources together \[dB re 1 pW s\].
     pub total_db: Option<f64>,
-    /// Headline of its shot, where that does not drive.
+    /// Headline of its shot, if that does not drive.
     pub headline: Option<Headline>,
-    /// Why there are no levels; empty where there are.
+    /// Why levels are missing; empty otherwise.
     pub refused: String,
-    /// Folder of its films; none where none were asked for.
+    /// Folder of its films; none without a request.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub folder: Option<String>,
-    /// Each source, then the total, over draws that all points have in common, and the change from the first point; none where
-    /// no draws are asked for.
+    /// Each source, then the total, over draws that all points have in common, and the change from the first point;
+    /// none if no draws are requested.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub drawn: Option<Vec<Change>>,
 }
@@ -111,7 +111,7 @@ fn range(low: &str, rest: &str) -> Result<Vec<String>, String> {
     Ok((0..count).map(value).collect())
 }
 
-/// A number and the unit behind it.
+/// A number and the unit that follows it.
 fn number(text: &str) -> Result<(f64, String), String> {
     let text = text.trim();
     let ends = (1..=text.len()).rev().filter(|end| text.is_char_boundary(*end));
@@ -135,7 +135,7 @@ fn grid(axes: &[Axis]) -> Vec<Vec<String>> {
     })
 }
 
-/// What gives the values of a point.
+/// Assignments for the values of a point.
 fn assignments(axes: &[Axis], values: &[String]) -> Result<Vec<Assignment>, AssignmentError> {
     let pairs = axes.iter().zip(values);
     pairs
@@ -146,7 +146,7 @@ fn assignments(axes: &[Axis], values: &[String]) -> Result<Vec<Assignment>, Assi
 /// The design in a file, with changes that all points share, at a point of the grid.
 ///
 /// # Errors
-/// Values that no design can have, or that do not go together.
+/// Values that are impossible in any design, or that conflict.
 pub fn at_point((path, changes): (&Path, &[Assignment]), axes: &[Axis], values: &[String]) -> Result<Design, Error> {
     let own = assignments(axes, values).map_err(|error| Error::NoAxis { error })?;
     Ok(Design::load_with(path, &[changes, &own].concat())?)
@@ -167,8 +167,8 @@ pub fn distinct(axes: &[Axis]) -> Result<(), Error> {
     })
 }
 
-/// Levels of the design in a file, with changes that all points share, over a grid of values; on `request`, over draws that all
-/// points have in common, too. Points whose values do not go together are refused with their conflict.
+/// Levels of the design in a file, with changes that all points share, over a grid of values; on `request`, over draws
+/// that all points have in common, too. Points with conflicting values are refused with their conflict.
 ///
 /// # Errors
 /// A key or value that no design can have; no key, or one twice; a point that needs more memory than allowed; a grid of too many

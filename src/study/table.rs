@@ -7,11 +7,11 @@ use crate::design::Value;
 use crate::error::Error;
 use crate::output;
 
-/// A row for every draw: its structure and candidate, levels with the errors of methods \[dB re 1 pW s\], the errors \[dB\], figures
-/// of the shot, then the variables in SI units; empty where one is held.
+/// A row for every draw: its structure and candidate, levels with the errors of methods \[dB re 1 pW s\], the errors
+/// \[dB\], figures of the shot, then the variables in SI units; empty for a fixed one.
 ///
 /// # Errors
-/// [`Error::Table`], where rows differ in length.
+/// [`Error::Table`], if rows differ in length.
 pub fn csv(made: &Draws) -> Result<Vec<u8>, Error> {
     let levels = LevelTable::new(&made.draws);
     let sources = &levels.names;

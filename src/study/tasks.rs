@@ -1,8 +1,8 @@
 //! Parts of studies, draws of shots and sweeps that a scheduler may compute anywhere and in any order.
 //!
 //! Each part leaves outputs of stages in a store. The work itself ([`draws`](super::draws), [`shots`](super::shots()),
-//! [`sweep`](super::sweep())) then finds them there, so that it states the same result whoever computed them, and computes what is
-//! missing.
+//! [`sweep`](super::sweep())) then finds them there. It states the same result whoever computed them, and computes the
+//! missing ones.
 
 use super::jobs::levels_of_shot;
 use super::sampling::{Frame, Sampler};
@@ -27,7 +27,7 @@ pub struct Candidates {
 }
 
 impl Candidates {
-    /// Those of a study, with its structures or with those held.
+    /// The tasks of a study, with drawn or fixed structures.
     ///
     /// # Errors
     /// Those of the chain's inputs.

@@ -1,15 +1,16 @@
-//! What a few draws say of further ones, whatever their distribution, as long as it is continuous.
+//! Conclusions from a few draws for further ones, whatever their distribution, provided that it is continuous.
 //!
 //! ```text
 //! P(next one within the range of n) = (n - 1)/(n + 1)
 //! P(the range contains a share b of all) = 1 - n b^(n-1) + (n - 1) b^n
 //! ```
 //!
-//! S. S. Wilks, "Determination of sample sizes for setting tolerance limits", Ann. Math. Statist. 12, 91 (1941). The draws must be
-//! independent. Those of a study are evenly distributed candidates of which few count, which comes near to it.
+//! S. S. Wilks, "Determination of sample sizes for setting tolerance limits", Ann. Math. Statist. 12, 91 (1941). The
+//! draws must be independent. Those of a study are evenly distributed candidates, and few of them count, which is
+//! nearly the same.
 
-/// Draws from which percentiles, probabilities and K are stated; fewer show their range. In the mean, 1.6 of 32 draws lie beyond
-/// the percentile of 5 % or 95 %.
+/// Fewest draws for a statement of percentiles, probabilities and K; fewer show their range. In the mean, 1.6 of 32
+/// draws lie beyond the percentile of 5 % or 95 %.
 pub const STATED_FROM: usize = 32;
 
 /// Confidence of a tolerance interval.

@@ -1,4 +1,4 @@
-//! What was drawn: each variable with its distribution, and where the design and the draws lie in it.
+//! The drawn variables, each with its distribution, and the places of the design and the draws in it.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -36,7 +36,7 @@ fn place_of_nominal(variable: &Variable) -> Option<f64> {
         return None;
     };
     let value = |share: f64| number(Some(Drawn::Value(parameter.at(share.clamp(1e-9, 1.0 - 1e-9)))));
-    // The share up to which a condition holds, from a share where it does, between two ends.
+    // The share up to which a condition is true, between two ends, from a share that satisfies it.
     let last = |low: f64, holds: &dyn Fn(f64) -> bool| {
         let (mut low, mut high) = (low, 1.0);
         for _ in 0..40 {

@@ -1,4 +1,4 @@
-//! What a study draws: keys with a range, alternatives, errors of methods.
+//! Variables of a study: keys with a range, alternatives, errors of methods.
 
 use std::collections::BTreeMap;
 
@@ -30,13 +30,13 @@ pub enum Scope {
 pub struct Variable {
     /// Key, name of alternatives, `wood.penetration_fit.SCORE`, or `method.SOURCE`.
     pub name: String,
-    /// What it changes.
+    /// The outputs that it changes.
     pub scope: Scope,
-    /// What is drawn.
+    /// The kind of quantity.
     pub kind: Kind,
 }
 
-/// What a variable draws.
+/// The kind of a variable.
 #[derive(Debug, Clone)]
 pub enum Kind {
     /// The value of a key.
@@ -49,7 +49,7 @@ pub enum Kind {
     Method(Option<[f64; 2]>),
 }
 
-/// What a variable is in a draw.
+/// The value of a variable in a draw.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Drawn {
     /// Value of a key.
@@ -61,7 +61,7 @@ pub enum Drawn {
 }
 
 impl Variable {
-    /// What it is in a draw by the share of its distribution below it; none where it is held, as a share that is no number says.
+    /// Its value in a draw by the share of its distribution below it; none if it is fixed, which a share of NaN means.
     pub fn drawn(&self, share: f64) -> Option<Drawn> {
         (!share.is_nan()).then(|| self.at(share))
     }
@@ -95,7 +95,7 @@ impl Variable {
         }
     }
 
-    /// SI unit; empty where there is none.
+    /// SI unit; empty if there is none.
     pub fn unit(&self) -> &str {
         match &self.kind {
             Kind::Quantity(parameter) => &parameter.unit,
@@ -131,14 +131,14 @@ pub(crate) fn without_sensors(design: &Design) -> Design {
     design
 }
 
-/// The design with its sensors on the workpiece alone.
+/// The design with only its sensors on the workpiece.
 pub(crate) fn with_workpiece_sensors(design: &Design) -> Design {
     let mut design = design.clone();
     design.sensors.retain(|_, sensor| sensor.body == Carrier::Workpiece);
     design
 }
 
-/// Keys of what a design's levels are made of: of the levels, and of modes and matrices.
+/// Keys of the inputs of a design's levels: of the levels, and of modes and matrices.
 struct Keys {
     levels: Digest,
     structures: Vec<Digest>,
@@ -152,12 +152,12 @@ fn keys(design: &Design) -> Result<Keys, Error> {
     })
 }
 
-/// The variables of a study of `design`, in the order of the reference: every key with a range that changes the levels, unless
-/// it is a property of the numerical method; the alternatives; the scores of a fitted penetration law; the error of each source's
-/// method.
+/// The variables of a study of `design`, in the order of the reference. They are every key with a range that changes
+/// the levels, unless it is a property of the numerical method; the alternatives; the scores of a fitted penetration
+/// law; and the error of each source's method.
 ///
 /// A key changes the levels where the digest of their inputs changes with it. Keys of a form of the physics that is not
-/// chosen may be among them; what they do to the levels is nothing.
+/// chosen may be included; they have no effect on the levels.
 ///
 /// # Errors
 /// Those of the chain for the design itself.
@@ -251,8 +251,8 @@ pub fn variables(design: &Design) -> Result<Vec<Variable>, Error> {
     Ok(variables)
 }
 
-/// The variables of designs that are drawn in common: those of all of them, without keys whose values differ
-/// between the designs: each design keeps its own.
+/// The variables of designs that are drawn in common: those of all of them, without keys whose values differ between
+/// the designs: each design retains its values.
 ///
 /// # Errors
 /// As [`variables`].
@@ -271,7 +271,7 @@ pub fn common_variables(designs: &[&Design]) -> Result<Vec<Variable>, Error> {
         }
     }
     let differing = differing_keys(designs);
-    // A derived quantity differs where one of those differs from which it follows.
+    // A derived quantity differs if one of its primaries differs.
     let primaries = |name: &str| Derived::find(name).map_or(&[][..], |derived| derived.primaries);
     let differs = |name: &str| differing.iter().any(|key| key == name);
     joint.retain(|own| !differs(&own.name) && !primaries(&own.name).iter().any(|key| differs(key)));

@@ -18,8 +18,8 @@ pub struct Weighting {
     pub keys: Vec<String>,
 }
 
-/// The levels of a design by the draws of a study, where the distributions of some quantities differ: that of the study, and that of
-/// the design. None where the draws are worth too few, or are drawn on several structures.
+/// The levels of a design by the draws of a study, if the distributions of some quantities differ: that of the study,
+/// and that of the design. None where the draws are worth too few, or are drawn on several structures.
 pub(super) fn reweighted(
     study: &StudyResult,
     table: &DrawTable,

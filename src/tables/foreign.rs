@@ -1,9 +1,10 @@
-//! Files of other formats by their first bytes, so that a refusal states what a file is instead of showing its bytes.
+//! Files of other formats by their first bytes, so that a refusal names the format of a file instead of showing its
+//! bytes.
 
 /// A format that is not read.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Foreign {
-    /// What the file is.
+    /// The name of the format.
     pub name: &'static str,
     /// How to turn it into one that is read.
     pub remedy: &'static str,
@@ -82,7 +83,7 @@ const SIGNATURES: &[(usize, &[u8], &str, &str)] = &[
     ),
 ];
 
-/// The format of a file that is none of those that are read; none where it is not known.
+/// The format of a file that cannot be read here; none if it is unknown.
 pub(crate) fn foreign(bytes: &[u8]) -> Option<Foreign> {
     let form = |at: usize| bytes.get(at..at + 4);
     if bytes.starts_with(b"FORM") && !matches!(form(8), Some(b"AIFF" | b"AIFC")) {

@@ -1,4 +1,4 @@
-//! Headings of columns: a name and, in brackets, behind a slash or in the row below, a unit.
+//! Headings of columns: a name and, in brackets, after a slash or in the row below, a unit.
 
 use nailnoise_quantities::Dimension;
 use nailnoise_quantities::dimension::{FORCE, TIME};
@@ -21,11 +21,11 @@ pub(crate) struct ColumnOf {
 /// A heading, its name without the unit, and the unit.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct Heading {
-    /// The whole heading.
+    /// The complete heading.
     pub(crate) text: String,
     /// Without unit.
     pub(crate) name: String,
-    /// The unit; empty where there is none.
+    /// The unit; empty if there is none.
     pub(crate) unit: String,
 }
 
@@ -81,7 +81,7 @@ impl Heading {
     /// SI units in a unit of its numbers; 1 without a unit.
     ///
     /// # Errors
-    /// What is wrong with the unit.
+    /// The fault of the unit.
     pub(crate) fn factor(&self, of: ColumnOf) -> Result<f64, String> {
         match suffix(&self.name.to_lowercase(), of) {
             Some(factor) if self.unit.is_empty() => Ok(factor),
@@ -101,7 +101,7 @@ impl Heading {
     }
 }
 
-/// The unit behind the name of a column in small letters: `depth_mm`, `force_kn`.
+/// The unit after the name of a column in small letters: `depth_mm`, `force_kn`.
 fn suffix(name: &str, of: ColumnOf) -> Option<f64> {
     let unit = name.strip_prefix(of.name)?.strip_prefix('_')?;
     let unit = if of.dimension == FORCE {

@@ -53,7 +53,7 @@ pub(crate) fn spelled(label: &str) -> String {
         .into_iter()
         .find_map(|(open, close)| {
             let inner = label.strip_prefix(open)?.strip_suffix(close)?;
-            // Not "(m)/(s)", whose outer brackets are no pair.
+            // Not "(m)/(s)", whose outer brackets are not a pair.
             (!inner.contains([open, close]) || open == '(' && balanced(inner)).then_some(inner)
         });
     let label = inner
@@ -94,13 +94,13 @@ fn is_letter(letter: char) -> bool {
     letter.is_alphabetic() || letter == 'µ'
 }
 
-/// The dimension of a label; none for what is no unit.
+/// The dimension of a label; none if it is not a unit.
 pub(crate) fn dimension_of(label: &str) -> Option<Dimension> {
     let unit = spelled(label);
     if unit.is_empty() || unit.starts_with(|letter: char| letter.is_ascii_digit()) {
         return None;
     }
-    // The error names the dimension that was found; this one has no unit of its own here.
+    // The error names the dimension that was found; this one does not need a unit here.
     match quantity(&format!("1 {unit}"), dimension::HEAT_TRANSFER, false) {
         Ok(_) => Some(dimension::HEAT_TRANSFER),
         Err(QuantityError::Dimension { found, .. }) => Some(found),
@@ -111,7 +111,7 @@ pub(crate) fn dimension_of(label: &str) -> Option<Dimension> {
 /// SI units in one unit of a label.
 ///
 /// # Errors
-/// What is wrong with it.
+/// The fault of the label.
 pub(crate) fn si_of(label: &str, dimension: Dimension) -> Result<f64, String> {
     let unit = spelled(label);
     if dimension == dimension::TIME && unit == "S" {

@@ -1,19 +1,19 @@
-//! Where the headings, the units and the rows of a table are, and what separates its columns.
+//! Places of the headings, the units and the rows of a table, and the separator of its columns.
 
 use super::heading::Heading;
 use super::label::dimension_of;
 use super::rows::number;
 
-/// Separators in the order in which they are tried: a heading or a decimal number may contain a comma.
+/// Separators in the order of trial: a heading or a decimal number may contain a comma.
 const SEPARATORS: [u8; 4] = [b';', b'\t', b',', b'|'];
 
 /// Lines of a file within which its headings are looked for.
 const PREAMBLE: usize = 200;
 
-/// Lines behind the headings of which one has numbers: a row of units and a damaged one may come before it.
+/// Number of lines after the headings to search for numbers: a row of units and a damaged one may come before it.
 const BEHIND: usize = 4;
 
-/// Where rows begin.
+/// Beginning of the rows.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Start {
     /// Byte of the text.
@@ -22,7 +22,7 @@ pub(super) struct Start {
     pub(super) line: usize,
 }
 
-/// What [`find`] found.
+/// Result of [`find`].
 pub(super) struct Layout {
     pub(super) separator: u8,
     pub(super) headings: Vec<Heading>,
@@ -34,7 +34,7 @@ pub(super) struct Layout {
 struct Line<'a> {
     number: usize,
     begin: usize,
-    /// Byte behind its end.
+    /// Byte after its end.
     end: usize,
     text: &'a str,
 }
@@ -110,8 +110,9 @@ fn is_units(fields: &[String], columns: usize) -> bool {
     (1..=columns).contains(&count) && fields.iter().all(unit)
 }
 
-/// Finds the headings of a table: the first line that `is_header` accepts with numbers close behind it, else that
-/// before the first line of numbers, else the first line that is accepted, so that an error is about what is there.
+/// Finds the headings of a table: the first line that `is_header` accepts with numbers close after it, or else that
+/// before the first line of numbers. Failing both, it is the first line that is accepted, so that an error concerns the
+/// content of the file.
 pub(super) fn find(text: &str, is_header: impl Fn(&[Heading]) -> bool) -> Option<Layout> {
     let mut lines = lines(text);
     let stated = lines.first().and_then(stated);

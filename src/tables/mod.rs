@@ -1,8 +1,8 @@
 //! Tables of numbers as text: the one reader of CSV for recordings, drives and laws.
 //!
 //! A file is in UTF-8, UTF-16 or Windows-1252. Its columns are separated by semicolons, tabs, commas or bars; lines
-//! that begin with `#` are comments, and `sep=;` of Excel is followed. The headings may come behind lines about the
-//! instrument and before a row of units. Numbers have a decimal point, or throughout a decimal comma. [`csv`] splits
+//! that begin with `#` are comments, and `sep=;` of Excel is followed. The headings may follow lines about the
+//! instrument and precede a row of units. Numbers have a decimal point, or throughout a decimal comma. [`csv`] splits
 //! the lines into fields.
 
 mod foreign;
@@ -25,7 +25,7 @@ const SHOWN: usize = 40;
 /// Characters of all headings that a message shows.
 const SHOWN_HEADINGS: usize = 120;
 
-/// Why a file is no table, or which line of it cannot be read.
+/// Why a file is not a table, or which line of it cannot be read.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub(crate) enum TableFault {
     /// A file of another format.
@@ -42,9 +42,9 @@ pub(crate) enum TableFault {
     Line {
         /// The line, from 1.
         line: usize,
-        /// The column; none where the line as a whole is wrong.
+        /// The column; none if the entire line is wrong.
         column: Option<usize>,
-        /// What is wrong.
+        /// The fault.
         problem: String,
     },
 }
@@ -58,9 +58,9 @@ pub(crate) struct Table {
     pub(crate) headings: Vec<Heading>,
     /// Line of the headings, from 1.
     pub(crate) line: usize,
-    /// Where the line of headings begins.
+    /// Beginning of the line of headings.
     head: layout::Start,
-    /// Where the rows begin.
+    /// Beginning of the rows.
     start: layout::Start,
 }
 
@@ -69,7 +69,7 @@ impl Table {
     /// that are looked for; without such a line they are those before the first line of numbers.
     ///
     /// # Errors
-    /// [`TableFault`] for what is no text, or has no columns.
+    /// [`TableFault`] if it is not text, or is without columns.
     pub(crate) fn read(bytes: &[u8], is_header: impl Fn(&[Heading]) -> bool) -> Result<Self, TableFault> {
         Self::found(bytes, |text| layout::find(text, is_header))
     }
@@ -79,7 +79,7 @@ impl Table {
             return Err(TableFault::Foreign(foreign));
         }
         let text = decode(bytes).ok_or(TableFault::Binary)?;
-        // Old Mac OS and some instruments end lines by a carriage return alone.
+        // Old Mac OS and some instruments end lines only by a carriage return.
         let text = if text.contains('\r') {
             text.replace("\r\n", "\n").replace('\r', "\n")
         } else {

@@ -31,10 +31,10 @@ pub(crate) fn number(field: &str) -> Option<f64> {
 }
 
 impl Table {
-    /// Columns of numbers. A column may end before the others; a number behind its end is an error.
+    /// Columns of numbers. A column may end before the others; a number after its end is an error.
     ///
     /// # Errors
-    /// [`TableFault::Line`] for the first field that is no number, with its place in `columns`.
+    /// [`TableFault::Line`] for the first field that is not a number, with its place in `columns`.
     pub(crate) fn columns(&self, columns: &[usize]) -> Result<Columns, TableFault> {
         let mut found = Columns {
             values: vec![Vec::new(); columns.len()],
@@ -90,7 +90,7 @@ impl Table {
         Ok(found)
     }
 
-    /// Whether a comma may stand between thousands: only where commas separate the columns, so that it was quoted.
+    /// Whether a comma may separate thousands: only if commas separate the columns, so that it was quoted.
     fn is_ambiguous(&self, field: &str) -> bool {
         let Some((whole, decimals)) = field.trim_start_matches(['+', '-']).split_once(',') else {
             return false;
@@ -235,7 +235,7 @@ mod tests {
         let said = |text: &str| read(text).map_err(|fault| fault.to_string());
         let mixed = said("t;N\n0;1.5\n1;1,5\n");
         assert!(mixed.is_err_and(|text| text.contains("line 3") && text.contains("line 2")));
-        // 1234 or 1.234: only a file without commas between its columns says which.
+        // 1234 or 1.234: only a file without commas between its columns decides it.
         let thousands = said("t,N\n0,\"1,234\"\n");
         assert!(thousands.is_err_and(|text| text.contains("line 2") && text.contains("thousands")));
         assert!(said("t;N\n0;1.234,5\n").is_err());

@@ -1,4 +1,4 @@
-//! What the page shows now, shared by the command that computes and the connections that wait for news.
+//! Current content of the page, shared by the command that computes and the connections that wait for news.
 
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
@@ -14,12 +14,12 @@ pub struct Board {
     news: Condvar,
 }
 
-/// What is shown.
+/// Content of the page.
 #[derive(Debug, Clone, Default)]
 pub(super) struct State {
     /// Counts everything that changes.
     pub(super) version: u64,
-    /// What is being computed; none when nothing is.
+    /// The work in progress; none when idle.
     pub(super) doing: Option<String>,
     /// The last run that succeeded.
     pub(super) last: Option<Arc<Shot>>,
@@ -27,9 +27,9 @@ pub(super) struct State {
     pub(super) before: Option<Arc<Shot>>,
     /// The run that others are compared with.
     pub(super) pinned: Option<Arc<Shot>>,
-    /// Why what was saved last has no result.
+    /// Why there is no result of the last saved version.
     pub(super) failure: Option<String>,
-    /// What the user should know about the design of the last run.
+    /// Warnings for the user about the design of the last run.
     pub(super) warnings: Vec<String>,
     /// The report of the last run, and how many there have been.
     pub(super) report: Option<(u32, Arc<str>)>,
@@ -49,7 +49,7 @@ impl Board {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Changes what is shown, and says so to all who wait.
+    /// Changes the content of the page, and notifies all who wait.
     fn change(&self, change: impl FnOnce(&mut State)) {
         let mut state = self.state();
         change(&mut state);
@@ -67,7 +67,7 @@ impl Board {
         self.change(|state| state.doing = None);
     }
 
-    /// A run has succeeded; what has changed since the one before it and since the pinned one.
+    /// A run has succeeded; returns the changes since the one before it and since the pinned one.
     pub fn show(&self, shot: Shot, warnings: Vec<String>, report: String) -> [Option<Differences>; 2] {
         let shot = Arc::new(shot);
         self.change(|state| {
@@ -87,7 +87,7 @@ impl Board {
         });
     }
 
-    /// What was saved has no result; the last one stays.
+    /// The saved version yields an error; the last result stays.
     pub fn fail(&self, message: String) {
         self.change(|state| (state.doing, state.failure) = (None, Some(message)));
     }
@@ -104,7 +104,7 @@ impl Board {
         waited.unwrap_or_else(PoisonError::into_inner).0.clone()
     }
 
-    /// The state as it is.
+    /// The current state.
     pub(super) fn now(&self) -> State {
         self.state().clone()
     }
@@ -116,7 +116,7 @@ impl Board {
 }
 
 impl State {
-    /// What has changed from the run before to the last one, and from the pinned one.
+    /// Changes from the run before to the last one, and from the pinned one.
     pub(super) fn differences(&self) -> [Option<Differences>; 2] {
         let pinned = self.pinned.as_ref();
         [self.before.as_ref(), pinned].map(|other| Some(self.last.as_ref()?.differences(other?)))

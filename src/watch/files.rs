@@ -1,9 +1,9 @@
-//! When the files of a design change: by what is in them, looked at again and again.
+//! When the files of a design change: by their content, read again and again.
 //!
-//! Contents do not depend on how an editor saves: in place, by a new file of the same name, or by removing the old one first.
-//! They are read instead of the system's events (crate `notify`), which are per folder, do not come from network file systems
-//! and from outside of a container, and after which the contents would have to be read all the same. A design is a handful of
-//! small files, which are read in less than a millisecond.
+//! Contents do not depend on how an editor saves: in place, by a new file of the same name, or by removing the old one
+//! first. They are read instead of the system's events (crate `notify`), which are per folder, do not come from network
+//! file systems and from outside of a container, and after which the contents would still have to be read. A design is
+//! a handful of small files, which are read in less than a millisecond.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -18,7 +18,7 @@ use crate::store::{Checksum, checksum};
 /// Between two looks.
 const PAUSE: Duration = Duration::from_millis(40);
 
-/// How long files must stay as they are before they count as saved.
+/// How long files must stay unchanged before they count as saved.
 const QUIET: Duration = Duration::from_millis(60);
 
 /// How long a file may be missing between its removal and its successor before it counts as removed.
@@ -30,7 +30,7 @@ const LONGEST: Duration = Duration::from_secs(2);
 /// Files up to this size are read, larger ones (meshes) are known by time and size \[byte\].
 const READ: u64 = 1 << 20;
 
-/// What is known of a file.
+/// State of a file.
 #[derive(Debug, Clone, PartialEq, Eq)]
 enum Stamp {
     Missing,
@@ -49,7 +49,7 @@ impl Stamp {
     }
 }
 
-/// The files of a design as they were at one moment.
+/// The files of a design at one moment.
 #[derive(Debug, Clone)]
 pub struct Watched {
     files: Vec<PathBuf>,
@@ -57,12 +57,12 @@ pub struct Watched {
 }
 
 impl Watched {
-    /// The files of a design as they are. What is read of them later is this or newer: a change is never missed.
+    /// The current files of a design. Content that is read later is this or newer: a change is never missed.
     pub fn new(design: &Path, assignments: &[Assignment]) -> Self {
         let mut files = dependencies(design, assignments);
         loop {
             let stamps = stamps(&files);
-            // Which files there are follows from what is in them.
+            // The content of the files determines which files there are.
             let again = dependencies(design, assignments);
             if again == files {
                 return Self { files, stamps };
@@ -71,7 +71,7 @@ impl Watched {
         }
     }
 
-    /// Whether a file is no longer as it was.
+    /// Whether a file has changed.
     pub fn changed(&self) -> bool {
         stamps(&self.files) != self.stamps
     }
@@ -83,7 +83,7 @@ impl Watched {
         }
     }
 
-    /// Waits until the files stay as they are: a file that is being written is not read in part.
+    /// Waits until the files stay unchanged: a file that is being written is not read in part.
     pub fn settle(&self) {
         let since = Instant::now();
         let mut found = stamps(&self.files);
@@ -127,7 +127,7 @@ mod tests {
         fs::write(path, text).expect("a file for the test");
     }
 
-    /// Whether what a test does to a folder is a change.
+    /// Whether the action of a test on a folder is a change.
     #[track_caller]
     fn is_seen(name: &str, change: impl FnOnce(&Path)) {
         let folder = folder(name);
@@ -175,7 +175,7 @@ mod tests {
         });
     }
 
-    /// What a broken design names is not known, but the design itself is.
+    /// The files of a broken design are unknown, except the design itself.
     #[test]
     fn a_broken_file_is_watched_until_it_is_whole() {
         let folder = folder("broken");

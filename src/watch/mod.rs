@@ -1,7 +1,7 @@
-//! A design that runs again when it is saved, with its report on a page that follows: what `nailnoise watch` is made of.
+//! A design that runs again when it is saved, with its report on a page that follows: the parts of `nailnoise watch`.
 //!
-//! [`Watched`] knows the files of the design and waits for their changes, [`Board`] holds what the page shows, and [`Server`]
-//! serves it to browsers on this machine. What runs the design stands above, in the command.
+//! [`Watched`] lists the files of the design and waits for their changes, [`Board`] has the content of the page, and
+//! [`Server`] serves it to browsers on this machine. The code that runs the design is a layer above, in the command.
 
 mod board;
 mod files;

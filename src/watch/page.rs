@@ -44,7 +44,7 @@ pub(super) fn page(board: &Board) -> String {
     .into_string()
 }
 
-/// What the script puts in its places, as one line of JSON.
+/// Content that the script puts in its places, as one line of JSON.
 pub(super) fn event(name: &str, state: &State) -> String {
     let level = state.last.as_ref().and_then(|last| last.level("total"));
     let missed = state.last.as_ref().and_then(|last| last.headline.as_ref());
@@ -127,7 +127,7 @@ fn level(shot: &Shot, name: &str) -> String {
     level.map_or_else(|| "silent".to_owned(), |level| format!("{level:.1} dB"))
 }
 
-/// What the user should know before the numbers are used.
+/// Remarks for the user before the numbers are used.
 fn remarks(shot: &Shot, warnings: &[String]) -> Markup {
     html! {
         @if !shot.failed.is_empty() {

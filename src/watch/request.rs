@@ -1,8 +1,8 @@
-//! What a browser asks for, and whether it may.
+//! The request of a browser, and whether it is permitted.
 //!
-//! Any page that a user opens may send requests to this machine. An answer therefore takes the token, which only the command
-//! shows to its user; the address of this server as host, which a name that another one made point here is not; and an origin
-//! that is this server or none.
+//! Any page that a user opens may send requests to this machine. A request is therefore served only with the token,
+//! which only the command shows to its user. It must also have the address of this server as host, which excludes a
+//! foreign name that points here, and an origin that is this server or none.
 
 use std::io::{self, ErrorKind, Read};
 
@@ -26,10 +26,10 @@ pub(super) struct Request {
 }
 
 impl Request {
-    /// Reads a head; none where the connection ends before.
+    /// Reads a head; none if the connection ends before.
     ///
     /// # Errors
-    /// Those of the connection; [`ErrorKind::InvalidData`] for what is no head of HTTP 1, or too long.
+    /// Those of the connection; [`ErrorKind::InvalidData`] if the head is not that of HTTP 1, or too long.
     pub(super) fn read(from: &mut impl Read) -> io::Result<Option<Self>> {
         let (mut bytes, mut part) = (Vec::new(), [0; 2048]);
         loop {
@@ -47,7 +47,7 @@ impl Request {
         }
     }
 
-    /// The head in bytes that begin with one; none where it is not complete.
+    /// The head in bytes that begin with one; none if it is incomplete.
     fn parse(bytes: &[u8]) -> io::Result<Option<Self>> {
         let mut headers = [httparse::EMPTY_HEADER; HEADERS];
         let mut request = httparse::Request::new(&mut headers);
@@ -70,14 +70,14 @@ impl Request {
         own.map(|(_, value)| value.as_str())
     }
 
-    /// What is asked for behind the token, if the request may have an answer of the server at `host`.
+    /// The path after the token, if the server at `host` may respond to the request.
     pub(super) fn admitted(&self, host: &str, token: &str) -> Option<&str> {
         let mut hosts = self.header("host");
         let own_host = hosts.next() == Some(host) && hosts.next().is_none();
         let own_origin = self
             .header("origin")
             .all(|origin| origin.strip_prefix("http://") == Some(host));
-        // What the browser itself says of the page that asks; `none` is the user.
+        // The browser's statement on the requesting page; `none` is the user.
         let own_site = self
             .header("sec-fetch-site")
             .all(|site| ["same-origin", "none"].contains(&site));
@@ -86,16 +86,16 @@ impl Request {
     }
 }
 
-/// Whether two texts are the same, in a time that does not say how much of them is.
+/// Whether two texts are the same, in a time that does not reveal how much of them is.
 fn same(given: &str, token: &str) -> bool {
     let differences = given.bytes().zip(token.bytes()).fold(0, |all, (a, b)| all | (a ^ b));
     given.len() == token.len() && differences == 0
 }
 
-/// A token that nobody can guess: 128 bits of the system's random numbers.
+/// A token that cannot be guessed: 128 bits of the system's random numbers.
 ///
 /// # Errors
-/// Where the system has none.
+/// If the system has none.
 pub(super) fn token() -> io::Result<String> {
     let mut bytes = [0u8; 16];
     SysRng.try_fill_bytes(&mut bytes).map_err(io::Error::other)?;

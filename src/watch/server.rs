@@ -1,10 +1,10 @@
-//! The server of the page: on this machine alone, for a handful of windows, without anything of others.
+//! The server of the page: only on this machine, for a handful of windows, without third-party content.
 //!
-//! It answers each request on a thread and connection of its own, and knows five addresses. Whoever has not shown the token yet is a
-//! stranger, for whom there is a number of connections and a time that do not count against the windows: when there are too many,
-//! the oldest goes. Heads are parsed by `httparse`;
-//! servers of their own are no better here: `tiny_http` is no longer maintained, `oxhttp` chooses no free port and writes to
-//! standard error, `hyper` brings an asynchronous runtime.
+//! It responds to each request on a separate thread and connection, and serves five addresses. A client that has not
+//! shown the token yet is a stranger. Strangers have a limit on the number and the time of connections, separate from
+//! the windows: when there are too many, the oldest goes. Heads are parsed by `httparse`; complete servers are not
+//! better here: `tiny_http` is no longer maintained, `oxhttp` chooses no free port and writes to standard error,
+//! `hyper` brings an asynchronous runtime.
 
 use std::io::{self, ErrorKind, Read, Write};
 use std::net::{Ipv4Addr, Shutdown, SocketAddr, TcpListener, TcpStream};
@@ -20,7 +20,7 @@ use super::request::{Request, token};
 /// How long the head of a request may take, from the first byte to the last.
 const TO_ASK: Duration = Duration::from_secs(5);
 
-/// How long a browser may take to receive an answer, or a piece of news.
+/// How long a browser may take to receive a response, or a piece of news.
 const TO_RECEIVE: Duration = Duration::from_secs(20);
 
 /// Between two signs of life to a window that waits for news.
@@ -32,15 +32,15 @@ const WINDOWS: usize = 64;
 /// Connections at a time whose token is not known yet.
 const STRANGERS: usize = 64;
 
-/// Every answer: nothing is kept, no other site learns the address, nothing is shown within a foreign page.
+/// Every response: nothing is cached, no other site learns the address, nothing is shown within a foreign page.
 const ALWAYS: &str = "Cache-Control: no-store\r\nReferrer-Policy: no-referrer\r\nX-Content-Type-Options: nosniff\r\n\
                       Cross-Origin-Resource-Policy: same-origin\r\nCross-Origin-Opener-Policy: same-origin\r\nConnection: close\r\n";
 
-/// What the page around the report may do: ask this server, and run its own script.
+/// Permissions of the page around the report: contact this server, and run its script.
 const OUTER: &str = "default-src 'none'; script-src 'self'; style-src 'self'; connect-src 'self'; frame-src 'self'; \
                      img-src data:; base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
 
-/// What the report may do: draw, and ask for nothing.
+/// Permissions of the report: draw, and request nothing.
 const INNER: &str = "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; \
                      img-src data:; media-src data:; base-uri 'none'; form-action 'none'; frame-ancestors 'self'";
 
@@ -79,7 +79,7 @@ impl Shared {
     }
 }
 
-/// A connection for what must be done in a given time, however many pieces it comes in.
+/// A connection for work with a time limit, however many pieces it comes in.
 struct Timed<'a> {
     stream: &'a TcpStream,
     until: Instant,
@@ -144,7 +144,7 @@ impl Server {
         })
     }
 
-    /// Where the page is.
+    /// Address of the page.
     pub fn address(&self) -> String {
         format!("http://{}/{}/", self.host, self.token)
     }
@@ -158,7 +158,7 @@ impl Drop for Server {
         for stranger in strangers {
             let _ = stranger.shutdown(Shutdown::Both);
         }
-        // A connection of its own lets it look.
+        // A connection to its address makes it check.
         let _ = TcpStream::connect(self.host);
         if let Some(accepting) = self.accepting.take() {
             let _ = accepting.join();
@@ -182,7 +182,7 @@ fn accept(listener: &TcpListener, shared: &Shared, host: &str, token: &str) {
             shared.receive(&stream);
             let own = Arc::clone(&stream);
             let answering = Builder::new().spawn_scoped(scope, move || {
-                // A browser that has gone is no error.
+                // A browser that has gone is not an error.
                 let _ = answer(&own, shared, host, token);
                 shared.dismiss(&own);
                 let _ = own.shutdown(Shutdown::Both);
@@ -227,7 +227,7 @@ fn answer(stream: &Arc<TcpStream>, shared: &Shared, host: &str, token: &str) -> 
     answered
 }
 
-/// Answers a request with the token. To HEAD goes the head of the answer to GET.
+/// Answers a request with the token. HEAD gets the head of the response to GET.
 fn admitted(stream: &TcpStream, shared: &Shared, (method, path): (&str, &str)) -> io::Result<()> {
     let board = &shared.board;
     let head_alone = method == "HEAD";
@@ -260,7 +260,7 @@ const HTML: &str = "text/html; charset=utf-8";
 const SCRIPT: &str = "text/javascript; charset=utf-8";
 const STYLE: &str = "text/css; charset=utf-8";
 
-/// A whole answer.
+/// A complete response.
 struct Reply<'a> {
     status: &'static str,
     /// Its media type.

@@ -1,4 +1,4 @@
-//! What one run of a design has come to, as far as it is compared with others.
+//! Result of one run of a design, as far as it is compared with others.
 
 use crate::design::Design;
 use crate::result::RunResult;
@@ -13,7 +13,7 @@ pub struct Shot {
     pub seconds: f64,
     /// Every key with its value in a readable unit.
     pub values: Vec<(String, String)>,
-    /// A-weighted levels of the total and of the sources in the order of the ranking \[dB re 1 pW s\]; none where silent.
+    /// A-weighted levels of the total and of the sources in the order of the ranking \[dB re 1 pW s\]; none if silent.
     pub levels: Vec<(String, Option<f64>)>,
     /// Checks that failed.
     pub failed: Vec<String>,
@@ -43,7 +43,7 @@ impl Shot {
         self.levels.iter().find(|(own, _)| own == name)?.1
     }
 
-    /// What differs in this run from an earlier one.
+    /// Differences of this run from an earlier one.
     pub fn differences(&self, before: &Self) -> Differences {
         let value = |shot: &Self, key: &str| {
             let own = shot.values.iter().find(|(own, _)| own == key);
@@ -75,16 +75,16 @@ impl Shot {
     }
 }
 
-/// What differs between two runs.
+/// Differences between two runs.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Differences {
     /// Number of the earlier run.
     pub from: u32,
-    /// Why the levels must not be compared, where the shots do not end alike.
+    /// Why the levels must not be compared, if the shots do not end alike.
     pub unlike: Option<String>,
     /// Keys with their values before and now.
     pub values: Vec<(String, String, String)>,
-    /// Changes of the levels of the total and of the sources \[dB\]; none where one of the two is silent.
+    /// Changes of the levels of the total and of the sources \[dB\]; none if one of the two is silent.
     pub levels: Vec<(String, Option<f64>)>,
 }
 

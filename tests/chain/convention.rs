@@ -1,4 +1,5 @@
-//! Bookkeeping of the sources: what the convention of wrapping moves from one source to another, and what stays.
+//! Bookkeeping of the sources: parts that the convention of wrapping moves from one source to another, and parts that
+//! stay.
 
 use std::sync::LazyLock;
 
@@ -54,7 +55,7 @@ fn energy(level: Option<f64>) -> f64 {
     level.map_or(0.0, |level| 10f64.powf(0.1 * level))
 }
 
-/// Energy of a part re 1 pW s: that stated where it is negative, else that of its level.
+/// Energy of a part re 1 pW s: the stated one if negative, else that of its level.
 fn stated(level: Option<f64>, joule: Option<f64>) -> f64 {
     joule.map_or_else(|| energy(level), |joule| 1e12 * joule)
 }
@@ -248,8 +249,8 @@ fn a_body_without_a_named_cap_is_refused_and_a_rigid_one_says_that_the_cap_stays
     );
 }
 
-/// The intensity on the cap's own faces, of the motion of the whole, is another evaluation of the same part by another matrix. It
-/// has in addition the sound that the cap and the rest exchange in the near field, which is small here.
+/// The intensity on the cap's faces, in the motion of the full body, is another evaluation of the same part by another
+/// matrix. It has in addition the sound that the cap and the rest exchange in the near field, which is small here.
 #[test]
 fn the_cap_radiates_what_the_intensity_on_its_faces_says() {
     let part = |run: &Run, of: &str, name: &str| {

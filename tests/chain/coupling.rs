@@ -1,4 +1,4 @@
-//! The two-way coupled run: what it must reproduce, keep and say.
+//! The two-way coupled run: results that it must reproduce, conserve and state.
 
 use std::sync::Arc;
 
@@ -16,7 +16,7 @@ fn design() -> Design {
     Design::load("designs/n80cb.toml").unwrap()
 }
 
-/// The block's vertical motion alone, over a rigid support of the lumped cycle's stiffness and damping.
+/// Only the block's vertical motion, over a rigid support of the lumped cycle's stiffness and damping.
 fn rigid(parameters: &Parameters, points: usize) -> (ModalBody, Vec<Support>) {
     let geometry = Geometry::new(parameters);
     let shape = 1.0 / geometry.workpiece_mass.sqrt();
@@ -148,7 +148,7 @@ fn every_support_carries_a_coupled_run_that_closes_its_balances() {
     ];
     for kind in kinds {
         let run = run(&format!("{kind}\nsupport.coupling = \"two-way\""));
-        // The coarse basis leaves more above its top than a level may lack; all that is kept must close.
+        // The coarse basis leaves more above its top than a level may miss; the remainder must close.
         let failed: Vec<_> = run.result.checks.iter().filter(|check| !check.ok).collect();
         let only_missing = failed.iter().all(|check| check.name.contains("last octave"));
         assert!(only_missing, "{kind}: {failed:?}");
@@ -160,7 +160,7 @@ fn every_support_carries_a_coupled_run_that_closes_its_balances() {
     }
 }
 
-/// The block of `designs/n80cb-free.toml` on the coarse mesh: it swings at 5 Hz, far below what is heard, and every
+/// The block of `designs/n80cb-free.toml` on the coarse mesh: it swings at 5 Hz, far below the audible range, and every
 /// check closes.
 #[test]
 fn a_suspended_block_swings_below_the_audible_range() {
@@ -281,7 +281,7 @@ fn a_block_on_springs_and_dashpots_decays_like_a_damped_mass() {
     let velocity = response.points(0, &rise, Motion::Velocity).unwrap();
     let h = response.step;
     let from = ((run.record.sample_interval * run.record.len() as f64 + 0.01) / h) as usize;
-    // Zeros with the sign rising, between samples by a straight line, and the peak behind each.
+    // Zeros with the sign rising, between samples by a straight line, and the peak after each.
     let mut zeros = Vec::new();
     for n in from..velocity.len() - 1 {
         let (a, b) = (velocity[n], velocity[n + 1]);
@@ -331,7 +331,7 @@ fn springs_carry_both_ways_and_a_table_on_feet_closes_its_balances() {
         );
     };
     fine(&two_way);
-    // What the cycle calls the force of its support is what the springs carry, not what they hold sideways.
+    // The force of the support in the cycle is the load on the springs along z, not their lateral restraint.
     let (record, response) = (&two_way.record, &coupled.response);
     let vertical = |n: usize| {
         (0..4)
@@ -378,7 +378,7 @@ fn a_spring_beside_its_body_is_refused_and_so_are_springs_that_cannot_hold() {
         text.contains("`corner_1`") && text.contains("20 mm outside the workpiece"),
         "{text}"
     );
-    // One spring under a corner cannot hold the block level.
+    // One spring under a corner cannot support the block level.
     let mut one = on_springs(1e6, 60.0, "");
     one.springs.retain(|name, _| name == "corner_0");
     let text = error(&one);

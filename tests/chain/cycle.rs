@@ -25,7 +25,7 @@ const GROUPS: &[&str] = &[
 const STRUCTURES: &[&str] = &[
     "exhaust.pitch",
     "exhaust.plenum.",
-    // A fitting filters sound and leaves the cycle as it is; a muffler acts where there is one.
+    // A fitting filters sound and leaves the cycle unchanged; a muffler acts if present.
     "exhaust.fitting.",
     "exhaust.muffler.",
     "workpiece.board.",

@@ -145,7 +145,7 @@ fn a_cascade_names_what_a_published_form_does_not_keep() {
     assert!(energy(cycle_as_published(&design, Preset::PublishedAll).unwrap()).contains(lost));
 }
 
-/// What is stored at the start, with all that flows, is what is stored at the end.
+/// The energy stored at the start, with all flows, is the energy stored at the end.
 #[test]
 fn a_cascade_closes() {
     let design = design();

@@ -1,4 +1,4 @@
-//! The complete reaction of the air in the whole chain.
+//! The complete reaction of the air in the full chain.
 
 use std::sync::LazyLock;
 

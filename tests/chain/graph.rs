@@ -1,4 +1,4 @@
-//! Running stages: once each, from the store where they are kept, anew where an input or the code has changed.
+//! Running stages: once each, from the store if they are stored, anew if an input or the code has changed.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};

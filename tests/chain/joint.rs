@@ -23,7 +23,7 @@ fn of(design: &Design) -> Arc<Body> {
     body(design, BodyKind::Workpiece, true, store()).body.get().unwrap()
 }
 
-/// Two equal beams on each other, and one alone.
+/// Two equal beams on each other, and a single one.
 fn beams() -> [Arc<Body>; 2] {
     let both = small(&format!(
         "{BEAM}workpiece.thickness = 0.04\nworkpiece.board.thickness = 0.02"
@@ -51,8 +51,8 @@ fn two_pieces_have_twelve_rigid_motions() {
     assert_eq!([rigid(&both), rigid(&one)], [12, 6]);
 }
 
-/// Without shear between them two equal beams on each other bend as each of them alone, at about half the frequency of the
-/// solid beam; apart they bend twice, together once.
+/// Without shear between them two equal beams on each other bend like a single one, at about half the frequency of the
+/// solid beam; separately they bend twice, together once.
 #[test]
 fn beams_that_touch_bend_together_and_slip() {
     let [both, solid] = beams();
@@ -87,7 +87,7 @@ fn the_nail_resists_slip_where_it_stands() {
     for support in CELLS..nail.end {
         assert!(rises(&both, support).abs() < 1e-6 * both.lift.norm(), "{support}");
     }
-    // Three rigid motions of one piece against the other are held by the nail: along it, and across it twice.
+    // The nail restrains three rigid motions of one piece against the other: along it, and across it twice.
     let held = sprung(&both, nail, 1e6);
     let free = held.iter().filter(|hz| **hz < 1.0).count();
     assert_eq!(free, 9, "{held:?}");

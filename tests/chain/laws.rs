@@ -1,4 +1,4 @@
-//! Laws of the whole chain that hold for every design.
+//! Laws of the full chain that apply to every design.
 
 use crate::common::{body, graph, run_with_chain, store};
 use nailnoise::Design;
@@ -159,7 +159,7 @@ fn the_exhaust_has_its_uncertainty_and_a_cross_check() {
     assert!(exhaust.cross_check.unwrap().other_lw_db.is_some());
 }
 
-/// The thrust of the cycle is that of convergent holes; choked jets expand further behind them and have slightly more.
+/// The thrust of the cycle is that of convergent holes; choked jets expand further downstream and have slightly more.
 #[test]
 fn mass_and_thrust_of_the_jets_are_those_of_the_cycle() {
     let mut design = small();
@@ -278,8 +278,8 @@ fn parts(run: &Run) -> Vec<(String, f64)> {
     ranked(run, "exhaust").components.into_iter().filter_map(of).collect()
 }
 
-/// A measured insertion loss is the level without the muffler less that with it: whatever back pressure the muffler has,
-/// every part behind it falls by the loss, and by nothing where the loss is nothing.
+/// A measured insertion loss is the level without the muffler less that with it. Whatever back pressure the muffler
+/// has, every part after it falls by the loss, and by nothing at a loss of zero.
 #[test]
 fn every_part_behind_a_measured_muffler_falls_by_its_insertion_loss() {
     let mut open = small();

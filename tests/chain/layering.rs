@@ -239,7 +239,7 @@ fn named_units(text: &str) -> Vec<BTreeSet<String>> {
         .collect()
 }
 
-/// The unit of code to which a module belongs, if its code may make the output of a stage.
+/// The unit of code of a module, if its code may make the output of a stage.
 fn unit(module: &Module) -> Option<String> {
     match &module[..] {
         [stages, unit, ..] if stages == "stages" => Some(format!("stages_{unit}")),
@@ -254,7 +254,7 @@ const WITHOUT_PHYSICS: [&str; 2] = ["stages_codec", "stages_progress"];
 #[test]
 fn the_code_in_a_stages_key_is_that_of_all_it_imports() {
     let files = files(&Path::new(ROOT).join("src"));
-    // What each unit imports: crates of the workspace and other units.
+    // Imports of each unit: crates of the workspace and other units.
     let mut imported: BTreeMap<String, BTreeSet<String>> = BTreeMap::new();
     for (module, path) in &files {
         let Some(own) = unit(module) else { continue };

@@ -1,4 +1,4 @@
-//! Radiation and microphones in the whole chain.
+//! Radiation and microphones in the full chain.
 
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, LazyLock};
@@ -304,7 +304,7 @@ fn sound_fields_have_planes_a_sphere_and_a_surface_in_each_band() {
         "velocity-workpiece",
     ];
     assert_eq!(names, expected);
-    // From 63 Hz, the first whole band, to 315 Hz.
+    // From 63 Hz, the first complete band, to 315 Hz.
     for series in &found.series {
         let bands: Vec<f64> = series.bands.iter().map(|band| band.hz).collect();
         assert_eq!(

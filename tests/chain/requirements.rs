@@ -1,4 +1,4 @@
-//! What a run requires of its bodies, known before any of them is solved.
+//! Requirements of a run on its bodies, known before any of them is solved.
 
 use crate::common::{design, folder};
 use std::sync::{Arc, Mutex};
@@ -38,7 +38,7 @@ fn housing() -> Mesh {
         .mesh
 }
 
-/// The N80CB in sand, whose run solves workpiece and tool, with a housing of its own.
+/// The N80CB in sand, whose run solves workpiece and tool, with a separate housing.
 fn n80cb(mesh: &Mesh, name: &str) -> Design {
     let mut own = design("designs/n80cb-sandbox.toml");
     put(&mut own, BodyKind::Tool, mesh, name);
@@ -105,7 +105,7 @@ fn a_run_lists_all_missing_surfaces_before_it_solves_any_body() {
         begun.iter().any(|name| name == "mesh") && !begun.iter().any(|name| name == "modes"),
         "{begun:?}"
     );
-    // The check says the same.
+    // The check gives the same.
     assert_eq!(self::problems(&design, BodyKind::Tool), problems);
 }
 

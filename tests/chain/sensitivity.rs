@@ -1,4 +1,5 @@
-//! Derivatives of a shot: against closed forms, against differences made by hand, and at the edges of what is allowed.
+//! Derivatives of a shot: against closed forms, against differences made by hand, and at the edges of the permitted
+//! values.
 
 use nailnoise::design::Value;
 use nailnoise::design::inputs::cycle::{cycle_settings, parameters};
@@ -33,7 +34,7 @@ fn moved(design: &Design, key: &str, value: f64) -> CycleRecord {
     simulate(&parameters(&design).unwrap(), &settings).unwrap()
 }
 
-/// The rod loses speed to the nail alone, v' = v M_p/(M_p + M_n): dv'/d(rho) = -v M_p V_n/(M_p + M_n)^2 with M_n = rho
+/// The rod loses speed only to the nail, v' = v M_p/(M_p + M_n): dv'/d(rho) = -v M_p V_n/(M_p + M_n)^2 with M_n = rho
 /// V_n.
 #[test]
 fn the_impact_depends_on_the_density_of_the_nail_by_momentum() {
@@ -61,7 +62,7 @@ fn the_impact_depends_on_the_density_of_the_nail_by_momentum() {
         (after.derivative - exact).abs() <= after.error,
         "{after:?}, exactly {exact:e}"
     );
-    // Nothing before the impact knows of the nail.
+    // Nothing before the impact depends on the nail.
     for output in ["speed_before_impact", "t3", "t4"] {
         let before = of(&s, output, "nail.density");
         assert_eq!((before.derivative, before.effect), (0.0, 0.0), "{output}");
@@ -136,7 +137,7 @@ fn signs_are_those_of_the_physics() {
         let d = of(&s, output, key);
         assert!(d.is_certain() && d.derivative * sign > 0.0, "{output} to {key}: {d:?}");
     }
-    // A leak this small takes nothing from what it leaks from: its mass is the area times a flow.
+    // A leak this small does not affect its source: its mass is the area times a flow.
     let leak = of(&s, "leak_mass", "chambers.leak_area");
     let mass = s.outputs.iter().find(|o| o.name == "leak_mass").unwrap().value.unwrap();
     assert!(
@@ -206,7 +207,7 @@ fn a_range_over_which_the_shot_changes_is_flagged() {
         [End::Outcome(Outcome::Overdriven), End::Outcome(Outcome::Underdriven)]
     );
     assert!(!of_key(keys[1]).outcome_changes);
-    // A range of three decades: the derivative here says nothing about its far end, the run there does.
+    // A range of three decades: the derivative here does not predict its far end, the run there does.
     let cap = of(&s, "speed_before_impact", keys[2]);
     assert_eq!(cap.is_linear(), Some(false));
     assert!(cap.weight < 0.1 && cap.effect.abs() > 1.0, "{cap:?}");

@@ -1,4 +1,5 @@
-//! Files of sound at the microphones: they hold what `microphones.csv` and `microphones-bands.csv` state, read as a user reads them.
+//! Files of sound at the microphones: they agree with `microphones.csv` and `microphones-bands.csv`, read as a user
+//! reads them.
 
 use std::collections::BTreeMap;
 use std::sync::LazyLock;
@@ -23,7 +24,7 @@ const REFERENCE: f64 = 4e-10;
 /// A table by column.
 type Rows = Vec<BTreeMap<String, String>>;
 
-/// The files of a run as they are read.
+/// The files of a run, read back.
 struct Files {
     levels: Rows,
     bands: Rows,

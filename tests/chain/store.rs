@@ -1,4 +1,4 @@
-//! What is kept between runs: found again, never trusted when damaged, bounded in size.
+//! Results stored between runs: found again, never trusted when damaged, bounded in size.
 
 use std::cell::Cell;
 use std::fs;
@@ -93,7 +93,7 @@ fn damage_is_detected_reported_and_repaired() {
     assert!(cache.verify().unwrap().is_empty());
 }
 
-/// Bytes of which a reader looks at the first only.
+/// Bytes, the first of which is all that a reader checks.
 struct First(Vec<u8>);
 
 impl Codec<Self> for First {
@@ -114,7 +114,7 @@ impl Codec<Self> for First {
 
 const KEY: Digest = [7; 32];
 
-/// The same of what is decoded while it is read, by a reader that looks at a part of it only.
+/// The same for a value that is decoded while it is read, by a reader that checks only a part of it.
 #[test]
 fn damage_of_streamed_values_is_detected() {
     let (cache, computed) = (Store::at(folder("decoded"), LIMIT), Cell::new(0));
@@ -263,8 +263,8 @@ fn threads_share_a_folder() {
     assert!(values.iter().all(|value| *value == values[0]));
 }
 
-/// A body out of the cache moves as the one that was solved; its shapes on all nodes are read when they are wanted,
-/// computed once more where they are lost, and refused where they are not those that it moves in.
+/// A body out of the cache moves like the one that was solved. Its shapes on all nodes are read on demand, computed
+/// once more if they are lost, and refused if they are not those of its motion.
 #[test]
 fn a_cached_body_is_read_back_with_its_mode_shapes() {
     let cache = Store::at(folder("shapes"), LIMIT);

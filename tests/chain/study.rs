@@ -42,7 +42,7 @@ fn a_thousand_designs_have_an_outcome_and_none_fails_in_the_solver() {
     // 212 of 4000 independent draws drive the nail: 5.3 +- 0.7 % of a thousand, within five standard deviations.
     let drives = counted.counts["drives"];
     assert!((18..=88).contains(&drives), "{:?}", counted.counts);
-    // Values that do not go together are drawn anew, and hardly a candidate is refused as a whole.
+    // Conflicting values are drawn anew, and hardly a candidate is refused entirely.
     assert!(refused < 100 && !counted.rejections.is_empty(), "{:?}", counted.refused);
 }
 
@@ -55,7 +55,7 @@ fn parameters(design: &Design, study: &Shots, draw: &DrawnShot) -> Parameters {
     inputs::parameters(&design).unwrap()
 }
 
-/// What the reference says became of a shot.
+/// Outcome of a shot according to the reference.
 fn outcome(p: &Parameters, shot: &reference::Shot) -> &'static str {
     let [t3, t9, t12, t13] = [3, 9, 12, 13].map(|i| shot.events[i]);
     if shot.dry {
@@ -82,15 +82,15 @@ const STEP: f64 = 2e-7;
 /// Step, and part of the tolerance, for designs whose bounces magnify the errors of both: about one in ten needs the
 /// smaller step, one in fifty the smaller tolerance (some move an event by 35 us).
 const FINE: (f64, f64) = (5e-8, 1e-2);
-/// The same for the few whose bounces magnify the reference's error further: with the seed of this test, t10 of one shot
-/// still moves by 50 us between its steps of 5e-8 and 1e-8, where it agrees to 4 us; the program's own moves by 2 us.
+/// The same for the few whose bounces magnify the reference's error further. With the seed of this test, t10 of one
+/// shot still moves by 50 us between its steps of 5e-8 and 1e-8, where it agrees to 4 us; the program's moves by 2 us.
 const FINEST: (f64, f64) = (1e-8, 1e-3);
 /// Most by which an event may differ \[s\].
 const LIMIT: f64 = 10e-6;
 /// The same for t11 and t18, which are thresholds on decaying motion.
 const LIMIT_REST: f64 = 50e-6;
 
-/// In what a design drawn, with a part of the tolerance, differs from the reference with a step of `step` \[s\].
+/// Differences of a drawn design, with a part of the tolerance, from the reference with a step of `step` \[s\].
 fn differences(design: &Design, p: &Parameters, draw: &DrawnShot, (step, part): (f64, f64)) -> Vec<String> {
     let mut settings = inputs::cycle_settings(design);
     settings.relative_tolerance *= part;
@@ -180,7 +180,7 @@ fn what_is_drawn_takes_part_in_the_cycle_and_stays_in_its_range() {
     ] {
         assert!(keys.contains(&key), "{key}");
     }
-    // The body's outline, the sand under a worktable and the meshes are no part of the shot.
+    // The body's outline, the sand under a worktable and the meshes are not part of the shot.
     for group in ["body.", "support.sand.", "analysis.", "wood.elastic."] {
         assert!(!keys.iter().any(|key| key.starts_with(group)), "{group}");
     }

@@ -28,7 +28,7 @@ fn file(name: &str) -> PathBuf {
 /// Takes a mesh for the tool's body; the name of the file lives as long as the program.
 pub(crate) fn put(design: &mut Design, mesh: &Mesh, name: &str) {
     let path = file(name);
-    // Tests that run at the same time write the same mesh; each reads a whole one.
+    // Tests that run at the same time write the same mesh; each reads a complete one.
     let own = path.with_extension(format!("{:?}", std::thread::current().id()));
     std::fs::write(&own, msh::to_bytes(mesh, Format::Binary41, "of a test")).unwrap();
     std::fs::rename(&own, &path).unwrap();
@@ -39,7 +39,7 @@ pub(crate) fn put(design: &mut Design, mesh: &Mesh, name: &str) {
 /// Lengths of the bar \[m\].
 const SIZE: [f64; 3] = [0.08, 0.08, 0.3];
 
-/// A square bar as long as the tool, with the surfaces on which its forces act.
+/// A square bar as long as the tool, with the surfaces that carry its forces.
 pub(crate) fn bar_mesh() -> Mesh {
     let mut mesh = block(&Block {
         size: SIZE,
@@ -124,7 +124,7 @@ fn a_stiff_body_is_the_rigid_source_and_every_run_checks_its_forces() {
         found.lwa_db
     );
     assert!(part(&found, "housing") < expected - 40.0);
-    // What is evaluated twice is the rigid body, not the estimate of an elastic one.
+    // The rigid body is evaluated twice, not the estimate of an elastic one.
     assert!(body(&rigid).radiation.is_some());
     assert_eq!(
         found.radiation.is_none(),
@@ -150,7 +150,8 @@ fn a_soft_body_radiates_more_and_keeps_its_rigid_motion() {
     assert!((part(&soft, "rigid motion") - part(&stiff, "rigid motion")).abs() < 1e-9);
 }
 
-/// On a cap of 1.1e8 N/mm the head valve stays for 4 us, less than a sample; the body's velocity follows the cycle's all the same.
+/// On a cap of 1.1e8 N/mm the head valve stays for 4 us, less than a sample; the body's velocity still follows the
+/// cycle's.
 #[test]
 fn an_impact_shorter_than_a_sample_keeps_its_impulse() {
     let mut design = bar(1.0);
@@ -188,8 +189,8 @@ fn even_and_odd_modes_of_the_shipped_tool_are_solved_separately() {
 }
 
 /// Housing and nose of the mesh that ships, without sleeve and lumped masses, against an independent model whose
-/// frequencies are given to 3 %. Elements three times finer everywhere lower ours by another 0.7 % at most; without
-/// finer elements where nose, arm and handle join they would be up to 6 % higher.
+/// frequencies are given to 3 %. Elements three times finer everywhere lower ours by no more than another 0.7 %;
+/// without finer elements at the joints of nose, arm and handle they would be up to 6 % higher.
 #[test]
 fn the_bare_housing_has_the_reference_modes() {
     let mut design = design("designs/n80cb.toml");
@@ -248,7 +249,7 @@ fn with_sensors(mut design: Design, band: [f64; 2]) -> Design {
     design
 }
 
-/// A body without resonances below a sensor's band moves there as a whole; one with them does not.
+/// A body without resonances below a sensor's band moves there as a rigid body; one with them does not.
 #[test]
 fn sensors_on_the_tool_read_its_motion_as_a_whole_at_low_frequencies_and_its_modes_above() {
     let records = |stiffening: f64, model: BodyModel, band: [f64; 2]| {
@@ -264,7 +265,7 @@ fn sensors_on_the_tool_read_its_motion_as_a_whole_at_low_frequencies_and_its_mod
     };
     let rigid = records(1.0, BodyModel::Rigid, low);
     let elastic = records(1.0, BodyModel::Elastic, low);
-    // By name: cap, nose, side. A record ends where the bodies have come to rest; beyond its end it is zero.
+    // By name: cap, nose, side. A record ends once the bodies have come to rest; beyond its end it is zero.
     for end in [0, 1] {
         let (a, b) = (&elastic[end].acceleration, &rigid[end].acceleration);
         assert!(apart(a, b) < 0.02 * largest(b), "{}: {}", apart(a, b), largest(b));

@@ -80,7 +80,7 @@ fn tubes_tied_to_a_plate_vibrate_as_if_welded() {
     .unwrap();
     assert!(tied.basis.hz.len() >= 7 && tied.basis.hz.len() == welded.hz.len());
     for (index, (a, b)) in tied.basis.hz.iter().zip(&welded.hz).enumerate() {
-        // What the plate's coarser field cannot follow at the walls makes the tied table a little stiffer.
+        // The motion that the plate's coarser field cannot follow at the walls makes the tied table a little stiffer.
         assert!(
             (0.995..1.015).contains(&(a / b)),
             "mode {}: {a:.2} Hz tied, {b:.2} Hz welded",

@@ -1,4 +1,4 @@
-//! `nailnoise cache`, and what runs do with a cache in disorder.
+//! `nailnoise cache`, and the behaviour of runs with a cache in disorder.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -10,7 +10,7 @@ fn nailnoise(cache: &Path, arguments: &[&str]) -> Output {
     command(arguments).env("NAILNOISE_CACHE", cache).output().unwrap()
 }
 
-/// Modes of the small block, the quickest of what is cached.
+/// Modes of the small block, the quickest of the cached results.
 fn modes(cache: &Path) -> Output {
     let out = cache.with_file_name("out");
     let arguments = [
@@ -27,7 +27,7 @@ fn modes(cache: &Path) -> Output {
     output
 }
 
-/// A cache that holds entries.
+/// A cache with entries.
 fn filled(name: &str) -> (PathBuf, Vec<PathBuf>) {
     let cache = folder(name).join("cache");
     modes(&cache);
@@ -210,7 +210,8 @@ fn without_a_home_a_run_goes_on_without_a_cache_and_says_so_once() {
     assert_eq!(told.matches("not cached").count(), 1, "{told}");
 }
 
-/// What is no file in place of a claim is nobody's, and what no process renews is taken over: neither stops a run.
+/// An object that is not a file under the name of a claim has no owner, and a file without renewal is taken over:
+/// neither stops a run.
 #[test]
 #[cfg(unix)]
 fn a_claim_that_is_no_claim_is_not_waited_for() {
@@ -242,7 +243,7 @@ fn disorder_in_the_cache_neither_stops_nor_changes_a_run() {
         let expected = modes(&cache).stdout;
         disorder(&entries, kind);
         assert_eq!(modes(&cache).stdout, expected, "{kind}");
-        // Once more with what the last run could keep.
+        // Once more with the results that the last run could store.
         assert_eq!(modes(&cache).stdout, expected, "{kind}");
     }
 }

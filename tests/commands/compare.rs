@@ -11,7 +11,7 @@ fn close(a: &Value, b: f64) {
     assert!((a.as_f64().unwrap() - b).abs() < 1e-9, "{a} is not {b}");
 }
 
-/// The small design beside one with less supply pressure: the comparison, and the folder of the two runs.
+/// The small design next to one with less supply pressure: the comparison, and the folder of the two runs.
 static COMPARISON: LazyLock<(Value, String)> = LazyLock::new(|| {
     let folder = folder("compare");
     let out = folder.join("out").to_str().unwrap().to_owned();
@@ -157,7 +157,7 @@ fn pages(folder: &Path) -> Vec<String> {
     names
 }
 
-/// A copy of a stored result in a folder of its own.
+/// A copy of a stored result in a separate folder.
 fn copied(result: &str, to: &Path) -> String {
     fs::create_dir_all(to).unwrap();
     let from = Path::new(result);

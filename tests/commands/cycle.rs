@@ -6,7 +6,7 @@ use std::process::Output;
 
 use serde_json::Value;
 
-/// Runs the command in a folder of its own, where `out/` goes.
+/// Runs the command in a separate folder, the parent of `out/`.
 fn nailnoise(name: &str, arguments: &[&str]) -> (Output, PathBuf) {
     let folder = folder(&format!("cycle/{name}"));
     let design = format!("{ROOT}/designs/n80cb.toml");

@@ -1,4 +1,4 @@
-//! The designs that README and documentation show do what a reader expects of an example: they drive their nail.
+//! The designs in README and documentation meet the expectation of a reader: they drive their nail.
 
 use std::path::{Path, PathBuf};
 
@@ -6,7 +6,7 @@ use nailnoise::{Design, Error, chain};
 
 use crate::common::folder;
 
-/// Files that a page tells its reader to make, of which a test has none.
+/// Files that a page instructs its reader to make, but that a test does not have.
 const OF_THE_READER: [&str; 1] = ["out/prf-fit/fit.toml"];
 
 /// README and all pages, by their paths from the root.
@@ -38,7 +38,7 @@ fn designs(text: &str) -> Vec<(usize, String)> {
     found
 }
 
-/// The outcome that a block states in a comment `# outcome: WORD`; an example drives unless it says otherwise.
+/// The outcome that a block states in a comment `# outcome: WORD`; an example drives by default.
 fn expected(block: &str) -> &str {
     let stated = block.lines().find_map(|line| line.strip_prefix("# outcome: "));
     stated.map_or("drives", str::trim)
@@ -52,7 +52,7 @@ fn every_documented_design_ends_as_its_page_says() {
     std::fs::copy(root.join("designs/n80cb.toml"), folder.join("designs/n80cb.toml")).unwrap();
     // The design of the reader, as `nailnoise init` begins it.
     std::fs::write(folder.join("my-tool.toml"), "base = \"n80cb.toml\"\n").unwrap();
-    // The housing that a page tells its reader to draw: the cycle reads no mesh.
+    // The housing that a page instructs its reader to draw: the cycle reads no mesh.
     std::fs::write(folder.join("housing.step"), "").unwrap();
     let file = folder.join("example.toml");
     let mut computed = 0;

@@ -1,4 +1,4 @@
-//! `check DESIGN --drawing`: the file, what is printed, and what is refused.
+//! `check DESIGN --drawing`: the file, the printed text, and the refusals.
 
 use crate::common::{SMALL, command, folder, json};
 use std::fs;

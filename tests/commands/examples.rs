@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-/// The program `cargo test` has built of an example, beside the tests' own folder.
+/// The program `cargo test` has built of an example, next to the tests' folder.
 fn example(name: &str) -> PathBuf {
     let test = std::env::current_exe().unwrap();
     let profile = test.parent().and_then(Path::parent).unwrap();
@@ -80,7 +80,8 @@ fn pressure_drives_deeper_and_blows_louder() {
             assert!(pair[1][column] > pair[0][column], "{text}");
         }
     }
-    // Between the mass alone and the eighth power of the speed of the jets, of which choked ones know little.
+    // Between an effect of only the mass and the eighth power of the speed of the jets, which choked ones hardly
+    // follow.
     let rise = rows[4][4] - rows[0][4];
     assert!((1.0..5.0).contains(&rise), "{rise} dB from 650 to 850 kPa");
 }

@@ -1,4 +1,4 @@
-//! What the world does to a command: full disks and outputs, signals, a cache that cannot be written, odd names.
+//! External faults during a command: full disks and outputs, signals, a cache that cannot be written, odd names.
 #![cfg(unix)]
 
 use std::collections::BTreeMap;
@@ -23,7 +23,8 @@ fn files(folder: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
     found
 }
 
-/// The command with files of at most this many blocks, each of 512 or 1024 bytes: writing more fails, as on a full disk.
+/// The command with a limit on the blocks of a file, each of 512 or 1024 bytes: writing more fails, like on a full
+/// disk.
 fn limited(blocks: u32, arguments: &[&str]) -> Output {
     let program = env!("CARGO_BIN_EXE_nailnoise");
     let script = format!("trap '' XFSZ; ulimit -f {blocks}; exec \"$0\" \"$@\"");
@@ -262,7 +263,7 @@ impl Meshing {
         within(Duration::from_secs(1), || !alive())
     }
 
-    /// Folders in which gmsh works or has worked.
+    /// Present or former working folders of gmsh.
     fn folders(&self) -> usize {
         fs::read_dir(self.folder.join("tmp")).unwrap().count()
     }
@@ -305,7 +306,7 @@ fn every_request_to_end_ends_a_command_like_ctrl_c() {
     }
 }
 
-/// A program in place of Python that has the package and works for a minute, or does what the script says.
+/// A program that replaces Python, has the package and works for a minute, or follows the script.
 fn python(folder: &Path, works: &str) -> PathBuf {
     let program = folder.join("python");
     let number = folder.join("number");
@@ -354,7 +355,7 @@ fn python_ends_with_the_command_however_that_ends() {
     }
 }
 
-/// 1 would say that no design meets the constraints.
+/// 1 would mean that no design meets the constraints.
 #[test]
 fn a_python_that_is_killed_is_not_a_result() {
     let folder = folder("optimise-killed");
@@ -396,7 +397,7 @@ fn under(limit: &str, arguments: &[&str], change: impl FnOnce(&mut Command)) -> 
     limited.output().unwrap()
 }
 
-/// From a limit in which the command cannot even begin to one that it does not meet.
+/// From a limit that prevents the command from starting to one that it does not meet.
 #[test]
 #[cfg(target_os = "linux")]
 fn a_limit_of_the_address_space_ends_a_command_with_words_and_status_2_or_3() {
@@ -482,7 +483,7 @@ fn a_design_cannot_be_named_after_a_folder_above() {
         }
         assert_eq!(files(&here).len(), 0);
         assert_eq!(fs::read_dir(&folder).unwrap().count(), 2, "a file outside");
-        // With a folder of its own it is a design like any other.
+        // With a separate folder it is a design like any other.
         let out = here.join("out");
         assert!(
             nailnoise(&["cycle", text(&design), "--out", text(&out)])

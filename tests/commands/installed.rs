@@ -1,4 +1,5 @@
-//! The program alone, as `cargo install` leaves it: its designs, completions, manual pages and version are in it.
+//! The program without the repository, as `cargo install` leaves it: its designs, completions, manual pages and version
+//! are in it.
 
 use std::fs;
 use std::path::Path;
@@ -59,7 +60,7 @@ fn a_base_that_is_not_there_is_that_of_the_program_and_a_warning_says_so() {
     let output = alone(&folder, &["cycle", "own.toml", "--json"]);
     assert_eq!(json(&output)["design"], own["design"]);
     assert!(!messages(&output).contains("comes with"), "{}", messages(&output));
-    // What is there counts, be it broken; what the program does not know is missed.
+    // An existing file counts, even a broken one; a file that is not in the program is reported as missing.
     fs::write(folder.join("n80cb-sandbox.toml"), "base = ").unwrap();
     assert_eq!(alone(&folder, &["cycle", "own.toml", "--json"]).status.code(), Some(2));
     fs::write(folder.join("own.toml"), "base = \"n80bc.toml\"\n").unwrap();
@@ -154,7 +155,7 @@ fn quiet_prints_no_notes() {
     assert!(quiet.contains("checks ok"), "{quiet}");
 }
 
-/// Manual pages are roff that man renders without a complaint, where man is there.
+/// Manual pages are roff that man renders without a complaint, if man is there.
 #[test]
 fn man_renders_the_pages() {
     let folder = folder("installed-man");

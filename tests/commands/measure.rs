@@ -131,7 +131,7 @@ fn energies_alone_write_nothing() {
     assert!(output.status.success());
     let result: Value = serde_json::from_slice(&output.stdout).unwrap();
     assert!(result["manifest"].is_null() && std::fs::read_dir(&out).unwrap().next().is_none());
-    // Least squares return the sources, up to what the wraps' losses vary within a band.
+    // Least squares return the sources, up to the variation of the wraps' losses within a band.
     for place in 0..3 {
         let [own, unmixed] = ["sources_db", "unmixed_db"].map(|key| result["exact"][key][place].as_f64().unwrap());
         assert!((own - unmixed).abs() < 0.6, "{place}: {unmixed} for {own} dB");
@@ -157,7 +157,7 @@ fn one_design_without_measurements_has_nothing_to_be_compared_with() {
     assert!(message.contains("--measured"), "{message}");
 }
 
-/// The shipped measurements beside the small design; its levels are not those of the tool, the rows are.
+/// The shipped measurements next to the small design; its levels are not those of the tool, the rows are.
 #[test]
 fn measurements_stand_beside_predictions() {
     let out = folder("measure-compare");
@@ -185,14 +185,14 @@ fn measurements_stand_beside_predictions() {
     ] {
         assert!(ids.contains(&id), "{ids:?}");
     }
-    // Nothing stands in sand here.
+    // Nothing is in sand here.
     assert!(!ids.contains(&"lwa_exhaust_sandbox"));
     let interval = rows.iter().find(|row| row["id"] == "closure_worktable").unwrap();
     assert!(interval["interval"][0].as_f64() <= interval["interval"][1].as_f64());
     assert!(out.join("measured-small.html").is_file());
 }
 
-/// The result of `measure` stands beside the prediction of the design that was recorded, within the uncertainty of the method.
+/// The result of `measure` appears next to the prediction of the recorded design, within the uncertainty of the method.
 #[test]
 fn an_own_test_stands_beside_its_prediction() {
     let range = ["--set", "analysis.range_high=10 kHz"];

@@ -6,7 +6,7 @@ use std::process::Output;
 
 use serde_json::Value;
 
-/// Runs the command without gmsh: what ships must not need it.
+/// Runs the command without gmsh: shipped bodies must not need it.
 fn nailnoise(arguments: &[&str]) -> Output {
     command(arguments)
         .env("NAILNOISE_GMSH", "no-such-gmsh")
@@ -21,7 +21,7 @@ fn said(output: &Output) -> String {
     text.split_whitespace().collect::<Vec<_>>().join(" ")
 }
 
-/// The command ends with status 2 and names what is wrong.
+/// The command ends with status 2 and names the fault.
 #[track_caller]
 fn refused(output: &Output, expected: &str) {
     assert_eq!(output.status.code(), Some(2), "{}", said(output));
@@ -138,7 +138,7 @@ fn mesh_check_and_modes_refuse_the_same_damaged_meshes() {
     let file = path.to_str().unwrap();
     let out = folder.join("converted.msh");
     let written = out.to_str().unwrap();
-    // Inverted; all inverted; a third element behind a face that two share.
+    // Inverted; all inverted; a third element beyond a face that two share.
     let third = tetrahedron("$Elements\n3\n", "$Elements\n4\n20 4 2 7 1 2 3 4 6\n")
         .replace("$Nodes\n5\n", "$Nodes\n6\n6 2 2 2\n");
     for (text, expected) in [
@@ -406,7 +406,7 @@ fn modes_match_themselves_in_a_universal_file() {
     }
     let absent = nailnoise(&[&base[..], &["--mac", "no-such.uff"]].concat());
     refused(&absent, "no-such.uff");
-    // The same modes without the nodes: no distance, and pairs by number only where that is asked for.
+    // The same modes without the nodes: no distance, and pairs by number only on request.
     let text = std::fs::read_to_string(&file).unwrap();
     let modes = folder.join("modes-only.uff");
     let begin = text.find("    -1\n    55\n").unwrap();
@@ -430,7 +430,7 @@ fn modes_match_themselves_in_a_universal_file() {
     );
 }
 
-/// A housing without a seat: what `check` says of it, `run` says before it solves a body.
+/// A housing without a seat: `check` reports the same as `run` before it solves a body.
 #[test]
 fn check_and_run_refuse_a_housing_in_the_same_words() {
     let folder = folder("housing");

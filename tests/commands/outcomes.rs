@@ -1,4 +1,5 @@
-//! Shots that do not drive their nail: every output says so before the levels, with the figure and the inputs that change it.
+//! Shots that do not drive their nail: every output states it before the levels, with the figure and the inputs that
+//! change it.
 
 use std::fs;
 
@@ -85,7 +86,7 @@ fn the_figure_of_an_underdriven_nail_is_the_length_that_protrudes() {
     );
 }
 
-/// Each input that is named does what is said of it: the cycle is computed anew with the value that is shown.
+/// Each named input has the stated effect: the cycle is computed anew with the value that is shown.
 #[test]
 fn the_named_inputs_change_the_shot_as_stated() {
     let (_, _, keys) = MISSED[0];
@@ -97,7 +98,7 @@ fn the_named_inputs_change_the_shot_as_stated() {
     let here = headline["figure"]["value"].as_f64().unwrap();
     for input in inputs {
         let [key, to] = ["key", "to"].map(|name| input[name].as_str().unwrap());
-        // An overdriven shot fails a check, so that the status is not asked for.
+        // An overdriven shot fails a check, so that the status is not checked here.
         let output = nailnoise(&["cycle", &design, "--json", "--set", &format!("{key}={to}")]);
         let other: Value = serde_json::from_slice(&output.stdout).unwrap();
         assert_eq!(other["outcome"], input["outcome"], "{input}");
@@ -138,7 +139,7 @@ fn the_terminal_begins_and_ends_with_the_miss_and_the_page_shows_it_before_the_l
             .contains("does not open"),
         "{text}"
     );
-    // Without a terminal there is no colour.
+    // Output that is not a terminal is without colour.
     assert!(!text.contains('\u{1b}'), "{text}");
     let (miss, level) = (
         page.find("class=\"missed\"").unwrap(),

@@ -59,7 +59,7 @@ fn universal(kind: u32, unit: &str) -> String {
         + &dataset(13, "kN", "  0.0  0.1  0.2  0.3\n  0.5  0.6  0.7  0.8")
 }
 
-/// Writes the data with changes, fits them, and looks for what the command must say.
+/// Writes the data with changes, fits them, and checks the expected messages of the command.
 #[track_caller]
 fn refused(name: &str, changes: &[(&str, &str, &str)], arguments: &[&str], expected: &[&str]) {
     let folder = folder(&format!("prf-fit-{name}"));

@@ -1,4 +1,4 @@
-//! The report, what is kept of a run, and how a design begins: through the command.
+//! The report, the stored data of a run, and the start of a design: through the command.
 
 use crate::common::{SMALL, command, folder};
 use std::collections::{BTreeMap, BTreeSet};
@@ -11,7 +11,7 @@ use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
 use serde_json::Value;
 
-/// The command with modes from the tests' common cache, or with a cache of its own.
+/// The command with modes from the tests' common cache, or with a separate cache.
 fn nailnoise(cache: Option<&Path>, arguments: &[&str]) -> Output {
     let mut command = command(arguments);
     if let Some(cache) = cache {
@@ -256,7 +256,8 @@ fn an_unchanged_design_is_restored_from_the_cache() {
         "{:?}",
         before.keys()
     );
-    // Spoiled, lost, one bit turned, cut short: among the files that are kept whole and among those that are rendered.
+    // Spoiled, lost, one bit turned, cut short: among the files that are stored in full and among those that are
+    // rendered.
     fs::write(out.join("levels.csv"), "spoiled").unwrap();
     fs::remove_file(out.join("report.html")).unwrap();
     fs::remove_file(out.join("modes.csv")).unwrap();
@@ -377,7 +378,7 @@ fn a_design_begins_with_init_and_is_explained_by_check() {
         // All offers at once are a weaker tool, which need not drive its nail.
         assert!(design != name || told["shot"]["outcome"] == "drives", "{told}");
         assert!(told["provenance"]["estimated"].as_u64().unwrap() > 100);
-        // Other dimensions of the tool ask for a new mesh.
+        // Other dimensions of the tool require a new mesh.
         let meshed = |body: &Value| body["gmsh"] == false;
         assert!(
             design != name || told["bodies"].as_array().unwrap().iter().all(meshed),
@@ -388,7 +389,7 @@ fn a_design_begins_with_init_and_is_explained_by_check() {
     let again = nailnoise(None, &["init", name]);
     assert_eq!(again.status.code(), Some(2));
     assert!(String::from_utf8_lossy(&again.stderr).contains("already"));
-    // Other dimensions of the tool body need gmsh, and the explanation says so.
+    // Other dimensions of the tool body need gmsh, which the explanation states.
     let long = place.join("long.toml");
     fs::write(&long, "base = \"n80cb.toml\"\nbody.handle_length = \"163 mm\"\n").unwrap();
     let output = Command::new(env!("CARGO_BIN_EXE_nailnoise"))
@@ -408,7 +409,7 @@ fn a_design_begins_with_init_and_is_explained_by_check() {
     assert!(told["obstacles"][0].as_str().unwrap().contains("gmsh"), "{told}");
 }
 
-/// Whether a value keeps a schema, as far as these schemas go.
+/// Whether a value satisfies a schema, as far as these schemas go.
 fn keeps(schema: &Value, value: &Value, root: &Value, place: &str) {
     if let Some(reference) = schema["$ref"].as_str() {
         let target = root.pointer(reference.strip_prefix('#').unwrap()).unwrap();

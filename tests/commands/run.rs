@@ -120,7 +120,7 @@ fn headers_are_those_of_the_documentation() {
     }
 }
 
-/// What a run leaves unasked is small, and all of it is there where it is asked for.
+/// The default output of a run is small, and all of it is there on request.
 #[test]
 fn films_and_whole_histories_are_written_where_they_are_asked_for() {
     let out = folder("exports");
@@ -149,7 +149,7 @@ fn films_and_whole_histories_are_written_where_they_are_asked_for() {
     for (few, all) in few.into_iter().zip(["histories.csv", "sensors.csv"].map(rows)) {
         assert!(all > 2 * few, "{few} of {all}");
     }
-    // The films of another shot do not stay beside a new one.
+    // The films of another shot do not stay with a new one.
     run(&["--set", "supply.pressure=756 kPa"]);
     assert!(films.iter().all(|film| !out.join(film).exists()));
 }

@@ -12,7 +12,7 @@ use crate::common::{ROOT, SMALL, command, design, folder, json, over};
 pub(crate) const ANY: &str =
     "[study]\nscreening = 4\nrequire = [\"drives\", \"underdriven\", \"overdriven\", \"strikes_bumper\"]\n";
 
-/// Runs the command on a design in a folder with a cache of its own.
+/// Runs the command on a design in a folder with a separate cache.
 fn study(folder: &Path, design: &str, arguments: &[&str]) -> Output {
     let arguments = [&["study", design, "--out", "out"], arguments].concat();
     let cache = folder.join("cache");
@@ -49,7 +49,7 @@ fn more_draws_begin_with_those_that_are_kept_and_threads_change_nothing() {
     assert!((sum - 1.0).abs() < 1e-12, "{sum}");
     let page = fs::read_to_string(once.join("out/study/study.html")).unwrap();
     assert!(page.contains("study-levels") && page.contains("P(first)"));
-    // A run of the design shows what the study knows.
+    // A run of the design shows the results of the study.
     let cache = once.join("cache");
     let run = command(&["run", &design, "--out", "out"]);
     let output = { run }
@@ -66,7 +66,7 @@ fn more_draws_begin_with_those_that_are_kept_and_threads_change_nothing() {
     assert_ne!(other["total"]["level_db"], result["total"]["level_db"]);
 }
 
-/// A design in a folder whose ranges have no width, but for those of `other` keys, of which each line gives one.
+/// A design in a folder with ranges of no width, except for those of `other` keys, one on each line.
 fn held(folder: &Path, other: &[(&str, &str)], model: &str) -> String {
     let mut text = format!("base = \"{ROOT}/{SMALL}\"\n");
     for entry in design(SMALL).entries() {
@@ -75,7 +75,7 @@ fn held(folder: &Path, other: &[(&str, &str)], model: &str) -> String {
             text += &format!("{} = {{ range = [{value}, {value}] }}\n", entry.key);
         }
     }
-    // So that the area of the holes, from which it follows, is not drawn.
+    // So that the area of the holes, which follows from it, is not drawn.
     text += "exhaust.hole_diameter = { range = \"exact\" }\n";
     for (key, range) in other {
         text += &format!("{key} = {{ range = \"{range}\" }}\n");
@@ -86,8 +86,8 @@ fn held(folder: &Path, other: &[(&str, &str)], model: &str) -> String {
     path.to_str().unwrap().to_owned()
 }
 
-/// The level is the sum of the method's error, uniform over 6 dB, and of what the pressure does to it: 1/12 36 dB2 of the variance
-/// is the error's.
+/// The level is the sum of the method's error, uniform over 6 dB, and of the effect of the pressure: the error
+/// contributes 1/12 36 dB2 to the variance.
 #[test]
 fn a_polynomial_gives_the_indices_of_independent_inputs() {
     let folder = folder("study/polynomial");
@@ -115,7 +115,7 @@ fn a_polynomial_gives_the_indices_of_independent_inputs() {
     }
 }
 
-/// The error of a method moves its level by itself, a quantity as a run with its value does.
+/// The error of a method moves its level directly; a quantity has the same effect as a run with its value.
 #[test]
 fn changes_of_one_input_are_those_of_runs() {
     let folder = folder("study/one-at-a-time");
@@ -262,7 +262,7 @@ fn alternatives_are_drawn_with_their_probabilities() {
     assert_eq!(lines.count(), 4);
 }
 
-/// Designs that differ in a value alone do not differ where the command line sets that value.
+/// Designs that differ in only one value do not differ if the command line sets that value.
 #[test]
 fn a_comparison_over_draws_holds_the_values_of_the_command_line() {
     let (folder, first) = made("set");
@@ -283,7 +283,7 @@ fn a_comparison_over_draws_holds_the_values_of_the_command_line() {
     assert_eq!(compare(&["--set", "exhaust.holes=5"])["decided"], serde_json::json!([]));
 }
 
-/// Tasks that share a store make the draws of one study, to the byte; what is missing is counted and refused.
+/// Tasks that share a store make the draws of one study, to the byte; missing draws are counted and refused.
 #[test]
 fn tasks_and_their_collection_are_the_study() {
     let (folder, design) = made("tasks");

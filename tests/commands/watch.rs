@@ -1,4 +1,4 @@
-//! `nailnoise watch`: every save reaches the page, what is broken keeps the last result, and nobody else is answered.
+//! `nailnoise watch`: every save reaches the page, a broken design leaves the last result, and nobody else is served.
 
 use std::fs;
 use std::io::{BufRead as _, BufReader, Read as _, Write as _};
@@ -14,7 +14,7 @@ use crate::common::{ROOT, SMALL, command, folder};
 /// How long anything may take on a machine that does other things as well.
 const PATIENCE: Duration = Duration::from_secs(300);
 
-/// A design of its own that is watched, and the news of its page.
+/// A separate design that is watched, and the news of its page.
 struct Watched {
     design: PathBuf,
     process: Child,
@@ -42,7 +42,7 @@ impl Watched {
         let mut address = String::new();
         let mut output = BufReader::new(process.stdout.take().unwrap());
         output.read_line(&mut address).unwrap();
-        // What it prints later is read, so that it never waits for a reader.
+        // Its later output is read, so that it never waits for a reader.
         std::thread::spawn(move || std::io::copy(&mut output, &mut std::io::sink()));
         let address = address.trim().strip_prefix("http://").unwrap();
         let (host, token) = address.trim_end_matches('/').split_once('/').unwrap();
@@ -89,7 +89,7 @@ impl Watched {
         })
     }
 
-    /// Status and body of the answer to a request with these headers.
+    /// Status and body of the response to a request with these headers.
     fn ask(&self, method: &str, path: &str, headers: &str) -> (u16, String) {
         let mut stream = TcpStream::connect(&self.host).unwrap();
         stream.set_read_timeout(Some(PATIENCE)).unwrap();
@@ -100,7 +100,7 @@ impl Watched {
         (head.split(' ').nth(1).unwrap().parse().unwrap(), body.to_owned())
     }
 
-    /// What the user's own browser gets.
+    /// Response to the user's browser.
     fn page(&self, path: &str) -> (u16, String) {
         self.ask(
             "GET",
@@ -121,7 +121,7 @@ fn text(pressure: &str) -> String {
     format!("base = \"between.toml\"\nsupply.pressure = \"{pressure}\"\n")
 }
 
-/// Ways in which editors save.
+/// Methods that editors use to save.
 const WAYS: [fn(&Path, &str); 4] = [
     |path, text| fs::write(path, text).unwrap(),
     |path, text| {
@@ -143,7 +143,7 @@ const WAYS: [fn(&Path, &str); 4] = [
     },
 ];
 
-/// What is no design, and what the page says of it.
+/// Broken designs, and the words of the page on them.
 const BROKEN: [(&str, &str); 4] = [
     ("supply.pressure = \"600 ", "own.toml:1"),
     ("base = \"between.toml\"\nsupply.presure = 1\n", "supply.pressure"),

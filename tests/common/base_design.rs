@@ -1,4 +1,4 @@
-//! Groups of the base design, read from its file, for the tests of crates that know nothing of design files.
+//! Groups of the base design, read from its file, for the tests of crates that do not depend on design files.
 #![allow(clippy::unwrap_used)] // a test may panic, in its helpers too
 
 use std::path::Path;
@@ -28,7 +28,7 @@ pub(crate) fn number(key: &str, kind: Kind) -> f64 {
     }
 }
 
-/// A value alone, or beside its range and provenance.
+/// A value, with or without its range and provenance.
 fn value(key: &str, kind: Kind) -> Value {
     let given = key.split('.').fold(None, |at: Option<&toml::Value>, name| match at {
         None => DESIGN.get(name),

@@ -1,4 +1,4 @@
-//! What the tests of all binaries share: shipped and small designs, folders of their own, and the command.
+//! Common parts of the tests of all binaries: shipped and small designs, separate folders, and the command.
 #![allow(dead_code)] // each binary uses its part
 
 use std::fs;
@@ -18,7 +18,7 @@ use serde_json::Value;
 /// The root of the repository.
 pub(crate) const ROOT: &str = env!("CARGO_MANIFEST_DIR");
 
-/// The small design, whose whole chain takes seconds.
+/// The small design, whose full chain takes seconds.
 pub(crate) const SMALL: &str = "tests/data/small.toml";
 
 /// A design file of the repository, by its path from the root.
@@ -48,7 +48,7 @@ pub(crate) fn over(folder: &Path, name: &str, text: &str) -> String {
     file.to_str().unwrap().to_owned()
 }
 
-/// Where the store that all tests share stands.
+/// Folder of the common store of all tests.
 pub(crate) fn shared_folder() -> PathBuf {
     Path::new(env!("CARGO_TARGET_TMPDIR")).join("modes")
 }
@@ -63,7 +63,7 @@ pub(crate) fn graph(store: Store) -> Graph {
     Graph::new(Arc::new(store), Arc::new(Silent))
 }
 
-/// Runs a design with a store; its chain holds the motions.
+/// Runs a design with a store; its chain contains the motions.
 pub(crate) fn try_run(design: &Design, store: Store) -> Result<(Run, Chain), Error> {
     let chain = Chain::new(&graph(store), design, Options::default())?;
     Ok((chain.run(design)?, chain))
@@ -100,7 +100,7 @@ pub(crate) fn nailnoise(arguments: &[&str]) -> Output {
     command(arguments).output().unwrap()
 }
 
-/// What a command printed on standard error.
+/// Output of a command on standard error.
 pub(crate) fn messages(output: &Output) -> String {
     String::from_utf8_lossy(&output.stderr).into_owned()
 }

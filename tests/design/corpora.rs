@@ -1,5 +1,5 @@
-//! Bytes of any kind in the place of files, and numbers of any size in the place of values: the fuzz targets' corpora, and
-//! values drawn over all magnitudes.
+//! Bytes of any kind as files, and numbers of any size as values: the fuzz targets' corpora, and values drawn over all
+//! magnitudes.
 
 #[allow(unreachable_pub)] // public in the crate of the fuzz targets
 #[path = "../../fuzz/src/lib.rs"]
@@ -25,7 +25,7 @@ fn the_corpora_of_the_fuzz_targets_end_without_a_panic() {
     }
 }
 
-/// Seeds of the target `design`, too: they are complete, whatever keys are added.
+/// Seeds of the target `design`, too: they are complete, even if keys are added.
 #[test]
 fn the_shipped_designs_end_without_a_panic() {
     let designs = Path::new(env!("CARGO_MANIFEST_DIR")).join("designs");
@@ -51,7 +51,7 @@ fn numbers() -> Vec<(String, Kind)> {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(2000))]
 
-    /// A value of any magnitude is read or refused by its key, and what is read lies in the domain.
+    /// A value of any magnitude is read or refused by its key, and every value that is read lies in the domain.
     #[test]
     fn a_value_of_any_magnitude_is_read_within_its_domain_or_refused(
         index in any::<prop::sample::Index>(), exponent in -300.0..300.0_f64, negative in any::<bool>(),

@@ -1,4 +1,4 @@
-//! The design file: what it reads, what it derives, what it refuses and how it says so.
+//! The design file: reading, derived values, refusals and their messages.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -16,7 +16,7 @@ fn load(path: &str) -> Design {
     Design::load(path).unwrap_or_else(|error| panic!("{}", render(&error)))
 }
 
-/// A design that says `text` over the N80CB.
+/// A design with `text` over the N80CB.
 fn over(text: &str) -> Result<Design, DesignError> {
     Design::parse(&format!("base = \"n80cb.toml\"\n{text}\n"), "designs/over.toml")
 }
@@ -60,7 +60,7 @@ fn number(value: Value) -> f64 {
     }
 }
 
-/// What stands under every key of a design file.
+/// Values under every key of a design file.
 fn settings(table: &toml::Table, path: &str, found: &mut BTreeMap<String, toml::Value>) {
     for (name, value) in table {
         let key = if path.is_empty() {
@@ -94,7 +94,7 @@ fn si(number: &str, unit: &str) -> f64 {
     format!("{digits}e{}", power + exponent).parse().unwrap()
 }
 
-/// The numbers of a text in SI units: of a quantity one, of a range two; none of a word.
+/// The numbers of a text in SI units: one of a quantity, two of a range; none of a word.
 fn numbers(text: &str) -> Vec<f64> {
     let words: Vec<&str> = text.split(' ').collect();
     let is_number = |word: &&&str| **word == ".." || word.parse::<f64>().is_ok();
@@ -302,7 +302,7 @@ fn a_range_may_be_a_width_around_the_value_or_none() {
         of("hand.force = { value = \"120 N\", range = \"exact\" }"),
         [120.0, 120.0],
     );
-    // Around the value of the base, where a file gives the width alone.
+    // Around the value of the base, if a file gives only the width.
     assert_near(of("hand.force.range = \"+-10 %\""), [99.0, 121.0]);
 }
 
@@ -494,7 +494,7 @@ fn a_program_may_change_values_and_check_them() {
     );
 }
 
-/// Values that do not go together: what the design says, and the key at which the error points.
+/// Conflicting values: the message of the design, and the key at which the error points.
 const CONFLICTS: &[(&str, &str)] = &[
     ("nail.head_thickness = \"83 mm\"", "nail.head_thickness"),
     ("nail.diameter = \"8 mm\"", "nail.diameter"),
@@ -565,7 +565,7 @@ fn values_that_do_not_go_together_are_refused() {
         assert_eq!(error.place().unwrap().line(), 2, "{text}: {}", render(&error));
         assert!(!error.remedy().is_empty());
     }
-    // What the support does not use is not checked.
+    // Keys that the support does not use are not checked.
     changed("support.sand.box_width = \"150 mm\"");
     changed("support = { kind = \"sandbox\", worktable.length = \"400 mm\" }");
 }
@@ -738,7 +738,7 @@ fn the_examples_of_the_reference_load() {
 proptest! {
     #![proptest_config(ProptestConfig { cases: 256, failure_persistence: None, ..ProptestConfig::default() })]
 
-    /// Whatever a slip of the hand does to the file, the answer is a design or an error that can be shown.
+    /// Whatever a slip of the hand does to the file, the result is a design or an error that can be shown.
     #[test]
     fn edited_text_never_panics(
         edits in prop::collection::vec((any::<prop::sample::Index>(), 0usize..40, "[ -~\n\u{e9}\u{b5}]{0,8}"), 1..4)

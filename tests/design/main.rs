@@ -1,4 +1,4 @@
-//! The design file: what is read, refused, derived and documented.
+//! The design file: reading, refusals, derived values and documentation.
 #![allow(clippy::unwrap_used)] // a test may panic, in its helpers too
 
 #[path = "../common/mod.rs"]

@@ -1,4 +1,4 @@
-//! Woods and nails by name: what a name sets, what wins over it, and what it replaces.
+//! Woods and nails by name: the settings of a name, the keys that win over it, and the keys that it replaces.
 
 use nailnoise::Design;
 use nailnoise::design::{Assignment, DesignError, Entry, NailKind, Problem, Species, Value, nails, woods};
@@ -36,7 +36,7 @@ fn a_species_replaces_what_the_base_says_with_range_and_source() {
     assert!(density.source.contains("A I-1"), "{}", density.source);
     // The line that names the species gives the value.
     assert!(density.file.ends_with("over.toml") && density.line == 2);
-    // Of the base's note on the loss factor of its own block nothing is left.
+    // Nothing remains of the base's note on the loss factor of its block.
     assert_eq!(entry(&design, "wood.loss_factor").note, "");
 }
 

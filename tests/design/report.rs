@@ -1,4 +1,4 @@
-//! `[report]`: what the head of the report says, which no result depends on.
+//! `[report]`: texts in the head of the report, which do not affect any result.
 
 use nailnoise::Design;
 use nailnoise::design::DesignError;

@@ -297,7 +297,7 @@ fn a_record_in_units_of_another_quantity_is_refused() {
             names(&error, &["channel N", "is an acceleration", words, label, "`kind`"]);
         }
     }
-    // Without a label the specific data type says it: 12 is an acceleration, 15 a pressure.
+    // Without a label the specific data type decides it: 12 is an acceleration, 15 a pressure.
     let unlabelled = dataset(&format!("{:<20}", "m/s2"), &format!("{:<20}", "NONE"));
     reads(&folder, "unlabelled", &unlabelled, "unit = \"m/s2\"", 1e-8);
     let pressure = String::from_utf8(unlabelled)

@@ -1,5 +1,5 @@
-//! Damaged recordings: none panics, and each is refused with an error that names its file and a remedy, or still holds
-//! all its samples.
+//! Damaged recordings: none panics, and each is refused with an error that names its file and a remedy, or still
+//! contains all its samples.
 
 use crate::written::{CORNER, Folder, HEAD, ONE, SAMPLES, binary_uff, csv, names, sine, uff, wav};
 use nailnoise::measurement::{MeasurementError, Shot};
@@ -25,7 +25,7 @@ fn below(random: &mut Xoshiro256PlusPlus, bound: usize) -> usize {
 /// One of several kinds of damage.
 fn damage(mut bytes: Vec<u8>, random: &mut Xoshiro256PlusPlus) -> Vec<u8> {
     let length = bytes.len();
-    // Headers are short beside the samples; half of the damage is to them.
+    // Headers are short compared with the samples; half of the damage is to them.
     let place = |random: &mut Xoshiro256PlusPlus| {
         let within = if random.next_u32().is_multiple_of(2) {
             length.min(600)

@@ -1,4 +1,4 @@
-//! Manifests of tests and their recordings: what is written is read back, and each fault is refused with its file, its
+//! Manifests of tests and their recordings: written files are read back, and each fault is refused with its file, its
 //! channel, its value and a remedy.
 #![allow(clippy::unwrap_used)] // a test may panic, in its helpers too
 

@@ -1,4 +1,4 @@
-//! Recordings: each format reads back what was written, and each fault is refused with file, channel, value and remedy.
+//! Recordings: each format reads back the written data, and each fault is refused with file, channel, value and remedy.
 
 use std::io::Cursor;
 
@@ -14,7 +14,7 @@ fn difference(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
 }
 
-/// A test of one accelerometer with these keys beside a microphone; its recording is `N` with this extension.
+/// A test of one accelerometer with these keys and a microphone; its recording is `N` with this extension.
 fn accelerometer(folder: &Folder, extension: &str, keys: &str) -> Result<Shot, MeasurementError> {
     folder.write("mic.wav", wav(&[&sine(0.1)]));
     let comma = if keys.is_empty() { "" } else { ", " };
@@ -212,7 +212,7 @@ fn a_calibrators_tone_of_94_db_is_1_0024_pa_whatever_its_frequency_and_noise() {
     let rms = 20e-6 * 10f64.powf(94.0 / 20.0);
     assert!((rms - 1.0024).abs() < 1e-4);
     for (hz, offset, other) in [(1000.0, 0.0, 0.0), (993.7, 0.01, 0.0), (1007.0, 0.0, 0.02)] {
-        // 0.05 of full scale is the amplitude of the tone; an offset and hum of 50 Hz stand beside it.
+        // 0.05 of full scale is the amplitude of the tone; an offset and hum of 50 Hz are added to it.
         let hum = tone(other, 50.0, 48_000);
         let record: Vec<f64> = tone(0.05, hz, 48_000)
             .iter()
@@ -451,7 +451,7 @@ fn unknown_and_contradicting_units_are_refused() {
 fn samples_that_are_no_finite_numbers_are_refused() {
     let folder = Folder::new("not-finite");
     let mut signal = sine(0.1);
-    // The writer refuses what is not finite, so that the bytes of sample 100 are replaced.
+    // The writer refuses values that are not finite, so that the bytes of sample 100 are replaced.
     let mut bytes = encode(&[&signal], RATE, 1.0, Coding::Float32).unwrap();
     let at = bytes.len() - 4 * (SAMPLES - 99);
     bytes[at..at + 4].copy_from_slice(&f32::NAN.to_le_bytes());
@@ -628,7 +628,7 @@ fn samples_of_8_bits_are_read_around_their_offset() {
     let steps: Vec<i32> = (0..SAMPLES).map(|i| if i % 2 == 0 { 64 } else { -32 }).collect();
     folder.write("W-1-1.wav", hound(8, hound::SampleFormat::Int, &steps));
     let (_, shot) = folder.microphone("wav", "full_scale = \"128 Pa\"").unwrap();
-    // One step is 1 Pa, up to the step by which full scales are defined apart.
+    // One step is 1 Pa, up to the step between the definitions of full scale.
     let expected: Vec<f64> = steps.iter().map(|step| f64::from(*step)).collect();
     assert!(difference(&shot.microphones[0], &expected) < 1.0);
 }
@@ -655,7 +655,7 @@ fn sound_files_of_another_program_are_read() {
         for (track, amplitude) in tracks.iter().zip([0.5, 0.25]) {
             assert_eq!((track.rate, track.samples.len()), (48e3, 40));
             let expected: Vec<f64> = (0..40).map(|i| amplitude * (0.3 * f64::from(i)).sin()).collect();
-            // It cuts off what is less than a step, and its full scale is a step larger.
+            // It cuts off fractions of a step, and its full scale is a step larger.
             assert!(
                 difference(&track.samples, &expected) < 1.5 * 2f64.powi(1 - bits),
                 "{bits} bits"

@@ -1,10 +1,10 @@
-"""Makes the pictures of the book from a report, and compares them with those that are kept.
+"""Makes the pictures of the book from a report, and compares them with the stored ones.
 
     book.py REPORT.html docs/pictures [--update]
 
-Every picture is a figure of the report as a reader sees it. The kept pictures must have the size of today's, and differ from
-them by no more than other fonts and the last digit of a level do; every picture must stand on a page of the book, and every
-picture on a page must be kept. `--update` writes them anew.
+Every picture is a figure of the report as a reader sees it. The stored pictures must have the size of today's, and the
+differences must not exceed those of other fonts and of the last digit of a level. Every picture must be on a page of
+the book, and every picture on a page must be stored. `--update` writes them anew.
 """
 
 import io

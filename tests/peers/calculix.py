@@ -5,8 +5,8 @@
     python3 tests/peers/calculix.py
 
 Both programs integrate the 20-node hexahedron with 3 x 3 x 3 points, so every frequency must agree to the digits that
-CalculiX prints (7). The targets of the benchmarks are printed beside them and not asserted: those of FV41 belong to the
-axisymmetric modes among many others, those of FV22 to a thick-plate theory.
+CalculiX prints (7). The targets of the benchmarks are printed next to them and not asserted: those of FV41 belong to
+the axisymmetric modes among many others, those of FV22 to a thick-plate theory.
 """
 
 import pathlib

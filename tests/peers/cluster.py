@@ -1,16 +1,16 @@
-"""Draws on a cluster of Dask beside the same draws on threads.
+"""Draws on a cluster of Dask, and the same draws on threads.
 
     cluster.py DESIGN [DRAWS [SECONDS]]
 
-Three checks with DRAWS drawn shots (2000 unless given, 384 at least) on a local cluster of two workers:
+Three checks with DRAWS drawn shots (2000 unless given, minimum 384) on a local cluster of two workers:
 
-1. The wall time is within 15 % of that on two threads (not demanded below 1000 draws, where it is no more than noise), and the numbers
-   are the same. The time a task spends outside its work is printed.
+1. The wall time is within 15 % of that on two threads (not demanded below 1000 draws, where it is only noise), and the
+   numbers are the same. The time a task spends outside its work is printed.
 2. A worker is killed by its process number three times on the way. Every draw comes once, with the same numbers.
 3. A simulated cluster: DRAWS tasks (2000 and 10 000 for the long run) that sleep for SECONDS, a tenth of the 2.4 s that the sound of a
    draw takes unless given, on 20 workers. That gives the scheduler as much to do as 200 workers with real draws. It takes less than 5 %
-   of the wall time (25 % with fewer than 1000 draws, where the last tasks of all workers weigh more). From the time of a task that does
-   nothing follows how many workers one scheduler keeps busy.
+   of the wall time (25 % with fewer than 1000 draws, where the last tasks of all workers weigh more). The time of a
+   task that does nothing gives the number of workers that one scheduler can occupy.
 """
 
 import contextlib
@@ -52,7 +52,7 @@ def compared(design: nn.Design, draws: int) -> nn.Shots:
     alone = nn.shots(design, draws)
     of_threads = time.perf_counter() - begin
     with local() as (_, client):
-        # Imports, the design and the sampler are there before the clock runs, as they are on a cluster that is at work.
+        # Imports, the design and the sampler are there before the clock runs, like on a cluster that is at work.
         nn.shots(design, 2 * CANDIDATES, seed=9, client=client)
         with get_task_stream(client) as stream:
             begin = time.perf_counter()

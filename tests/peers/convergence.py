@@ -4,7 +4,7 @@
     cargo build --release && python3 tests/peers/convergence.py [--starts 16] [--fresh]
 
 Bonded contact is computed run by run, the bouncing block as the mean of starts that differ by gaps of 1 um. The first call
-takes half an hour on two cores; target/convergence.json keeps finished runs until --fresh.
+takes half an hour on two cores; target/convergence.json stores finished runs until --fresh.
 """
 
 import argparse
@@ -22,7 +22,7 @@ BASIS = ("basis to 1.5 instead of 1.2 times the top", "analysis.mode_margin = 1.
 BLOCK = 'analysis.workpiece_element = "12 mm"'
 TABLE = 'analysis.worktable_element = "20 mm"\nanalysis.worktable_leg_element = "40 mm"'
 
-# What is refined, and by how much the level may move.
+# The refinement, and the limit on the change of the level.
 ON_TABLE = [STEP, BASIS, ("next finer mesh", f"{BLOCK}\n{TABLE}", 0.3)]
 IN_SAND = [STEP, BASIS, ("next finer mesh", BLOCK, 0.3)]
 # The housing is left out where the workpiece is looked at: nothing of it reaches the wood.
@@ -32,7 +32,7 @@ TOOL = [STEP, BASIS]
 
 
 class Runs:
-    """Runs of the base design with something changed, kept by what was changed."""
+    """Runs of the base design with changes, stored under these changes."""
 
     def __init__(self, program, fresh):
         self.program = program
@@ -80,7 +80,8 @@ def mean_and_deviation(values):
 
 
 def refined(variants, levels_of, limited):
-    """Rows of a table and whether what is limited moved less than it may; the first column of levels is the limited one."""
+    """Rows of a table and whether the limited level moved less than its limit; the first column of levels is the
+    limited one."""
     rows, fine, reference = [], True, None
     for name, change, limit in [("as designed", "", None), *variants]:
         found = levels_of(change)
@@ -104,7 +105,7 @@ def bouncing_rows(runs, starts):
         levels = runs(RIGID, change, f"analysis.starts = {starts}")["starts"]
         mean, deviation = mean_and_deviation(levels)
         reference = reference or levels
-        # The same gaps stand in both sets, so that the error of the change is that of the mean of their differences.
+        # The same gaps are in both sets, so that the error of the change is that of the mean of their differences.
         moved, error = mean_and_deviation([a - b for a, b in zip(levels, reference)])
         error /= math.sqrt(starts)
         held = limit is None or abs(moved) < limit

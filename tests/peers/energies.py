@@ -1,10 +1,10 @@
-"""Compares what `measure` makes of a virtual wrapping test with what was recorded and with the exact energies.
+"""Compares the levels of `measure` from a virtual wrapping test with the recorded and with the exact energies.
 
     energies.py NAILNOISE DESIGN
 
 Perfect wraps: each band of a source that lies 10 dB above the residual, against the source of the recorded shots, bare. The limit is
-0.1 dB. The design's wraps: each level against the exact energies, without scatter of the shots and with it, beside the standard error
-of the repeats.
+0.1 dB. The design's wraps: each level against the exact energies, without scatter of the shots and with it, next to the
+standard error of the repeats.
 """
 
 import json
@@ -19,7 +19,7 @@ STILL = ["--set", "test.pressure_scatter=0", "--set", "test.resistance_scatter=0
 
 def value(program, *arguments):
     done = subprocess.run([program, *arguments, "--json", "--quiet"], capture_output=True, text=True)
-    # Status 3 is a failed check of a result that stands.
+    # Status 3 is a failed check of a valid result.
     assert done.returncode in (0, 3), done.stderr
     return json.loads(done.stdout)
 

@@ -19,7 +19,7 @@ def output(*arguments: str) -> str:
     return done.stdout
 
 
-# The intervals and P(first) beside the levels of the run.
+# The intervals and P(first) next to the levels of the run.
 text = output(*run, "--out", f"{out}/n80cb")
 shown = re.findall(r"^ *(\w+) +([\d.]+) +([\d.]+) \.\. ([\d.]+) +([\d.]+) ", text, re.MULTILINE)
 stated = re.findall(r"^\| (\w+) \| ([\d.]+) \| ([\d.]+) \.\. ([\d.]+) \| ([\d.]+) \|$", page, re.MULTILINE)
@@ -31,7 +31,7 @@ for row in stated:
 first = {row[0]: float(row[4]) for row in stated}
 assert first["exhaust"] < 0.5 < first["workpiece"], first
 
-# The change over common draws, beside the spread of the level itself.
+# The change over common draws, next to the spread of the level itself.
 paired = json.loads(output(*compare, "--json", "--out", out))["paired"][0]
 changes = {own["source"]: own for own in paired["changes"]}
 for name, *said in re.findall(

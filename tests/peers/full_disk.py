@@ -1,11 +1,13 @@
-"""Runs on file systems that are too small and checks that a folder holds the old result or the new one, and no mixture.
+"""Runs on file systems that are too small and checks that a folder contains the old result or the new one, and no
+mixture.
 
     full_disk.py NAILNOISE DESIGN [STEPS]
 
-The folder is on a file system in memory and holds the result of a changed design. Its size is stepped from hardly any free
-space to more than a run needs, and its number of files likewise. In each step the design is run twice: with its result in
-the cache, and computed anew. Every run must end with status 0 and leave the new result, or with status 2 and a message and
-leave the old one, file for file. At the end, a run must work with a cache on a file system that is mounted for reading.
+The folder is on a file system in memory and contains the result of a changed design. Its size is stepped from hardly
+any free space to more than a run needs, and its number of files likewise. In each step the design is run twice: with
+its result in the cache, and computed anew. Every run must end with status 0 and leave the new result, or with status 2
+and a message and leave the old one, file for file. At the end, a run must work with a cache on a file system that is
+mounted for reading.
 
 Mounting needs root on Linux. Elsewhere the script says so and ends with status 0.
 """
@@ -114,7 +116,7 @@ def main(program: str, design: str, steps: int) -> None:
                 whole = 0
                 for step in range(steps):
                     full.restore()
-                    # Up to 2.2 times what the old result takes: while files change places, both results are there.
+                    # Up to 2.2 times the size of the old result: while files change places, both results are there.
                     limit = begin + max(1, step * begin * 12 // (steps * 10))
                     whole += full.step(limits.format(limit), anew)
                 assert 0 < whole < steps, f"{what}: {whole} of {steps} runs left the new result"

@@ -1,4 +1,4 @@
-"""Gives the program hostile input and holds status, time and memory of every case.
+"""Gives the program hostile input and checks status, time and memory of every case.
 
     hostile.py NAILNOISE DESIGNS [DRAWS] [SEED]
 
@@ -8,8 +8,9 @@ DESIGNS is the folder of the shipped designs. There are five kinds of cases:
 - whole runs, finished results, names, a full standard output and the cache, on the small design of the tests;
 - key cases: every number of the design file, just outside its domain at either end, infinite, not a number, in a unit of
   another dimension; each must end with status 2 and name the key;
-- files: devices, pipes, folders, empty, long and binary files in the place of designs, bases, meshes and tables;
-- draws: designs with ten random keys drawn log-uniformly over their whole domains (default 100), in `check` and in `cycle`.
+- files: devices, pipes, folders, empty, long and binary files instead of designs, bases, meshes and tables;
+- draws: designs with ten random keys drawn log-uniformly over their full domains (default 100), in `check` and in
+  `cycle`.
 
 Bad input must end with status 2 within 2 s and 1 GiB. A draw must end within 60 s and 4 GiB, without a panic or a signal.
 The seconds are those of the processor, so that other work on the machine does not count; ten times as many by the clock
@@ -54,7 +55,7 @@ class Tally:
     failures: list = field(default_factory=list)
 
     def hold(self, kind, name, outcome, statuses, limits, words=()):
-        """Counts a case and notes what it breaks."""
+        """Counts a case and notes its violations."""
         self.counts[kind][outcome.status] += 1
         if outcome.seconds > self.slowest.get(kind, (0.0, ""))[0]:
             self.slowest[kind] = (outcome.seconds, name)
@@ -77,7 +78,7 @@ class Tally:
 
 
 def run(arguments, folder, timeout):
-    """Runs a command in a folder; -9 stands for a timeout."""
+    """Runs a command in a folder; -9 means a timeout."""
     start = time.monotonic()
     with tempfile.TemporaryFile() as out:
         process = subprocess.Popen(arguments, cwd=folder, stdin=subprocess.DEVNULL, stdout=out, stderr=out)
@@ -140,7 +141,7 @@ def keys(schema, path=""):
             yield from keys(node, f"{full}.")
 
 
-# What the design says, the command, the expected status and words of the message.
+# The content of the design, the command, the expected status and words of the message.
 NAMED = [
     ('nail.length = "65 mm"\nnail.diameter = "2.9 mm"', ["cycle", "--json"], {3}, ["overdriven", "below the surface"]),
     ('nail.tip_gap = "26 mm"', ["check"], {2}, ["nail.tip_gap", "piston.rod_protrusion"]),
@@ -180,7 +181,7 @@ NAMED = [
 ]
 
 
-# What once took minutes: the design, the command.
+# Cases that once took minutes: the design, the command.
 SLOW = [
     ('body.sleeve_wall = "172 mm"\nbody.cap_wall = "2 mm"', "check"),
     ('body.sleeve_gap = "282 mm"', "check"),

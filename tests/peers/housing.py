@@ -1,4 +1,4 @@
-"""Runs the page on your own housing as a reader would, and compares its output with what the page shows.
+"""Runs the page on your own housing as a reader would, and compares its output with that on the page.
 
     housing.py NAILNOISE PAGE.md FOLDER
 
@@ -60,7 +60,7 @@ for kind, name, text in re.findall(r"^```(\w+) ?(\S*)\n(.*?)^```$", page, re.MUL
             file.write(text)
     elif kind == "sh":
         done = subprocess.run(["bash", "-c", text], capture_output=True, text=True, env=environment)
-        # A page that shows a refusal says so in its output.
+        # A page that shows a refusal shows it in its output.
         assert done.returncode in (0, 2), (text, done.stderr)
         output = done.stdout + done.stderr
         commands += 1

@@ -61,7 +61,7 @@ def readable(folder: Path) -> int:
 
 
 class Runs:
-    """Runs of one design and of another, in folders of their own."""
+    """Runs of one design and of another, in separate folders."""
 
     def __init__(self, program: str, design: str) -> None:
         self.program, self.design = program, design
@@ -83,7 +83,7 @@ class Runs:
         return time.monotonic() - begin
 
     def forget(self, *stages: str) -> None:
-        """Removes what the cache keeps of some stages of the design; of all stages and designs without any."""
+        """Removes the cached results of some stages of the design; of all stages and designs without any."""
         for entry in self.cache.glob("*.entry"):
             if not stages or (entry.name.startswith(stages) and entry not in self.others):
                 entry.unlink()
@@ -206,7 +206,7 @@ def end_studies(runs: "Runs", kills: int, chance: random.Random) -> None:
     for _ in range(kills):
         process = subprocess.Popen(command, **quiet)
         try:
-            # Later kills fall on a study of which much is kept.
+            # Later kills hit a study with many stored results.
             process.wait(timeout=chance.uniform(0.0, whole) * chance.random())
         except subprocess.TimeoutExpired:
             end(process, chance.choice((signal.SIGKILL, signal.SIGTERM)))

@@ -1,12 +1,12 @@
-"""Holds the markers of virtual recordings to the events of the cycles behind them.
+"""Compares the markers of virtual recordings with the events of their cycles.
 
     markers.py NAILNOISE DESIGN COUNT [SEED]
 
 COUNT shots that drive the nail and return the piston are drawn from the ranges by `nailnoise study`; quantities of the structures are
 those of the design, so that modes and radiation are computed once. Each shot is recorded by `nailnoise test` without scatter and
-processed by `nailnoise measure`. The markers of the total that stand for events are compared with those of `nailnoise cycle`:
-t4 with t7, t11 with t15 (transducer PT-I), t12 with t16 (handle). The limit is 0.1 ms. The burst t12 as the microphones find it,
-where the body alone is bare, is compared with t16. The limit is 1.5 ms.
+processed by `nailnoise measure`. The markers of the total that represent events are compared with those of `nailnoise
+cycle`: t4 with t7, t11 with t15 (transducer PT-I), t12 with t16 (handle). The limit is 0.1 ms. The burst t12 at the
+microphones, with only the body bare, is compared with t16. The limit is 1.5 ms.
 """
 
 import csv
@@ -24,7 +24,7 @@ MARKERS = [
     ("body", "t12 at the microphones", "t16", 1.5e-3),
 ]
 
-# What shapes bodies or their modes.
+# Keys that shape bodies or their modes.
 STRUCTURE = (
     "nail.", "piston.stroke", "piston.bore", "piston.rod_", "tool.mass", "wood.density", "wood.elastic", "support.", "body.",
     "workpiece.", "exhaust.fitting", "method.",
@@ -33,7 +33,7 @@ STRUCTURE = (
 
 def value(program, *arguments):
     done = subprocess.run([program, *arguments, "--json", "--quiet"], capture_output=True, text=True)
-    # Status 3 is a failed check of a result that stands.
+    # Status 3 is a failed check of a valid result.
     assert done.returncode in (0, 3), done.stderr
     return json.loads(done.stdout)
 

@@ -112,7 +112,7 @@ tried = 0
 
 
 def is_read_alike(path, volume=None, areas=None, count=None, named=True):
-    """Compares `check` with gmsh and with what is known of the model."""
+    """Compares `check` with gmsh and with the known data of the model."""
     global tried
     found = answer("check", path, "--unit", "1 m")
     by_gmsh, nodes, groups = expected_of(path)
@@ -207,8 +207,8 @@ def partitions():
 
 
 def grids(path, found):
-    """The written VTU and MSH files hold the same mesh to meshio."""
-    # meshio knows no prisms of 15 nodes.
+    """meshio reads the same mesh from the written VTU and MSH files."""
+    # meshio does not support prisms of 15 nodes.
     if path.name.startswith("prisms"):
         return
     vtu, msh = path.with_suffix(".vtu"), path.with_name(path.stem + "-own.msh")

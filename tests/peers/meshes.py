@@ -100,7 +100,7 @@ known = {work / "run/sensors.uff", *(work / folder / "modes.uff" for folder in (
 assert set(work.rglob("*.uff")) == known, "a universal file that nobody read"
 print(f"pyuff read {sets} datasets")
 
-# Sound files hold the exposures and the bands that the tables state.
+# Sound files contain the exposures and the bands of the tables.
 EDGES = 1000 * 10 ** (0.1 * (numpy.arange(-13, 15) - 0.5))
 REFERENCE = 4e-10
 LENGTH = 1 << 19

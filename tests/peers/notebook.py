@@ -1,4 +1,4 @@
-"""Executes a notebook as a new user would, from the root of the repository, and checks what it shows.
+"""Executes a notebook as a new user would, from the root of the repository, and checks its output.
 
     notebook.py NOTEBOOK [SECONDS]
 

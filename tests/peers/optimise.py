@@ -3,9 +3,10 @@
     optimise.py DESIGN [SEEDS]
 
 Two dimensions of the exhaust and the supply are varied under the constraint that the nail is driven fully. A trial of the optimiser is a
-design whose levels are computed; a shot that breaks the constraint costs a cycle alone. The sequence is searched twice: over its first
-100 points, and on until 100 points have met the constraint. The packages nailnoise and scipy must be installed. The script prints the
-levels for each seed and fails if the optimiser is ahead of the first 100 points in fewer than eight of ten.
+design whose levels are computed; a shot that breaks the constraint only costs a cycle. The sequence is searched twice:
+over its first 100 points, and on until 100 points have met the constraint. The packages nailnoise and scipy must be
+installed. The script prints the levels for each seed and fails if the optimiser is ahead of the first 100 points in
+fewer than eight of ten.
 """
 
 import sys

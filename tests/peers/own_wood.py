@@ -3,17 +3,17 @@
     own_wood.py NAILNOISE DESIGN MACHINE WORK [ROUNDS] [DRAWS] [LEVELS] [FIRST]
 
 DESIGN is the design whose law the virtual machine MACHINE uses (`designs/n80cb.toml` and `examples/penetration/machine.toml`).
-WORK is a folder for the files. Each round (default 100) has a seed of its own, from FIRST (default 1) on:
+WORK is a folder for the files. Each round (default 100) has a different seed, from FIRST (default 1) on:
 
 - `prf machine --virtual 7` computes tests of the plan for 70 J, `prf fit` fits poly(x,7), and `cycle --draw` draws the fitted
-  law (default 200 draws) with all other quantities held at the values of DESIGN;
+  law (default 200 draws) with all other quantities fixed at the values of DESIGN;
 - the 95 % interval of the depth of one shot, mean -+ t s sqrt(1 + 1/n) of the draws, is compared with a shot by the true law
   into a specimen drawn from the true scatter.
 
-The depth stands for the workpiece's level, because what is left of the piston's energy decides both: an interval covers a
-monotone function of a quantity where it covers the quantity. For the first LEVELS rounds (default 5; 10 s of computing each
-once bodies are cached) the level by the fitted law is compared with that by the true law. The rank correlation of level and
-depth over the draws of a study is printed.
+The depth represents the workpiece's level, because the remaining energy of the piston decides both: an interval covers
+a monotone function of a quantity if it covers the quantity. For the first LEVELS rounds (default 5; 10 s of computing
+each once bodies are cached) the level by the fitted law is compared with that by the true law. The rank correlation of
+level and depth over the draws of a study is printed.
 
 The script fails if an interval covers the truth in less than 90 % of the rounds, or a level differs by more than 0.3 dB.
 """
@@ -52,7 +52,7 @@ def ranged(table, group=""):
 
 
 def point(value):
-    """The range that holds this value only."""
+    """The range that contains this value only."""
     number, _, unit = str(value).partition(" ")
     return f"{number} .. {number} {unit}".strip()
 

@@ -3,11 +3,12 @@
     recordings.py NAILNOISE
 
 Makes some 90 files: WAV of all formats of samples, containers, lengths of headers and orders of chunks; universal files (58, 58b)
-of both byte orders, single and double precision, even and uneven times, beside complex datasets; tables in encodings, separators,
-decimal marks and rows of units. Each is a channel of one manifest. RMS and peak in `measurement.json` of `nailnoise measure` must
-agree with those of the samples that soundfile and scipy, pyuff, and Python's csv read from the same file; where none of them reads
-a file, with the samples it was made of, and the script names these files. `prf fit` must find one law in all forms of a recording.
-Files of other formats must end with status 2, be named for what they are, and put no control characters on a terminal.
+of both byte orders, single and double precision, even and uneven times, together with complex datasets; tables in
+encodings, separators, decimal marks and rows of units. Each is a channel of one manifest. RMS and peak in
+`measurement.json` of `nailnoise measure` must agree with those of the samples that soundfile and scipy, pyuff, and
+Python's csv read from the same file; where none of them reads a file, with its original samples, and the script names
+these files. `prf fit` must find one law in all forms of a recording. Files of other formats must end with status 2, be
+named by their format, and put no control characters on a terminal.
 
 Needs numpy, scipy, soundfile, pyuff. Takes some seconds.
 """

@@ -6,7 +6,7 @@ Redesigns change one to five numbers of DESIGN, each to a value within twice its
 within the same sign). Each is one `--set KEY=VALUE`, as a user gives it, so that its range is the one the program assumes.
 
 1. `run` of each redesign, with its screening: the interval of every level includes the level of the run, or no P(first) is printed,
-   because the outcome differs or the check of the interval fails; the latter is counted apart.
+   because the outcome differs or the check of the interval fails; the latter is counted separately.
 2. `study -n DRAWS` of the base and of the first `--of` redesigns whose shot drives: the width of the interval of every source and of the
    total against that of the base, and the share of FRESH draws (another seed) within the interval.
 
@@ -103,7 +103,7 @@ def main():
     wrong, counts, tried, driving = [], {"inside": 0, "outcome differs": 0, "outside": 0}, 0, []
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
-        # The same design with a screening: small.toml asks for none.
+        # The same design with a screening: small.toml does not request one.
         design = folder / "base.toml"
         design.write_text(f'base = "{Path(options.design).resolve()}"\n[study]\nscreening = {options.screening}\n')
         keys = keys_of(program, str(design))

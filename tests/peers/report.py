@@ -2,12 +2,12 @@
 
     report.py PICTURES REPORT.html ... [--every-picture]
 
-Windows of four widths, light and dark, without JavaScript, without WebGL, and in print. Asserts for each that nothing is asked of a
-network, that no error is in the console, that no label of a chart touches another or leaves the window, that texts have
-enough contrast and pictures a text; that the values under the pointer are there, series can be hidden, time is zoomed in all
-charts together, the 3D view turns, sounds load, and A and B run in step; that the file is short enough, and in print the summary
-has at most four pages. Saves screenshots (of all windows with --every-picture) and the page as printed. Uses the Chromium of the
-system, or else that of playwright.
+Windows of four widths, light and dark, without JavaScript, without WebGL, and in print. Asserts for each that nothing
+is requested from a network, that no error is in the console, that no label of a chart touches another or leaves the
+window, that texts have enough contrast and pictures a text; that the values under the pointer are there, series can be
+hidden, time is zoomed in all charts together, the 3D view turns, sounds load, and A and B run in step; that the file is
+short enough, and in print the summary has at most four pages. Saves screenshots (of all windows with --every-picture)
+and the page as printed. Uses the Chromium of the system, or else that of playwright.
 """
 
 import shutil
@@ -94,7 +94,7 @@ def opened(browser: Browser, report: Path, errors: list[str], before: str = "", 
 
 
 def sound(page: Page, report: Path, what: str) -> None:
-    """What holds for every reader: nothing overlaps or is cut, contrast, texts in the place of pictures."""
+    """Conditions for every reader: nothing overlaps or is cut, contrast, texts instead of pictures."""
     overlaps = page.evaluate(OVERLAPS)
     assert not overlaps, f"{report}, {what}: {overlaps[:8]}"
     over = page.evaluate("document.documentElement.scrollWidth - window.innerWidth")
@@ -105,7 +105,7 @@ def sound(page: Page, report: Path, what: str) -> None:
 
 
 def scroll(page: Page, path) -> None:
-    """Pictures of a page from top to bottom: one of the whole would be higher than what can be drawn at once."""
+    """Pictures of a page from top to bottom: a single one would be too high to be drawn at once."""
     step = 1800
     page.set_viewport_size({"width": page.viewport_size["width"], "height": step})
     for part in range(-(-page.evaluate("document.documentElement.scrollHeight") // step)):

@@ -2,8 +2,8 @@
 
     shared_store.py NAILNOISE DESIGN [DRAWS]
 
-The kernel (inotify) counts how often each entry comes into the folder by its final name: that is how often it was computed. Then each
-process's result must be that of one process alone, and `cache verify` must find nothing.
+The kernel (inotify) counts how often each entry comes into the folder by its final name: that is how often it was
+computed. Then each process's result must be that of a single process, and `cache verify` must find nothing.
 """
 
 import collections

@@ -1,4 +1,4 @@
-"""The pages state what the studies that come with the program state.
+"""The pages state the results of the studies that come with the program.
 
     studies.py FOLDER            compares the pages with designs/studies in the folder of the repository
     studies.py FOLDER --update   writes the tables and sentences anew

@@ -1,10 +1,10 @@
-"""Holds the table of docs/validation.md to the program, or writes it anew.
+"""Compares the table of docs/validation.md with the program, or writes it anew.
 
     validation.py NAILNOISE PAGE           the predictions of the designs as they are, to the digit; no draws
     validation.py NAILNOISE PAGE --update  writes the whole table, with the intervals of 32 draws
 
-The page's table stands between two comments; each row has the quantity, the design, what was measured, what is predicted, the interval of
-the draws and the distance of both intervals.
+The page's table is between two comments; each row has the quantity, the design, the measured and the predicted value,
+the interval of the draws and the distance of both intervals.
 """
 
 import json

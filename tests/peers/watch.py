@@ -2,10 +2,11 @@
 
     watch.py NAILNOISE DESIGN PICTURES [SAVES]
 
-Saves a design over DESIGN in the ways in which editors do, among them broken and half-written files, and waits after each until
-the open page shows what it must: the new report with the changed value in its bar, or the message over the last report. Then:
-no error in the console, every save shown, memory of the process bounded, no connection left open by closed pages, status 130 and no process
-after SIGINT. Prints how long a save took to reach the page. Saves pictures of the page: light, dark, narrow, with a message.
+Saves a design over DESIGN in the same ways as editors, among them broken and half-written files, and waits after each
+until the open page shows the expected content: the new report with the changed value in its bar, or the message over
+the last report. Then: no error in the console, every save shown, memory of the process bounded, no connection left open
+by closed pages, status 130 and no process after SIGINT. Prints how long a save took to reach the page. Saves pictures
+of the page: light, dark, narrow, with a message.
 """
 
 import os
@@ -131,7 +132,7 @@ def main(program: Path, design: Path, pictures: Path, saves: int) -> None:
             if number == 3:
                 page.get_by_role("button", name="Pin run").click()
             if number == 7:
-                # Where the reader was, they stay.
+                # They stay at the reader's position.
                 page.frames[1].evaluate("window.scrollTo({ top: 700, behavior: 'instant' })")
             if number == 8:
                 assert abs(page.frames[-1].evaluate("window.scrollY") - 700) < 2, "the page jumps"

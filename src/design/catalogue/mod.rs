@@ -1,8 +1,9 @@
 //! Woods and nails by name: which keys `wood.species` and `nail.kind` set.
 //!
-//! The values are pieces of design files inside the program (`woods.toml`, `nails.toml`), each with range and provenance. A
-//! name replaces what the bases of its file say about these keys; a key beside the name, in the same file or on the same
-//! command line, wins over it. Wood and shank together choose the penetration law and its share of friction (`pairs.toml`).
+//! The values are pieces of design files inside the program (`woods.toml`, `nails.toml`), each with range and
+//! provenance. A name replaces the values of these keys from the bases of its file. A key given with the name, in the
+//! same file or on the same command line, wins over it. Wood and shank together choose the penetration law and its
+//! share of friction (`pairs.toml`).
 
 mod names;
 
@@ -26,11 +27,11 @@ const KIND: &str = "nail.kind";
 /// The name of values without a name.
 const OWN: &str = "own";
 
-/// A file of names with what each sets.
+/// A file of names with the settings of each.
 struct Catalogue {
     file: &'static str,
     text: &'static str,
-    /// The key beside `sets` by which pairs are chosen.
+    /// The key, in addition to `sets`, by which pairs are chosen.
     sort: &'static str,
 }
 
@@ -52,7 +53,7 @@ const PAIRS: Catalogue = Catalogue {
     sort: "",
 };
 
-/// What a name stands for.
+/// Meaning of a name.
 #[derive(Debug, Default)]
 struct Meaning {
     /// Class of a wood, shank of a nail.
@@ -63,7 +64,7 @@ struct Meaning {
 }
 
 impl Catalogue {
-    /// What stands under a path of tables; empty where nothing does.
+    /// Meaning under a path of tables; empty if there is none.
     fn meaning(&self, path: &[&str]) -> Result<Meaning, DesignError> {
         let file = File::new(Path::new(self.file), self.text);
         let root = file.table()?;
@@ -90,7 +91,7 @@ impl Catalogue {
 /// The names that a chain of files has given so far.
 #[derive(Debug, Clone)]
 pub(crate) struct Names {
-    /// Class of the wood; none while it has no name.
+    /// Class of the wood; none while it is not named.
     class: Option<String>,
     shank: String,
 }
@@ -105,10 +106,10 @@ impl Default for Names {
 }
 
 impl Names {
-    /// What the names among the settings of a file set, in its place and before its own settings.
+    /// Settings from the names among the settings of a file, at its place and before its other settings.
     ///
-    /// Wood and shank set what belongs to both only where one of them changes: a law of own tests outlasts another nail of the
-    /// same shank.
+    /// Wood and shank set their common keys only if one of them changes: a law from the user's tests outlasts another
+    /// nail of the same shank.
     ///
     /// # Errors
     /// None with the catalogue of a tested program.
@@ -123,7 +124,7 @@ impl Names {
         Ok(sets)
     }
 
-    /// Values with what the names among them set; a value wins over a name.
+    /// Values with the settings of the names among them; a value wins over a name.
     ///
     /// # Errors
     /// None with the catalogue of a tested program.
@@ -140,7 +141,7 @@ impl Names {
         Ok(all)
     }
 
-    /// What the words of [`SPECIES`] and [`KIND`] set, and what their pair does under the key named last.
+    /// Settings of the words of [`SPECIES`] and [`KIND`], and those of their pair under the last key.
     fn meanings(
         &mut self,
         [species, kind]: [Option<&str>; 2],
@@ -182,7 +183,7 @@ fn named<'a>(settings: &[&'a Setting], key: &str) -> Option<(&'static str, &'a P
         })
 }
 
-/// A setting of the catalogue at the place of its name, to which errors and warnings then point.
+/// A setting of the catalogue at the place of its name, the target of errors and warnings.
 fn placed(mut setting: Setting, at: &Place) -> Setting {
     if let Some((.., own)) = &mut setting.value {
         **own = at.clone();
@@ -198,7 +199,7 @@ fn placed(mut setting: Setting, at: &Place) -> Setting {
 pub struct NamedValue {
     /// Full name of the key.
     pub key: String,
-    /// Symbol in the field; empty where there is none.
+    /// Symbol in the field; empty if there is none.
     pub symbol: &'static str,
     /// The value, quantities in SI units.
     pub value: Value,
@@ -206,7 +207,7 @@ pub struct NamedValue {
     pub unit: String,
     /// Range of plausible values, in SI units.
     pub range: Option<[f64; 2]>,
-    /// Where it comes from.
+    /// Origin of the values.
     pub provenance: super::Provenance,
     /// The source in words; may be empty.
     pub source: String,
@@ -222,7 +223,7 @@ pub struct Named {
     /// How a tool feeds a nail: from a `stick`, a `coil`, or either.
     #[serde(skip_serializing_if = "String::is_empty")]
     pub magazine: String,
-    /// What it sets.
+    /// Values that the name sets.
     pub sets: Vec<NamedValue>,
 }
 

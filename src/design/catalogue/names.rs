@@ -1,4 +1,4 @@
-//! The names of the catalogue as words of the design file; a test holds them against the files.
+//! The names of the catalogue as words of the design file; a test compares them with the files.
 
 use nailnoise_quantities::choice;
 

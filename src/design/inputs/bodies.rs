@@ -31,7 +31,7 @@ pub(crate) struct BodyInputs {
     pub(crate) residual_limit: f64,
     /// Loss factor of all modes \[-\].
     pub(crate) loss_factor: f64,
-    /// Frequency up to which the body's motion is part of the result \[Hz\].
+    /// Frequency up to which the result includes the body's motion \[Hz\].
     pub(crate) top_hz: f64,
 }
 
@@ -299,12 +299,12 @@ fn naming(design: &Design, kind: BodyKind) -> Naming {
     }
 }
 
-/// Mass that a meshed body must have \[kg\], if the cycle knows it.
+/// Required mass of a meshed body \[kg\], if it is a parameter of the cycle.
 pub(crate) fn mass(design: &Design, kind: BodyKind) -> Option<f64> {
     (kind == BodyKind::Tool).then_some(design.tool.mass)
 }
 
-/// Where the shot's forces, contacts and supports act on a body.
+/// Places where the shot's forces, contacts and supports act on a body.
 fn places(design: &Design, kind: BodyKind) -> LoadPlaces {
     let on_cells = |group, outward| (contact_cells(design), group, outward);
     match kind {
@@ -401,7 +401,7 @@ pub(crate) fn added_sand(design: &Design) -> Result<AddedSand, Error> {
     })
 }
 
-/// Sand at the sides of the block, where it holds them.
+/// Sand at the sides of the block, if it supports them.
 fn side_sand(design: &Design) -> Option<SideSand> {
     let held = design.support.kind == SupportKind::Sandbox && design.support.sand.side_contact > 0.0;
     held.then(|| SideSand {
@@ -462,7 +462,7 @@ pub(crate) fn spring_supports(design: &Design) -> Vec<Support> {
     .collect()
 }
 
-/// An error of a body's stages with its place in the design, where it has one.
+/// An error of a body's stages with its place in the design, if it has one.
 pub(crate) fn located(design: &Design, error: Error) -> Error {
     match error {
         Error::SpringOutside { spring, distance } => match design.springs.get(&spring) {

@@ -55,8 +55,8 @@ pub fn parameters(design: &Design) -> Result<dynamics::Parameters, Error> {
 /// The fitted law of a design, if that is its law.
 ///
 /// # Errors
-/// [`Error::Penetration`] where the file holds no law, or the nail and wood lie beyond the range of its data and it does
-/// not allow that.
+/// [`Error::Penetration`] if the file contains no law, or the nail and wood lie beyond the range of its data and it
+/// does not allow that.
 pub fn fitted_law(design: &Design) -> Result<Option<FittedLaw>, Error> {
     let wood = &design.wood;
     if wood.penetration_law != ResistanceLaw::Fitted || wood.penetration_fit.is_empty() {
@@ -107,12 +107,13 @@ pub fn conditions(design: &Design, law: &FittedLaw, impact: Option<f64>) -> Cond
     }
 }
 
-/// The support of the lumped workpiece in the cycle: on a floor the contact as one spring and dashpot, on springs their sum,
-/// in sand the vertical foundation stiffness K_z and the radiation dashpot rho V_La of the base of the block.
+/// The support of the lumped workpiece in the cycle. On a floor it is the contact as one spring and dashpot, on springs
+/// their sum, in sand the vertical foundation stiffness K_z and the radiation dashpot rho V_La of the base of the
+/// block.
 fn support(d: &Design) -> Result<dynamics::Support, Error> {
     use dynamics::SupportDamping;
     Ok(match d.support.kind {
-        // A block held at its foot is the spring k_ws = E A/L itself.
+        // A block clamped at its foot is the spring k_ws = E A/L itself.
         SupportKind::Worktable | SupportKind::Clamped => dynamics::Support {
             stiffness: d.support.worktable.stiffness,
             damping: SupportDamping::Ratio(d.support.worktable.damping_ratio),

@@ -1,4 +1,4 @@
-//! Inputs of the exports: what the bodies in the report stand in and on.
+//! Inputs of the exports: the surroundings of the bodies in the report.
 
 use super::air;
 use super::radiation::nose;
@@ -6,7 +6,7 @@ use crate::design::Design;
 use crate::error::Error;
 use crate::report::Surroundings;
 
-/// What the bodies stand in and on.
+/// Surroundings and supports of the bodies.
 ///
 /// # Errors
 /// Air that cannot be.

@@ -24,7 +24,7 @@ pub(crate) fn array(design: &Design) -> Result<MicrophoneArray, Error> {
     })
 }
 
-/// Positions of the microphones and, behind them, of the operator's ear, in the coordinates of the bodies \[m\].
+/// Positions of the microphones, followed by that of the operator's ear, in the coordinates of the bodies \[m\].
 pub(crate) fn positions(design: &Design) -> Vec<Point3<f64>> {
     let mut all = Iso3744Box::around(centre_height(design)).positions_around(foot(design).into());
     all.push(ear(design).into());
@@ -50,7 +50,7 @@ fn centre_height(design: &Design) -> f64 {
     centre - measurement_plane(design)
 }
 
-/// Height of the plane on which the measurement surface stands \[m\]: the reflecting plane, or the floor under a sandbox.
+/// Height of the base plane of the measurement surface \[m\]: the reflecting plane, or the floor under a sandbox.
 fn measurement_plane(design: &Design) -> f64 {
     let sand = &design.support.sand;
     let below = match (design.support.kind, sand.measurement_plane) {
@@ -76,7 +76,7 @@ pub(crate) fn tool_sphere(design: &Design) -> ToolSphere {
     }
 }
 
-/// Planes in which the sound field is shown.
+/// Planes that show the sound field.
 pub(crate) fn cuts(design: &Design) -> Cuts {
     Cuts {
         axis: [design.nail.offset_along, design.nail.offset_across],

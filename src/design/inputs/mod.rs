@@ -26,7 +26,7 @@ pub(crate) fn air(design: &Design) -> Result<Air, Error> {
     Ok(air.of_gas(ambient.gas_constant, ambient.heat_capacity_ratio)?)
 }
 
-/// An error of a stage with its place in the design file, where it has one.
+/// An error of a stage with its place in the design file, if it has one.
 pub fn located(design: &Design, error: Error) -> Error {
     match error {
         Error::Unusable { body, problems } => Error::Unusable {

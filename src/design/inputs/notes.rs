@@ -8,7 +8,7 @@ use super::radiation::{cap, workpiece_floor};
 use crate::design::{Convention, Design, SupportKind, VentSource, Warning};
 use crate::error::Error;
 
-/// What supports the workpiece.
+/// Support of the workpiece.
 pub(crate) fn support(design: &Design) -> String {
     let support = &design.support;
     match support.kind {
@@ -29,7 +29,7 @@ pub(crate) fn support(design: &Design) -> String {
     }
 }
 
-/// What counts to another source by the convention of wrapping; nothing by the physical one.
+/// Parts that count to another source by the convention of wrapping; none by the physical one.
 pub(crate) fn convention(design: &Design) -> Option<String> {
     let own = &design.sources;
     if own.convention == Convention::Physical {
@@ -58,7 +58,7 @@ pub(crate) fn outside_ranges(design: &Design) -> Vec<String> {
     outside.map(ToString::to_string).collect()
 }
 
-/// Where the shot lies in the range of the data of a fitted penetration law; nothing with another law.
+/// Place of the shot in the range of the data of a fitted penetration law; nothing with another law.
 ///
 /// # Errors
 /// As [`law_of`].

@@ -16,12 +16,13 @@ use crate::stages::radiation::{
     CapSurface, Covered, FlushTop, Places, Resolution, ToolRadiation, WorkpieceBoundaryElements, WorkpieceRadiation,
 };
 
-/// Highest underside of a hung block whose floor is part of the equations \[m\]. The floor at the height h changes the power
-/// by about sin(2 k h)/(2 k h), a ripple every c/2h that requires twice as many frequencies at twice the height and cancels in
-/// every band that is wider; the reflection of a farther floor at a microphone is the sound at the microphone's image.
+/// Highest underside of a hung block whose floor is part of the equations \[m\]. The floor at the height h changes the
+/// power by about sin(2 k h)/(2 k h), a ripple every c/2h. At twice the height it requires twice as many frequencies,
+/// and it cancels in every wider band. The reflection of a farther floor at a microphone is the sound at the
+/// microphone's image.
 pub(crate) const FARTHEST_FLOOR: f64 = 1.0;
 
-/// What of the air's reaction acts on the modes.
+/// The part of the air's reaction that acts on the modes.
 pub(crate) fn loading(design: &Design) -> Loading {
     match design.acoustics.fluid_loading {
         FluidLoading::None => Loading::None,
@@ -45,7 +46,7 @@ pub(crate) fn workpiece(design: &Design) -> Result<WorkpieceRadiation, Error> {
     })
 }
 
-/// Boundary elements of the workpiece, and of the table that it may stand on.
+/// Boundary elements of the workpiece, and of a table below it.
 pub(crate) fn workpiece_boundary_elements(design: &Design) -> WorkpieceBoundaryElements {
     WorkpieceBoundaryElements {
         resolution: resolution(design),
@@ -71,7 +72,7 @@ pub(crate) fn workpiece_floor(design: &Design) -> Option<f64> {
     (design.support.kind == SupportKind::Worktable || -plane <= FARTHEST_FLOOR).then_some(plane)
 }
 
-/// Boundary elements of the tool's body; none where the design asks for none.
+/// Boundary elements of the tool's body; none if the design does not request them.
 pub(crate) fn tool(design: &Design) -> Option<ToolRadiation> {
     if design.acoustics.body_method == RadiationMethod::Erp {
         return None;
@@ -101,8 +102,8 @@ fn tool_floor(design: &Design) -> Option<f64> {
     (-plane < tool_height(design)).then_some(plane)
 }
 
-/// The outer side of the tool's cap, where it counts to another source than the rest of the body; none where the body's
-/// radiation has no surface, as that of a rigid body or a sphere.
+/// The outer side of the tool's cap, if it counts to another source than the rest of the body; none if the body's
+/// radiation has no surface, such as that of a rigid body or a sphere.
 pub(crate) fn cap(design: &Design) -> Option<CapSurface> {
     let body = &design.body;
     let by_surface = body.model == BodyModel::Elastic && design.acoustics.body_method == RadiationMethod::Bem;

@@ -10,7 +10,7 @@ use crate::error::Error;
 use crate::stages::response::Shot;
 use crate::stages::tool_response::ToolShot;
 
-/// What the response of workpiece and support is computed from, apart from the bodies and the cycle.
+/// Inputs of the response of workpiece and support, except the bodies and the cycle.
 ///
 /// # Errors
 /// [`Error::Sand`] when the sand's constants are outside the range of the foundation's formulas.
@@ -30,8 +30,8 @@ pub(crate) fn shot(design: &Design) -> Result<Shot, Error> {
     })
 }
 
-/// Springs and dashpots of the contact cells between the workpiece and what it stands on, of the sand at its sides, those
-/// of the user to the ground, and those of the joint of two pieces.
+/// Springs and dashpots of the contact cells between the workpiece and its support, of the sand at its sides, those of
+/// the user to the ground, and those of the joint of two pieces.
 fn supports(design: &Design) -> Result<Vec<Support>, Error> {
     let mut supports = contact_supports(design)?;
     supports.extend(bodies::side_supports(design)?);
@@ -69,7 +69,7 @@ fn contact_supports(design: &Design) -> Result<Vec<Support>, Error> {
     Ok(contact_cells(design).grid().areas.iter().map(cell).collect())
 }
 
-/// What the response of the tool is computed from, apart from its body and the cycle.
+/// Inputs of the response of the tool, except its body and the cycle.
 ///
 /// # Errors
 /// As [`parameters`].

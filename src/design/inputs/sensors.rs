@@ -83,7 +83,7 @@ pub(crate) fn located(design: &Design, error: Error) -> Error {
     }
 }
 
-/// Names of the sensors whose body the design lacks.
+/// Names of the sensors whose body is not in the design.
 pub(crate) fn without_body(design: &Design) -> Vec<&str> {
     let absent = design
         .sensors

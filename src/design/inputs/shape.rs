@@ -1,12 +1,12 @@
 //! Standard bodies: the shape of a design's bodies with the materials, the nail and its place, the tool's walls, lumped
 //! masses and places of loads of the N80CB.
 //!
-//! The radiation of boundary elements is solved for the modes of these bodies, and kept. Assumption: on the outer surface the
-//! modes of any body of this shape combine from them. How well is stated for every design. Where it does not hold, a second
-//! structure of other materials, for the tool also of other walls, is added to them ([`varied`]); where the
-//! walls of the two differ, from the start ([`Standards::walls_differ`]). Where both do not hold it either, the radiation is solved
-//! for the design's own modes. For a design with the N80CB's own materials the standard bodies are its bodies, and nothing is
-//! assumed.
+//! The radiation of boundary elements is solved for the modes of these bodies, and stored. Assumption: on the outer
+//! surface the modes of any body of this shape combine from them. How well is stated for every design. If it is not
+//! good enough, a second structure of other materials, for the tool also of other walls, is added to them ([`varied`]);
+//! if the walls of the two differ, from the start ([`Standards::walls_differ`]). If both together are not good enough
+//! either, the radiation is solved for the design's modes. For a design with the N80CB's own materials the standard
+//! bodies are its bodies, and nothing is assumed.
 
 use std::sync::OnceLock;
 
@@ -43,15 +43,16 @@ const WITHIN_TOOL: [&str; 7] = [
     "body.sleeve.",
 ];
 
-/// Places in the ranges of [`MATERIALS`], alternately. Ten draws of the N80CB's materials lacked up to 3.7e-3 of the energy with
-/// one structure; with a second they lacked up to 6e-4, at these places as at a tenth and nine tenths, in this order or the other.
+/// Places in the ranges of [`MATERIALS`], alternately. In ten draws of the N80CB's materials, one structure missed up
+/// to 3.7e-3 of the energy. With a second they missed up to 6e-4, at these places as well as at a tenth and nine
+/// tenths, in this order or the other.
 const RANGE_SHARES: [f64; 2] = [0.75, 0.25];
 
-/// Places in the ranges of [`WITHIN_TOOL`], alternately. Of ten draws of walls, materials and lumped masses, one structure lacked
-/// up to 4.5e-3, and more than 1e-3 in five; with a second these lacked 2.3e-4 to 4.2e-4, and one 1.3e-3. A magazine of 2 mm
-/// lacks 6.4e-3 with one and 3.5e-4 with two, where places at three quarters and a quarter leave 2.1e-3. One of 1.5 mm, at the
-/// end of its range, lacks 3.1e-2 with one and 1.4e-3 with two; 2.7e-3 with places at a quarter and three quarters, and 1.9e-3 at
-/// 0.02 and 0.98.
+/// Places in the ranges of [`WITHIN_TOOL`], alternately. In ten draws of walls, materials and lumped masses, one
+/// structure missed up to 4.5e-3, and more than 1e-3 in five; with a second these missed 2.3e-4 to 4.2e-4, and one
+/// 1.3e-3. For a magazine of 2 mm one misses 6.4e-3 and two miss 3.5e-4, whereas places at three quarters and a quarter
+/// leave 2.1e-3. For one of 1.5 mm, at the end of its range, one misses 3.1e-2 and two miss 1.4e-3; 2.7e-3 with places
+/// at a quarter and three quarters, and 1.9e-3 at 0.02 and 0.98.
 const TOOL_SHARES: [f64; 2] = [0.1, 0.9];
 
 /// Largest difference of the barrel's radii \[m\] that is rounding.
@@ -160,14 +161,15 @@ fn with_inside_of(dimensions: &ToolDimensions, from: &ToolDimensions) -> ToolDim
 pub(crate) struct Standards {
     /// With the materials and the nail of the N80CB.
     pub(crate) first: Design,
-    /// With other materials, and other walls of a tool that has the outer dimensions of the N80CB, for motion that the first does
-    /// not hold.
+    /// With other materials, and other walls of a tool that has the outer dimensions of the N80CB, for motion that the
+    /// first does not represent.
     pub(crate) second: Option<Design>,
 }
 
 impl Standards {
-    /// Whether the second has a tool with walls, and so a mesh, of its own, as in the outer surface of the N80CB's. Walls are what
-    /// a designer changes there, and one structure does not hold the motion of others: both are solved together from the start.
+    /// Whether the tool of the second has different walls and so a separate mesh, which is the case in the outer
+    /// surface of the N80CB's. A designer changes walls there, and one structure does not represent the motion of
+    /// others: both are solved together from the start.
     pub(crate) fn walls_differ(&self) -> bool {
         let [first, second] = [Some(&self.first), self.second.as_ref()].map(|design| design.map(|design| &design.body));
         first
@@ -176,7 +178,7 @@ impl Standards {
     }
 }
 
-/// Standard bodies of these kinds; none where a body is meshed for its material, so that another material has another
+/// Standard bodies of these kinds; none if a body is meshed for its material, so that another material has another
 /// surface.
 ///
 /// # Errors
@@ -215,7 +217,7 @@ fn same_meshes(design: &Design, other: &Design, kinds: &[BodyKind]) -> Result<bo
         let alike = match (own?, other?) {
             // Their walls may differ.
             (MeshSource::Worktable(own, _), MeshSource::Worktable(other, _)) => own == other,
-            // So may those of the tool, in whose place the standard's stand.
+            // So may those of the tool, which the standard's walls replace.
             (MeshSource::Tool(..), MeshSource::Tool(..)) => true,
             (own, other) => own == other,
         };

@@ -7,7 +7,7 @@ use crate::drawing;
 
 const STYLE: &str = include_str!("style.css");
 
-/// What a page adds to charts, scene, sounds and drawing for readers whose browser runs scripts.
+/// Additions to charts, scene, sounds and drawing for readers whose browser runs scripts.
 const SCRIPTS: [&str; 4] = [
     include_str!("charts.js"),
     include_str!("scene.js"),
@@ -22,7 +22,7 @@ pub(super) struct Section {
     content: Markup,
     /// Whether it begins a page in print.
     page: bool,
-    /// Whether it is behind the summary in print.
+    /// Whether it follows the summary in print.
     appendix: bool,
 }
 
@@ -37,7 +37,7 @@ impl Section {
         }
     }
 
-    /// The section on a page of its own in print.
+    /// The section on a separate page in print.
     pub(super) fn on_a_page(self) -> Self {
         Self { page: true, ..self }
     }
@@ -50,18 +50,18 @@ impl Section {
 
 /// A page.
 pub(super) struct Page {
-    /// What the window is called.
+    /// The title of the window.
     pub(super) title: String,
     /// Which files a comparison is of.
     pub(super) compared: Option<String>,
-    /// What it is of.
+    /// The subject of the page.
     pub(super) heading: String,
-    /// What stands before all sections.
+    /// Content before all sections.
     pub(super) lead: Markup,
     pub(super) sections: Vec<Section>,
 }
 
-/// What the head of a page says of the files that it compares.
+/// Statement in the head of a page on the files that it compares.
 pub(crate) fn compared_by(identity: &str) -> Markup {
     html! { meta name="compared" content=(identity); }
 }
@@ -77,7 +77,7 @@ impl Page {
                     meta charset="utf-8";
                     meta name="viewport" content="width=device-width, initial-scale=1";
                     meta name="generator" content={ "nailnoise " (env!("CARGO_PKG_VERSION")) };
-                    // A browser asks for an icon unless it is given one.
+                    // A browser requests an icon unless it is given one.
                     link rel="icon" href="data:,";
                     @if let Some(identity) = &self.compared { (compared_by(identity)) }
                     title { (self.title) }

@@ -15,17 +15,17 @@ use crate::stages::{Code, Input, Progress, Stage, Stored, Uncached, code};
 /// A meshed body with its materials, supports and attachments.
 #[derive(Debug, Clone)]
 pub struct Meshed {
-    /// Its mesh, with the numbers of the file it comes from.
+    /// Its mesh, with the numbers of the source file.
     pub imported: Imported,
     /// One material a part.
     pub materials: Vec<Material>,
-    /// Degrees of freedom that are held.
+    /// Constrained degrees of freedom.
     pub constraints: Constraints,
     /// Ties and lumped masses.
     pub attachments: Attachments,
     /// Surfaces that its file does not name.
     pub surfaces: Vec<FoundSurface>,
-    /// Lumped masses \[kg\] whose surfaces it lacks.
+    /// Lumped masses \[kg\] whose surfaces the mesh does not have.
     pub unplaced: Vec<(&'static str, f64)>,
 }
 
@@ -34,7 +34,7 @@ pub struct Meshed {
 pub struct Attachment {
     /// The mesh.
     pub mesh: Stored<NamedMesh>,
-    /// What it is made of and attached to.
+    /// Materials and attachments of the mesh.
     pub properties: Properties,
     /// Gap that ties bridge by design \[m\].
     pub fit: f64,
@@ -109,7 +109,7 @@ impl Properties {
     }
 }
 
-/// Constraints that hold the nodes of a face group. A missing group is a fault of the mesh, not of the solution.
+/// Constraints that fix the nodes of a face group. A missing group is a fault of the mesh, not of the solution.
 pub(super) fn constraints(mesh: &Mesh, clamped: Option<&'static str>) -> Result<Constraints, Error> {
     let Some(group) = clamped else {
         return Ok(Constraints::free());
@@ -151,7 +151,8 @@ pub(super) fn ties(mesh: &Mesh, fit: f64) -> Vec<Tie> {
     mesh.groups.iter().filter_map(of_group).collect()
 }
 
-/// Largest gap of a tied interface as a share of the longest element side: chords of two curved meshes may stand apart.
+/// Largest gap of a tied interface as a share of the longest element side: the chords of two curved meshes may be this
+/// far from each other.
 const TIED_WITHIN: f64 = 0.1;
 
 impl AddedSand {

@@ -24,7 +24,7 @@ pub struct ModalModel {
     pub model: Stored<Model>,
     /// Its modes.
     pub modes: Stored<WholeModes>,
-    /// Frequency up to which its motion is part of the result \[Hz\].
+    /// Frequency up to which the result includes its motion \[Hz\].
     pub top_hz: f64,
     /// Frequency below which its modes are complete \[Hz\].
     pub below_hz: f64,
@@ -204,11 +204,11 @@ pub(super) fn participation(vectors: &[LoadVector], shapes: &DMatrix<f64>) -> DM
 }
 
 impl Body {
-    /// Shapes on every node, of the whole modes that belong to this body.
+    /// Shapes on every node, of the full modes that belong to this body.
     ///
     /// # Errors
-    /// [`Error::OtherModes`] where the body was kept by another machine: the sign of a mode is open, and modes of one
-    /// frequency may be any mixture of each other.
+    /// [`Error::OtherModes`] if another machine stored the body: the sign of a mode is open, and modes of one frequency
+    /// may be any mixture of each other.
     pub fn shapes<'a>(&self, modes: &'a WholeModes) -> Result<&'a DMatrix<f64>, Error> {
         if skin(&self.surface, &modes.shapes) == self.skin {
             Ok(&modes.shapes)

@@ -1,4 +1,4 @@
-//! Contact cells: where two plane faces touch.
+//! Contact cells: areas where two plane faces touch.
 
 use nailnoise_fem::supports::{ContactGrid, GridRule};
 use nailnoise_fem::{LoadVector, Rectangle};
@@ -6,7 +6,7 @@ use nailnoise_meshes::{Mesh, MeshError};
 use nalgebra::{Point3, Vector3};
 use serde::Serialize;
 
-/// Cells in which the underside of the workpiece touches what it stands on.
+/// Cells where the underside of the workpiece touches its support.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct ContactCells {
     /// Lengths of the underside along x and y \[m\].

@@ -1,4 +1,4 @@
-//! The order in which the unknowns of a body are eliminated.
+//! Elimination order of the unknowns of a body.
 
 use nailnoise_fem::{Attachments, Coupling, LumpedMass, elimination_order};
 use nalgebra::{Matrix3, Point3};
@@ -10,15 +10,15 @@ use super::meshing::NamedMesh;
 use crate::error::Error;
 use crate::stages::{Code, Input, Postcard, Progress, Stage, Stored, code};
 
-/// Finds an order of elimination for the matrices of a body. The order is kept, because it does not depend on masses and
-/// materials, which are all that changes between designs of one shape.
+/// Finds an order of elimination for the matrices of a body. The order is stored, because it does not depend on masses
+/// and materials, and nothing else changes between designs of one shape.
 #[derive(Serialize)]
 pub struct Elimination {
     /// The mesh.
     pub mesh: Stored<NamedMesh>,
     /// Gap that ties bridge by design \[m\].
     pub fit: f64,
-    /// Face group whose nodes are held.
+    /// Face group whose nodes are fixed.
     pub clamped: Option<&'static str>,
     /// Face groups with a lumped mass.
     pub lumped: Vec<&'static str>,

@@ -54,20 +54,20 @@ pub struct Geometry {
     pub mesh: MeshSource,
     /// Names of the surfaces of a mesh from a file.
     pub naming: Naming,
-    /// What the mesh is made of and attached to.
+    /// Materials and attachments of the mesh.
     pub properties: Properties,
 }
 
-/// What a mesh is made of, and what it is attached to.
+/// Materials of a mesh, and its attachments.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Properties {
     /// Materials of the mesh's parts.
     pub materials: PartMaterials,
-    /// Face group whose nodes are held.
+    /// Face group whose nodes are fixed.
     pub clamped: Option<&'static str>,
     /// Sand that moves with its base.
     pub sand: Option<AddedSand>,
-    /// Mass that the mesh lacks.
+    /// Mass that the mesh leaves out.
     pub remainder: Option<Remainder>,
 }
 

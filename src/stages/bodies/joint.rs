@@ -20,12 +20,12 @@ const POINTS: usize = 3;
 /// Springs of the nail: one along it, two across.
 const NAIL_SPRINGS: usize = 3;
 
-/// Where the two pieces of a workpiece act on each other.
+/// Places where the two pieces of a workpiece act on each other.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Joint {
     /// Its height above the underside of the block \[m\].
     pub height: f64,
-    /// Cells in which the pieces touch.
+    /// Cells where the pieces touch.
     pub cells: ContactCells,
     /// The nail.
     pub nail: NailPlace,

@@ -1,4 +1,4 @@
-//! Where forces act on a body, and its finite elements with the load vectors of these places.
+//! Places where forces act on a body, and its finite elements with the load vectors of these places.
 
 use std::sync::Arc;
 
@@ -25,7 +25,7 @@ pub struct Discretisation {
     pub kind: BodyKind,
     /// The meshed body.
     pub meshed: Stored<Meshed>,
-    /// Where forces act on it.
+    /// Places of forces on it.
     pub places: LoadPlaces,
 }
 
@@ -69,7 +69,7 @@ impl Stage for Discretisation {
     }
 }
 
-/// Where forces act on a body; nowhere by default.
+/// Places of forces on a body; nowhere by default.
 #[derive(Debug, Clone, Default, PartialEq, Serialize)]
 pub struct LoadPlaces {
     /// Nail and nose on the workpiece.
@@ -84,11 +84,11 @@ pub struct LoadPlaces {
     pub springs: Vec<SpringFoot>,
     /// Joint of a workpiece of two pieces.
     pub joint: Option<Joint>,
-    /// Number of supports behind these that act on another body alone.
+    /// Number of further supports, after these, that act only on another body.
     pub elsewhere: usize,
 }
 
-/// Sand at the sides of a block: cells in which it holds them, each in three directions.
+/// Sand at the sides of a block: cells where the sand supports them, each in three directions.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct SideSand {
     /// Lengths of the block along x, y and z \[m\].
@@ -136,7 +136,7 @@ impl SideSand {
             })
     }
 
-    /// Springs and dashpots of the cells: those of the base per area, times the share of the sides that is `held`.
+    /// Springs and dashpots of the cells: those of the base per area, times the supported share of the sides, `held`.
     ///
     /// They act both ways: the sand's own weight presses it on the sides, and a small motion takes off as much of that
     /// pressure as it adds on its way back.
@@ -172,11 +172,11 @@ impl SideSand {
     }
 }
 
-/// Largest distance of a spring from its body \[m\], as for sensors: chords of a mesh are off the cylinders they stand for
-/// by less.
+/// Largest distance of a spring from its body \[m\], the same as for sensors: the chords of a mesh are closer than that
+/// to the cylinders that they approximate.
 const REACH: f64 = 1e-3;
 
-/// Where a spring to the ground acts.
+/// Place of a spring to the ground.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct SpringFoot {
     /// Its name in the design.

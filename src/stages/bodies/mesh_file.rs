@@ -23,7 +23,7 @@ pub struct MeshFile {
     /// Number of the only solid of a solid geometry that is meshed; all without one.
     #[serde(skip_serializing_if = "Option::is_none")]
     solid: Option<usize>,
-    /// What its longest side may be; none for a file that stands for no body.
+    /// Permitted extent of its longest side; none for a file that represents no body.
     expected: Option<Extent>,
 }
 
@@ -32,15 +32,15 @@ pub struct MeshFile {
 pub struct FileUnit {
     /// \[m\]
     pub metres: f64,
-    /// The option or key in which the user gave it; none for the usual millimetre.
+    /// The option or key where the user gave it; none for the usual millimetre.
     pub given_in: Option<&'static str>,
 }
 
 impl FileUnit {
-    /// What CAD programs write, where nothing else is said \[m\].
+    /// Unit of CAD programs, unless stated otherwise \[m\].
     pub const USUAL: f64 = 1e-3;
 
-    /// The unit of a key of the design, which counts as given where it is not the usual one.
+    /// The unit of a key of the design, which counts as given if it is not the usual one.
     pub fn of_key(metres: f64, key: &'static str) -> Self {
         Self {
             metres,
@@ -60,7 +60,7 @@ impl FileUnit {
 /// How long a body may be, to notice a file that is read in a wrong unit.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Extent {
-    /// What it stands for, in words.
+    /// The part that it represents, in words.
     pub what: &'static str,
     /// Its longest side along an axis \[m\].
     pub longest: [f64; 2],
@@ -163,7 +163,7 @@ impl MeshFile {
         })
     }
 
-    /// The same, of which one solid is meshed, by its number from 1.
+    /// The same file, with only one solid meshed, by its number from 1.
     ///
     /// # Errors
     /// [`Error::NoSolids`] for a file that is a mesh.
@@ -189,7 +189,8 @@ impl MeshFile {
                 _ => Ok(imported),
             };
         };
-        // gmsh gives lengths in millimetres of whatever unit the file has; BREP files have none, and a unit of 1 mm leaves them.
+        // gmsh gives lengths in millimetres whatever the unit of the file; BREP files have none, and a unit of 1 mm
+        // leaves them.
         let scale = self.unit / FileUnit::USUAL;
         let expected = self.expected.map_or([0.0, f64::INFINITY], |expected| expected.longest);
         let solid = SolidGeometry {

@@ -13,7 +13,7 @@ use crate::stages::{Code, Progress, Stage, Uncached, code};
 pub struct Meshing {
     /// Which body it is.
     pub kind: BodyKind,
-    /// Where the mesh comes from.
+    /// Origin of the mesh.
     pub source: MeshSource,
     /// Names of the surfaces of a mesh from a file.
     pub naming: Naming,
@@ -22,7 +22,7 @@ pub struct Meshing {
 /// A mesh whose surfaces have names.
 #[derive(Debug, Clone)]
 pub struct NamedMesh {
-    /// The mesh, with the numbers of the file it comes from.
+    /// The mesh, with the numbers of the source file.
     pub imported: Imported,
     /// Surfaces that its file does not name.
     pub surfaces: Vec<FoundSurface>,

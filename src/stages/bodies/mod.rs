@@ -2,9 +2,9 @@
 //!
 //! Workpiece and worktable meet in the plane z = 0, z up; the workpiece's centre is at x = y = 0, x along the grain.
 //!
-//! [`Meshing`] makes the mesh, [`Attachment`] adds materials, supports and masses, [`Discretisation`] load vectors. [`Modes`]
-//! solves for the whole shapes in the order that [`Elimination`] finds, [`ModalModel`]
-//! reduces them to what a shot reads: a run whose bodies have not changed needs neither mesh nor whole shapes.
+//! [`Meshing`] makes the mesh, [`Attachment`] adds materials, supports and masses, [`Discretisation`] load vectors.
+//! [`Modes`] solves for the full shapes in the order that [`Elimination`] finds. [`ModalModel`] reduces them to the
+//! values that a shot reads, so a run whose bodies have not changed needs neither mesh nor full shapes.
 
 mod attachment;
 mod body;

@@ -16,7 +16,7 @@ pub struct Modes {
     pub kind: BodyKind,
     /// Its finite elements.
     pub model: Stored<Model>,
-    /// An order of elimination for its matrices; none where each sector of a body with mirror planes has its own.
+    /// An order of elimination for its matrices; none if each sector of a body with mirror planes has a separate one.
     pub order: Stored<Option<Vec<u32>>>,
     /// Frequency below which all modes are wanted \[Hz\].
     pub below_hz: f64,
@@ -154,7 +154,8 @@ mod tests {
         elastic.map(|(omega, p)| (p / omega).powi(2)).sum()
     }
 
-    /// Pressure from all sides shrinks a block by V/K, K = E/(3 (1 - 2 nu)): a linear field, which the elements hold.
+    /// Pressure from all sides shrinks a block by V/K, K = E/(3 (1 - 2 nu)): a linear field, which the elements
+    /// represent exactly.
     #[test]
     fn modes_and_corrections_give_the_static_shrinking_of_a_block_exactly() {
         let size = [0.3, 0.2, 0.1];
@@ -202,7 +203,7 @@ mod tests {
         mesh.groups = groups;
         for p in &mut mesh.nodes {
             let (angle, r) = (TAU * p.x, p.y);
-            // Clockwise, so that elements keep their orientation.
+            // Clockwise, to preserve the orientation of the elements.
             (p.x, p.y) = (r * angle.sin(), r * angle.cos());
         }
         let tie = Tie {

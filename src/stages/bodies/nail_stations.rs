@@ -5,8 +5,8 @@ use nailnoise_meshes::{Mesh, MeshError};
 use nalgebra::{Point3, Vector3};
 use serde::Serialize;
 
-/// Number of stations from the surface to the depth of a fully driven tip; 7.5 mm apart for a 12d nail, finer than the
-/// elements.
+/// Number of stations from the surface to the depth of a fully driven tip; for a 12d nail their spacing is 7.5 mm,
+/// finer than the elements.
 pub(crate) const STATIONS: usize = 12;
 
 /// Depths of the stations below the surface \[m\].

@@ -1,4 +1,4 @@
-//! Pieces of a mesh that nothing joins or holds.
+//! Pieces of a mesh that nothing joins or fixes.
 
 use std::collections::BTreeMap;
 
@@ -9,7 +9,7 @@ use super::attachment::Meshed;
 use crate::error::Error;
 
 impl Meshed {
-    /// Checks that the pieces of the mesh are one body: joined by common nodes, ties or a joint, or held.
+    /// Checks that the pieces of the mesh are one body: joined by common nodes, ties or a joint, or fixed.
     ///
     /// # Errors
     /// [`Error::LoosePiece`] with the place of the smallest loose piece; [`Error::NotTied`] for pieces that a tie does not
@@ -35,12 +35,12 @@ impl Meshed {
                 }
             }
         }
-        // The contact and the nail of a joint hold its two pieces together.
+        // The contact and the nail of a joint connect its two pieces.
         let touching = JOINT.map(|group| mesh.group_nodes(group).ok()?.first().and_then(|&node| piece_of[node]));
         if let [Some(lower), Some(upper)] = touching {
             join(lower, upper);
         }
-        // A held piece moves with the ground.
+        // A fixed piece moves with the ground.
         let held: Vec<usize> = self.constraints.iter().filter_map(|(node, _)| piece_of[node]).collect();
         held.windows(2).for_each(|pair| join(pair[0], pair[1]));
         let mut pieces: BTreeMap<usize, (f64, Vector3<f64>)> = BTreeMap::new();

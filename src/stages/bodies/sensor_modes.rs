@@ -10,11 +10,11 @@ use super::modes::WholeModes;
 use crate::error::Error;
 use crate::stages::{Code, Input, Postcard, Progress, Stage, Stored, code, matrix};
 
-/// How far off its body a sensor may be \[m\]: less than half its base, more than the chords of a mesh are off the
-/// cylinders that they stand for.
+/// Permitted distance of a sensor from its body \[m\]: less than half its base, and more than the distance between the
+/// chords of a mesh and the cylinders that they approximate.
 const OFF: f64 = 1e-3;
 
-/// Where a sensor measures an elastic body.
+/// Place of a sensor on an elastic body.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct SensorPoint {
     /// Name of the sensor.
@@ -35,14 +35,14 @@ pub struct BodySensors {
     pub shapes: DMatrix<f64>,
 }
 
-/// Evaluates the modes of a body at sensors. The result is kept, because it takes the whole shapes.
+/// Evaluates the modes of a body at sensors. The result is stored, because it needs the full shapes.
 #[derive(Serialize)]
 pub struct SensorModes {
-    /// Where the sensors are.
+    /// Places of the sensors.
     pub points: Vec<SensorPoint>,
     /// The body.
     pub body: Stored<Body>,
-    /// Its whole modes.
+    /// Its full modes.
     pub modes: Stored<WholeModes>,
 }
 

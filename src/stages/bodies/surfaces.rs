@@ -1,7 +1,7 @@
 //! Names of the surfaces of a user's own body: those of its file, of places that the design gives, and of guesses.
 //!
-//! A face is what a drawing calls one: faces of elements that meet at smooth edges. So a point names a whole bore or the
-//! end of a tube, whether the file is a mesh or a solid geometry.
+//! A face has the meaning that it has in a drawing: faces of elements that meet at smooth edges. So a point names an
+//! entire bore or the end of a tube, whether the file is a mesh or a solid geometry.
 
 use std::f64::consts::PI;
 
@@ -18,8 +18,8 @@ pub(super) const EDGE: f64 = PI / 6.0;
 /// Largest angle between the direction that the design gives and the normal of the face.
 const ASIDE: f64 = PI / 3.0;
 
-/// How far off the body a place may be that has no radius \[m\]: the chords of a mesh are off the cylinders that they stand
-/// for by less.
+/// Permitted distance from the body of a place without a radius \[m\]: the chords of a mesh are closer than that to the
+/// cylinders that they approximate.
 const REACH: f64 = 1e-3;
 
 /// A place on a body's skin that is a named surface.
@@ -31,7 +31,7 @@ pub struct SurfacePlace {
     pub surface: &'static str,
     /// A point of it \[m\].
     pub at: [f64; 3],
-    /// Distance from the point within which the face belongs to it \[m\]; 0 for the whole face.
+    /// Distance from the point within which the face belongs to it \[m\]; 0 for the entire face.
     pub radius: f64,
     /// Outward direction of the face there; none for either side of a wall.
     pub outward: Option<[f64; 3]>,
@@ -42,11 +42,11 @@ pub struct SurfacePlace {
 pub struct Naming {
     /// Places that the design gives.
     pub places: Vec<SurfacePlace>,
-    /// What the surfaces of a tool are recognised by; none for other bodies.
+    /// Dimensions that identify the surfaces of a tool; none for other bodies.
     pub tool: Option<ToolShape>,
 }
 
-/// Where the name of a surface comes from.
+/// Origin of the name of a surface.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Origin {
@@ -61,7 +61,7 @@ pub enum Origin {
 pub struct FoundSurface {
     /// Its name.
     pub name: String,
-    /// Where the name comes from.
+    /// Origin of the name.
     pub origin: Origin,
     /// Its centroid \[m\].
     pub centre: [f64; 3],
@@ -186,7 +186,7 @@ fn measured(surface: &Surface, name: &str, origin: Origin, faces: &[usize]) -> R
     })
 }
 
-/// Gives faces to a group alone, which loses those that it had.
+/// Assigns faces to this group only, which loses its previous ones.
 fn rename(mesh: &mut Mesh, name: &str, faces: Vec<FaceRef>) {
     mesh.groups.retain(|group| group.name != name);
     for group in &mut mesh.groups {

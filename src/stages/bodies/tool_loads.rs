@@ -1,4 +1,4 @@
-//! Where forces and pressures act on the tool's body.
+//! Places of forces and pressures on the tool's body.
 
 use nailnoise_fem::LoadVector;
 use nailnoise_meshes::{Mesh, MeshError, Surface};
@@ -10,7 +10,7 @@ use crate::error::Error;
 /// Largest relative deviation of the body's mass from the tool's in the cycle.
 pub(crate) const MASS_LIMIT: f64 = 1e-3;
 
-/// Rings of the bore on which the pressure changes as the piston passes.
+/// Rings of the bore where the pressure changes as the piston passes.
 pub(crate) const RINGS: usize = 12;
 
 /// Loads along the axis, unit forces \[N\]; their places in the list of all loads.
@@ -28,7 +28,7 @@ pub(crate) enum Axial {
 /// Number of loads along the axis.
 pub(crate) const AXIAL: usize = 7;
 
-/// Pressures on walls, in the order of their loads behind the axial ones.
+/// Pressures on walls, in the order of their loads after the axial ones.
 pub(crate) const SUPPLY: usize = AXIAL + RINGS;
 pub(crate) const RETURN: usize = SUPPLY + 1;
 pub(crate) const PLENUM: usize = RETURN + 1;
@@ -36,7 +36,7 @@ pub(crate) const PLENUM: usize = RETURN + 1;
 /// Loads without weight.
 pub(crate) const LOADS: usize = PLENUM + 1;
 
-/// Dimensions on which the places of loads on the tool's body depend.
+/// Dimensions that determine the places of loads on the tool's body.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct ToolPlaces {
     /// Inner and outer diameter of the head valve \[m\].
@@ -45,7 +45,7 @@ pub struct ToolPlaces {
     pub check_holes: f64,
 }
 
-/// Surface of a load along the axis, what acts there, and on which part of it.
+/// Surface of an axial load, the load that acts there, and the part of the surface under load.
 type AxialLoad<'a> = (&'static str, &'static str, &'a dyn Fn(&Point3<f64>) -> bool);
 
 /// Load vectors of all loads on a tool body, in their order: downwards displacement for the axial ones \[1\], swept volume for

@@ -4,8 +4,8 @@ use nailnoise_meshes::{MeshError, SmoothFace, Surface, open_faces};
 use nalgebra::Vector3;
 use serde::Serialize;
 
-/// What the surfaces of a tool are recognised by. The axis of the cylinder is x = y = 0, z is up from the tip of the nose,
-/// and the handle points along +x.
+/// Dimensions that identify the surfaces of a tool. The axis of the cylinder is x = y = 0, z is up from the tip of the
+/// nose, and the handle points along +x.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct ToolShape {
     /// Radius of the bore \[m\].
@@ -46,10 +46,10 @@ impl ToolShape {
         "magazine",
     ];
 
-    /// The surfaces that are recognised, by name, each with its faces of elements:
-    /// the bore, a cylinder around the axis of the piston's radius; the bumper's seat, the floor within it; the seat, the
-    /// annulus around its upper end; the cap, the lowest ceiling above; the tip of the nose, the lowest plane around the
-    /// axis; the handle, the largest outer face beyond half the reach along +x. The magazine has no shape of its own.
+    /// The identified surfaces, by name, each with its faces of elements. The bore is a cylinder around the axis with
+    /// the piston's radius. The bumper's seat is the floor within it, the seat the annulus around its upper end. The
+    /// cap is the lowest ceiling above, the tip of the nose the lowest plane around the axis. The handle is the largest
+    /// outer face beyond half the reach along +x. The magazine has no distinctive shape.
     ///
     /// # Errors
     /// Those of the surface.

@@ -14,7 +14,7 @@ pub(super) fn bands(range: [f64; 2]) -> Vec<[f64; 2]> {
         .collect()
 }
 
-/// The parts of bands that lie in a range; what lies outside has no width.
+/// The parts of bands within a range; parts outside have no width.
 pub(super) fn within(bands: &[[f64; 2]], [low, high]: [f64; 2]) -> Vec<[f64; 2]> {
     let cut = |band: &[f64; 2]| band.map(|edge| edge.clamp(low, high.max(low)));
     bands.iter().map(cut).collect()
@@ -57,8 +57,8 @@ impl Integration {
     }
 }
 
-/// Spectra of signals of one length, padded to at least four times that length: the squared spectrum of a record is smooth between
-/// lines so close, and what a filter moves beyond an end does not come back at the other.
+/// Spectra of signals of one length, padded to at least four times that length. The squared spectrum of a record is
+/// smooth between lines so close, and samples that a filter moves past one end do not return at the other.
 pub(super) struct Spectra {
     rate: f64,
     transform: RealTransform,

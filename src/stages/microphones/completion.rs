@@ -5,9 +5,10 @@
 //! F(f) = g_b [P(f) + N(f)],   g_b^2 = X_b / int_b 2 |P + N|^2 df
 //! ```
 //!
-//! P is the spectrum of the known signal, N that of the noise that continues it, b a one-third-octave band. Where the
-//! pressures are known, the factors g_b are 1 except for the effect of the ends of the record. Where the signal is random (jets,
-//! noise above the known pressures), they scale its energy to the expected one. Frequencies outside the range are left out.
+//! P is the spectrum of the known signal, N that of the noise that continues it, b a one-third-octave band. At
+//! known pressures, the factors g_b are 1 except for the effect of the ends of the record. At random signals (jets,
+//! noise above the known pressures), they scale the energy to the expected one. Frequencies outside the range are left
+//! out.
 
 use nalgebra::Complex;
 use rayon::prelude::*;
@@ -17,7 +18,7 @@ use super::continuation::Continuation;
 use super::{AtMicrophones, MicrophoneArray, SAMPLE_RATE};
 use crate::stages::sound::SoundSource;
 
-/// How often the factors are corrected for what a signal loses where it is cut at the ends of the record.
+/// How often the factors are corrected for the loss where a signal is cut at the ends of the record.
 const PASSES: usize = 6;
 
 /// Exposures \[A, Z\] by band, and the signal, of each part at one receiver.
@@ -27,8 +28,9 @@ impl MicrophoneArray {
     /// The complete signals and exposures of a source, and of the part of it that counts to another source, if there is one. The
     /// noise follows from `seed` and the source's number.
     ///
-    /// Parts are continued and scaled as the whole is, so that signals and exposures of parts sum to those of the whole, whichever
-    /// source a part counts to. The signal of one part p_k among several has not its exposure, 2 Re(p_k conj p).
+    /// Parts are continued and scaled like their sum, so that signals and exposures of parts sum to those of the
+    /// source, whichever source a part counts to. The signal of one part p_k among several has not its exposure, 2
+    /// Re(p_k conj p).
     #[must_use]
     pub fn complete(
         &self,
@@ -100,7 +102,7 @@ impl MicrophoneArray {
     }
 }
 
-/// Exposures \[A, Z\] of each part at a receiver, band by band: known, of pressures that fade, of what continues them.
+/// Exposures \[A, Z\] of each part at a receiver, band by band: known, of pressures that fade, of their continuation.
 fn exposures_of(
     known: &[&AtMicrophones],
     place: usize,
@@ -129,7 +131,7 @@ fn exposures_of(
     known.iter().zip(lines).zip(radiated).map(of_part).collect()
 }
 
-/// Energies \[A, Z\] of a source that noise stands for, band by band \[J\].
+/// Energies \[A, Z\] of a source that noise represents, band by band \[J\].
 fn radiated_above(source: &SoundSource, continuation: Option<&Continuation<'_>>, above: &[[f64; 2]]) -> Vec<[f64; 2]> {
     let Some(continuation) = continuation else {
         return vec![[0.0; 2]; above.len()];
@@ -140,7 +142,7 @@ fn radiated_above(source: &SoundSource, continuation: Option<&Continuation<'_>>,
     integrals(&spectrum.frequency, &risen, above)
 }
 
-/// Which share of the noise of the whole is that of each part, band by band: that of its energy, of either sign.
+/// Share of each part in the noise of the source, band by band: that of its energy, of either sign.
 fn shares_of_parts(radiated: &[Vec<[f64; 2]>]) -> Vec<Vec<f64>> {
     let share = |own: f64, band: usize| {
         let whole: f64 = radiated.iter().map(|part| part[band][1]).sum();
@@ -150,8 +152,8 @@ fn shares_of_parts(radiated: &[Vec<[f64; 2]>]) -> Vec<Vec<f64>> {
     radiated.iter().map(of_part).collect()
 }
 
-/// The signals of parts with these lines, scaled so that their sum has the energies `target` in the bands after it was cut at the ends
-/// of the record, and nothing outside but what the cut adds.
+/// The signals of parts with these lines, scaled so that their sum, cut at the ends of the record, has the energies
+/// `target` in the bands. Outside the bands it has only the energy that the cut adds.
 fn scaled(
     spectra: &Spectra,
     lines: &[Vec<Complex<f64>>],

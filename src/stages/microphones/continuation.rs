@@ -15,7 +15,7 @@ use crate::stages::sound::SoundSource;
 /// Octaves below the end of the known pressures over which the directivity is taken.
 const DIRECTIVITY_OCTAVES: f64 = 1.0;
 
-/// What is known of a source above its pressures (beyond the boundary elements): its power alone.
+/// The known quantity of a source above its pressures (beyond the boundary elements): only its power.
 ///
 /// Gaussian noise of the power's density under the power history takes over where the pressures fade, over [`FADE_OCTAVES`].
 /// Each receiver gets the share of the power that it receives in the octave below. Waveforms and peaks of it are one choice among
@@ -30,8 +30,8 @@ pub(crate) struct Continuation<'a> {
 }
 
 impl<'a> Continuation<'a> {
-    /// Of a source whose `signals` at each receiver, at [`SAMPLE_RATE`], are known up to `end`; none where they reach `top`, or the
-    /// source radiates nothing between.
+    /// Of a source whose `signals` at each receiver, at [`SAMPLE_RATE`], are known up to `end`; none if they reach
+    /// `top`, or the source radiates nothing between.
     pub(crate) fn new(parts: &'a [&'a SoundSource], signals: &[Vec<f64>], [end, top]: [f64; 2]) -> Option<Self> {
         let radiated = |range| -> f64 { parts.iter().map(|part| part.spectrum.energy(range, Weighting::Z)).sum() };
         if end >= top * (1.0 - 1e-9) || radiated([end, top]) <= 0.0 {
@@ -108,7 +108,7 @@ fn envelope(histories: &[&PowerHistory], travel: f64, rate: f64, samples: usize)
     (0..samples).map(|n| at(n as f64 / rate - travel)).collect()
 }
 
-/// A sum in which a part that is taken away and added again leaves nothing (Neumaier 1974).
+/// A sum where a part that is subtracted and added again leaves nothing (Neumaier 1974).
 fn compensated(values: impl Iterator<Item = f64>) -> f64 {
     let (mut sum, mut lost) = (0.0_f64, 0.0_f64);
     for value in values {

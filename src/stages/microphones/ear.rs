@@ -28,7 +28,7 @@ impl MicrophoneArray {
             signal.iter_mut().zip(own).for_each(|(sum, p)| *sum += p);
         }
         let peak_db = peak_level(&signal, 1.0 / f64::from(SAMPLE_RATE), Weighting::C)?;
-        // The peak of a pulse needs the phases of the whole range.
+        // The peak of a pulse needs the phases of the full range.
         let lacking = |source: &&AtMicrophones| {
             let [low, high] = self.range_hz;
             match source.phases_to_hz {

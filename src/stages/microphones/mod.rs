@@ -1,4 +1,4 @@
-//! Virtual microphones around the device: sound power as EN 12549 would measure it, beside the power radiated.
+//! Virtual microphones around the device: sound power as EN 12549 would measure it, next to the radiated power.
 
 mod bands;
 mod completion;
@@ -21,7 +21,7 @@ pub use sources::{JetOutlet, ToolSphere};
 use sources::{Part, Received};
 
 /// Reference exposure (20 uPa)² s \[Pa² s\] over reference energy 1 pW s and reference area 1 m²: 400 Pa s/m, which
-/// stands for the impedance of air in L_W = L_p + 10 lg S.
+/// replaces the impedance of air in L_W = L_p + 10 lg S.
 const REFERENCE: f64 = 400.0;
 
 /// Sampling rate of the sound files \[1/s\].
@@ -41,7 +41,7 @@ const TOTAL: &str = "total";
 pub struct MicrophoneArray {
     /// The ambient air.
     pub air: Air,
-    /// Foot of the device's axis on the plane on which the measurement surface stands, in the coordinates of the bodies \[m\].
+    /// Foot of the device's axis on the base plane of the measurement surface, in the coordinates of the bodies \[m\].
     pub foot: [f64; 3],
     /// Height of the plane that reflects, not below that foot, in the same coordinates \[m\].
     pub reflecting_plane: f64,
@@ -49,11 +49,11 @@ pub struct MicrophoneArray {
     pub centre_height: f64,
     /// The operator's ear, in the same coordinates \[m\].
     pub ear: [f64; 3],
-    /// Range in which sources are compared \[Hz\].
+    /// Range over which sources are compared \[Hz\].
     pub range_hz: [f64; 2],
 }
 
-/// The room in which a measurement is made.
+/// The room of a measurement.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Room {
     /// Equivalent absorption area \[m²\]; 0 in the free field over the plane.
@@ -62,8 +62,8 @@ pub struct Room {
     pub background_level: f64,
 }
 
-/// Sound of a source, or of a part of one, at the microphones and, behind them, at the operator's ear. The energies of a part may
-/// have either sign.
+/// Sound of a source, or of a part of one, at the microphones and then at the operator's ear. The energies of a part
+/// may have either sign.
 ///
 /// Stages that make sources give it as far as its pressures are known; [`MicrophoneArray::complete`] continues it to the top of the
 /// range of comparison.
@@ -75,7 +75,7 @@ pub struct AtMicrophones {
     pub how: String,
     /// Frequencies over which it is received and compared \[Hz\].
     pub range_hz: [f64; 2],
-    /// Frequency up to which its signals have the phases of the model \[Hz\]; phases above are drawn or chosen.
+    /// Frequency up to which its signals follow the phases of the model \[Hz\]; phases above are drawn or chosen.
     pub phases_to_hz: f64,
     /// Error of interpolated pressures over frequency, see [`ReceivedSource`].
     pub interpolation_error: Option<f64>,
@@ -158,8 +158,8 @@ impl AtMicrophones {
         }
     }
 
-    /// The source with `factor` times a part: 1 for one that counts to it, -1 for one that does not. Each part keeps the range
-    /// over which it is received.
+    /// The source with `factor` times a part: 1 for one that counts to it, -1 for one that does not. Each part retains
+    /// the range over which it is received.
     #[must_use]
     pub fn with(&self, part: &Self, factor: f64) -> Self {
         let add = |own: &mut [[f64; 2]], other: &[[f64; 2]]| {
@@ -211,7 +211,7 @@ impl MicrophoneArray {
         self.surface().positions_around(self.foot.into())
     }
 
-    /// Where sound is received: the microphones, then the operator's ear \[m\].
+    /// Receivers of sound: the microphones, then the operator's ear \[m\].
     fn receivers(&self) -> Vec<Point3<f64>> {
         let mut all = self.positions();
         all.push(self.ear.into());
@@ -226,7 +226,7 @@ impl MicrophoneArray {
         self.receivers().iter().map(time).collect()
     }
 
-    /// Energies of a source at the microphones, in the range in which all are compared.
+    /// Energies of a source at the microphones, over the range where all sources are compared.
     fn received(&self, received: Received<'_>) -> AtMicrophones {
         let [low, high] = self.range_hz;
         let range = received.range.map(|end| end.clamp(low, high));
@@ -331,7 +331,7 @@ fn by_iso_3744(
     let sum = |energy: &dyn Fn(&AtMicrophones) -> f64| -> f64 { sources.iter().map(|s| rounded(energy(s))).sum() };
     let area = surface.area();
     let radiated = sum(&|s| over_bands(&s.radiated)[0]);
-    // Energies as they stand for mean exposures: E = 400 Pa s/m x S x mean.
+    // Energies from mean exposures: E = 400 Pa s/m x S x mean.
     let direct = sum(&|s| over_bands(&s.measured(area))[0]);
     let (reverberant, k2) = if room.absorption > 0.0 {
         let absorption = room.absorption;

@@ -20,7 +20,7 @@ use crate::stages::sound::Sound;
 /// Azimuths of the exhaust's jets: enough that the mean over them is that over all.
 const AZIMUTHS: usize = 12;
 
-/// Where the exhaust's jets leave the tool, and how they are directed.
+/// Places where the exhaust's jets leave the tool, and their directions.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct JetOutlet {
     /// Position \[m\].
@@ -38,23 +38,23 @@ pub struct ToolSphere {
     pub volume: f64,
 }
 
-/// A part of a source with a frequency grid of its own.
+/// A part of a source with a separate frequency grid.
 pub(super) struct Part {
     /// \[Hz\].
     pub(super) frequency: Vec<f64>,
-    /// Density of the sound exposure, receivers x frequencies, the ear behind the microphones \[Pa² s/Hz\].
+    /// Density of the sound exposure, receivers x frequencies, the ear after the microphones \[Pa² s/Hz\].
     pub(super) exposure: DMatrix<f64>,
 }
 
 /// A source at the microphones.
 pub(super) struct Received<'a> {
-    /// The source as it is radiated.
+    /// The source with its radiated energy.
     pub(super) radiated: &'a SourceSpectrum,
     /// Method by which its sound is propagated to a microphone.
     pub(super) how: &'static str,
     /// Range over which the sound at the microphones is given \[Hz\].
     pub(super) range: [f64; 2],
-    /// Frequency up to which the signals have the phases of the source \[Hz\].
+    /// Frequency up to which the signals follow the phases of the source \[Hz\].
     pub(super) phases_to_hz: f64,
     /// Error of interpolated pressures over frequency, relative to the loudest mode at any microphone.
     pub(super) interpolation_error: Option<f64>,
@@ -74,8 +74,9 @@ impl MicrophoneArray {
         self.of_pressures(found, exposure, radiated, end)
     }
 
-    /// Sound of a part of a source from the pressures of the whole and of the part at the same places and frequencies:
-    /// exposures 2 Re(p_i conj p), of either sign, whose sum over all parts is that of the source; signals those of p_i.
+    /// Sound of a part of a source from the pressures of the source and of the part at the same places and frequencies.
+    /// Exposures are 2 Re(p_i conj p), of either sign, and their sum over all parts is that of the source; signals are
+    /// those of p_i.
     ///
     /// # Errors
     /// Those of the levels.
@@ -300,7 +301,7 @@ impl<'a> Receivers<'a> {
         (part, (0..pressures.nrows()).into_par_iter().map(signal).collect())
     }
 
-    /// A part of which only the energy is known, from a point.
+    /// A part with a known energy but unknown pressures, radiated from a point.
     fn spread(&self, centre: Point3<f64>, signals: &PowerSignals) -> Result<(Part, Vec<Vec<f64>>), Error> {
         let (frequency, signal) = (signals.frequency(), signals.combined_signal());
         let mut pressures = DMatrix::zeros(self.positions.len(), frequency.len());

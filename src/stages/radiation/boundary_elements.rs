@@ -1,4 +1,4 @@
-//! Boundary elements of a body on several meshes: what is solved, what it costs, and the radiation matrix.
+//! Boundary elements of a body on several meshes: the problem, its cost, and the radiation matrix.
 
 use nailnoise_acoustics::bem::{
     Boundary, EquationSolver, Exterior, Gap, Gaps, MeanBands, MeanRanges, MeshRange, ModalBem, Patterns, Receivers,
@@ -68,7 +68,7 @@ impl Resolution {
         MeanBands::new(top_hz, self.mean_top_hz)
     }
 
-    /// Highest frequency that the user asks boundary elements for \[Hz\].
+    /// Highest frequency for which the user requests boundary elements \[Hz\].
     pub(super) fn highest_hz(&self) -> f64 {
         self.mean_top_hz
             .map_or(self.top_hz, |mean_top| mean_top.max(self.top_hz))
@@ -92,7 +92,7 @@ impl Resolution {
 /// The places at which the pressure of every mode is wanted, in the coordinates of the body \[m\].
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Places {
-    /// The microphones, and behind them their images in the reflecting plane if that is not part of the equations.
+    /// The microphones, followed by their images in the reflecting plane if that is not part of the equations.
     pub points: Vec<[f64; 3]>,
     /// The middle of the body.
     pub origin: [f64; 3],
@@ -113,7 +113,7 @@ impl Places {
         }
     }
 
-    /// Checks that they keep away from the surfaces of meshes.
+    /// Checks that they maintain their distance from the surfaces of meshes.
     ///
     /// # Errors
     /// [`Error::MicrophoneNearSurface`].
@@ -131,7 +131,7 @@ impl Places {
     }
 }
 
-/// What boundary elements give for a surface.
+/// Results of boundary elements for a surface.
 pub struct Solution {
     /// Its radiation matrix.
     pub matrix: ModalBem,
@@ -165,8 +165,8 @@ impl MeshRanges {
         meshes.map(|(_, bands)| MeanBands::samples(bands) as f64).collect()
     }
 
-    /// Every mesh with the number of its frequencies, and whether operators are stored for all of them: where there
-    /// are more than `few`.
+    /// Every mesh with the number of its frequencies, and whether operators are stored for all of them: only for more
+    /// than `few`.
     fn all(&self, few: f64) -> impl Iterator<Item = (&MeshRange, f64, bool)> {
         let alone = self.levels.len() == 1;
         let single = self.levels.iter().zip(&self.solves);
@@ -185,8 +185,8 @@ impl MeshRanges {
         self.all(few).map(of_mesh).sum()
     }
 
-    /// Peak of memory \[GB\], about: as many frequencies as there are threads on the most expensive mesh, beside the
-    /// integrals that are kept and the velocities of all modes on all meshes.
+    /// Approximate peak of memory \[GB\]: as many frequencies as there are threads on the most expensive mesh, plus the
+    /// stored integrals and the velocities of all modes on all meshes.
     fn gigabytes(&self, few: f64) -> f64 {
         let threads = rayon::current_num_threads() as f64;
         let of_mesh =
@@ -197,13 +197,13 @@ impl MeshRanges {
             let values = |patterns: &Patterns| 8.0 * patterns.velocities.len() as f64;
             mesh.patterns.iter().map(values).sum::<f64>()
         };
-        // Pressures on the surface are kept in 4 bytes.
+        // Pressures on the surface are stored in 4 bytes.
         let pressures = |(mesh, solves): (&MeshRange, &f64)| {
             let modes = mesh.motions();
             4.0 * solves * mesh.problem.estimate().unknowns as f64 * modes as f64
         };
         let kept = self.levels.iter().zip(&self.solves).map(pressures).sum::<f64>();
-        // Two neighbouring meshes keep equations at the same time; the last of several keeps none.
+        // Two neighbouring meshes store equations at the same time; the last of several stores none.
         let sampled = self.levels.iter().take(self.levels.len().max(2) - 1);
         let equations = sampled.map(|mesh| mesh.problem.bytes_of_kept_equations(patterns(mesh)));
         let (both, _) = equations.fold((0.0, 0.0), |(most, last): (f64, f64), own| (most.max(last + own), own));
@@ -218,7 +218,7 @@ impl MeshRanges {
         gaps.max_by(|a, b| a.mass_error().total_cmp(&b.mass_error()))
     }
 
-    /// Notes what will be computed before any time is spent.
+    /// Announces the computation before any time is spent.
     pub(super) fn note(&self, body: &str, few: f64, progress: &Progress) {
         let Some(finest) = self.finest() else { return };
         let bands = MeanBands::new(finest.top_hz, self.means.to_hz);

@@ -1,4 +1,5 @@
-//! What boundary elements and Rayleigh's integral give in standard air, which is kept: it depends on the wavelength alone.
+//! Results of boundary elements and Rayleigh's integral in standard air, which are stored: they depend only on the
+//! wavelength.
 //!
 //! ```text
 //! WorkpieceSolution, ToolSolution, ToolCapSolution     boundary elements for the modes of bodies
@@ -28,7 +29,7 @@ use crate::error::Error;
 use crate::stages::bodies::{Body, MovingSurface};
 use crate::stages::{Code, Input, Postcard, Progress, Stage, Stored, Uncached, all};
 
-/// Boundary elements of workpiece and worktable as one surface, or of a workpiece alone.
+/// Boundary elements of workpiece and worktable as one surface, or of a workpiece only.
 #[derive(Serialize)]
 pub struct WorkpieceSolution {
     /// Surroundings and resolution.
@@ -76,7 +77,8 @@ impl Stage for ToolSolution {
     }
 }
 
-/// Boundary elements of the tool's housing in the motion of each mode, and behind them with its cap alone in that motion.
+/// Boundary elements of the tool's housing in the motion of each mode, followed by those with only its cap in that
+/// motion.
 #[derive(Serialize)]
 pub struct ToolCapSolution {
     /// Surroundings and resolution.
@@ -106,7 +108,7 @@ impl Stage for ToolCapSolution {
 /// The radiation matrix of a surface.
 #[derive(Serialize)]
 pub struct RadiationMatrix {
-    /// What boundary elements give for the surface.
+    /// Results of boundary elements for the surface.
     pub solution: Stored<Solution>,
     /// The pressures of the same solution.
     pub surface: Stored<SurfacePressures>,
@@ -120,7 +122,7 @@ impl Stage for RadiationMatrix {
 
     fn compute(&self, _: &Progress) -> Result<ModalBem, Error> {
         let matrix = self.solution.get()?.matrix.clone();
-        // Kept too, so that the surface need not be solved again for the first microphones.
+        // Also stored, so that the surface need not be solved again for the first microphones.
         self.surface.get()?;
         Ok(matrix)
     }
@@ -129,7 +131,7 @@ impl Stage for RadiationMatrix {
 /// The pressures on a surface in the motion of each mode.
 #[derive(Serialize)]
 pub struct PressureOnSurface {
-    /// What boundary elements give for the surface.
+    /// Results of boundary elements for the surface.
     pub solution: Stored<Solution>,
 }
 
@@ -212,14 +214,15 @@ pub struct FlushMatrix {
     pub places: Places,
     /// Highest frequency of the block's motion in the analysed range \[Hz\].
     pub top_hz: f64,
-    /// The air in which it is computed, see [`Self::computed_air`].
+    /// The air of the computation, see [`Self::computed_air`].
     pub air: Air,
     /// The workpiece.
     pub body: Stored<Body>,
 }
 
 impl FlushMatrix {
-    /// The air in which the top by itself is computed: standard air, unless the wavelengths of `air` are far from it.
+    /// The air for the computation of the top without its surroundings: standard air, unless the wavelengths of `air`
+    /// are far from it.
     pub fn computed_air(air: &Air) -> Air {
         let standard = Air::default();
         let apart = (air.sound_speed / standard.sound_speed).ln().abs() > FlushSound::WIDEST.ln();

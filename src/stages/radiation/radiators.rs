@@ -1,4 +1,4 @@
-//! The bodies as radiators in the ambient air, and what that air adds to their modes.
+//! The bodies as radiators in the ambient air, and the effect of that air on their modes.
 
 use nailnoise_acoustics::bem::ModalBem;
 use nailnoise_acoustics::fluid_loading::DryModes;
@@ -16,7 +16,7 @@ use crate::error::Error;
 use crate::stages::bodies::Body;
 use crate::stages::{Code, Input, Postcard, Progress, Stage, Stored, Uncached, all};
 
-/// How the workpiece with its support radiates, with what is known of it in standard air.
+/// How the workpiece with its support radiates, with the known results in standard air.
 #[derive(Serialize)]
 pub enum WorkpieceMethod {
     /// By boundary elements.
@@ -102,7 +102,7 @@ impl Stage for ToolRadiator {
     }
 }
 
-/// What the air adds to each mode of each body.
+/// Damping and added mass by the air for each mode of each body.
 #[derive(Serialize)]
 #[serde(bound = "")]
 pub struct FluidLoadings<R> {
@@ -110,7 +110,7 @@ pub struct FluidLoadings<R> {
     pub radiator: Stored<R>,
     /// The bodies.
     pub bodies: Vec<Stored<Body>>,
-    /// Damping ratio of the structure of each body, where the air's mass is to act \[-\].
+    /// Damping ratio of the structure of each body, if the air's mass is to act \[-\].
     pub with_mass: Option<Vec<f64>>,
 }
 

@@ -1,11 +1,11 @@
-//! Radiation kept by shape: the matrix of standard bodies, carried over to other bodies with the same outer surface.
+//! Radiation stored by shape: the matrix of standard bodies, carried over to other bodies with the same outer surface.
 //!
-//! The radiation matrix is solved for the modes of standard bodies, which have the shape of the design's bodies and fixed
-//! materials. The velocities of the design's own modes are fitted by theirs on the finest mesh ([`ShapeFit`]), and the
-//! matrix follows by products ([`ShapeMatrix`]), the pressure at the microphones likewise ([`ShapePressures`]). A body of
-//! another material, loss factor, nail or place of the nail thus needs no boundary elements, as long as the fit holds its
-//! motion. Otherwise the modes of further standard bodies are added, and where these do not hold it either, the matrix is
-//! solved for the body's own modes.
+//! The radiation matrix is solved for the modes of standard bodies, which have the shape of the design's bodies and
+//! fixed materials. The velocities of the design's own modes are fitted by theirs on the finest mesh ([`ShapeFit`]),
+//! and the matrix follows by products ([`ShapeMatrix`]), the pressure at the microphones likewise ([`ShapePressures`]).
+//! Thus a body with another material, loss factor, nail or nail position needs no boundary elements, as long as the fit
+//! represents its motion. Otherwise the modes of further standard bodies are added. If these do not represent it
+//! either, the matrix is solved for the body's modes.
 
 use std::f64::consts::TAU;
 
@@ -22,17 +22,18 @@ use crate::error::Error;
 use crate::stages::bodies::{Body, MovingSurface};
 use crate::stages::{Code, Input, Postcard, Progress, Stage, Stored, Uncached, all};
 
-/// Largest share of a surface's energy of motion under any load that the known modes of workpiece and table may lack; beyond it
-/// others are added, or the matrix is solved for the body's own modes.
+/// Largest share of a surface's energy of motion under any load that the known modes of workpiece and table may miss.
+/// Beyond it others are added, or the matrix is solved for the body's modes.
 const LIMIT: f64 = 1e-3;
 
-/// The same for a single structure of a tool. With walls of which one lacks 1.4e-4 and 3.6e-4, levels of the tool differed
-/// by up to 0.025 and 0.28 dB (at 8 kHz, above boundary elements, where the damping by radiation is that of the fit); with two, of which
-/// they lack 2.3e-5 and 1.7e-5, by 0.004 and 0.008 dB. Alloys and masses of which one lacks at most 1.2e-5 differed by 0.003 dB.
+/// The same for a single structure of a tool. With walls where one missed 1.4e-4 and 3.6e-4, levels of the tool
+/// differed by up to 0.025 and 0.28 dB (at 8 kHz, above boundary elements, where the damping by radiation is that of
+/// the fit). With two, which missed 2.3e-5 and 1.7e-5, they differed by 0.004 and 0.008 dB. Alloys and masses where one
+/// missed at most 1.2e-5 differed by 0.003 dB.
 const LIMIT_OF_FIRST_TOOL: f64 = 5e-5;
 
-/// The same for two structures of a tool. Walls of which they lack 3.6e-4, 4.2e-4 and 5.6e-4 gave levels that differed by up to 0.006,
-/// 0.016 and 0.034 dB.
+/// The same for two structures of a tool. Walls where they missed 3.6e-4, 4.2e-4 and 5.6e-4 gave levels that differed
+/// by up to 0.006, 0.016 and 0.034 dB.
 const LIMIT_OF_BOTH_TOOLS: f64 = 5e-4;
 
 /// Loss factor with which responses to loads are compared: near resonances the modes count as much as they do in wood.
@@ -42,23 +43,23 @@ const LOSS_FACTOR: f64 = 0.02;
 const PER_OCTAVE: f64 = 6.0;
 const LOWEST_HZ: f64 = 50.0;
 
-/// How well modes of standard bodies hold the motion of the design's bodies.
+/// How well modes of standard bodies represent the motion of the design's bodies.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Fitted {
-    /// The fit; none where the surfaces differ.
+    /// The fit; none if the surfaces differ.
     pub fit: Option<SurfaceFit>,
-    /// Frequency \[Hz\] and share of the energy of the surface's motion that the known modes lack \[-\], root mean square
-    /// over the loads.
+    /// Frequency \[Hz\] and share of the energy of the surface's motion that the known modes miss \[-\], root mean
+    /// square over the loads.
     pub lacking: Vec<[f64; 2]>,
 }
 
 impl Fitted {
-    /// Largest share of the energy that the known modes lack \[-\].
+    /// Largest share of the energy that the known modes miss \[-\].
     pub fn worst(&self) -> f64 {
         self.lacking.iter().map(|[_, share]| *share).fold(0.0, f64::max)
     }
 
-    /// Whether the modes of standard bodies of workpiece and table hold the motion well enough.
+    /// Whether the modes of standard bodies of workpiece and table represent the motion well enough.
     pub fn holds(&self) -> bool {
         self.within(LIMIT)
     }
@@ -71,11 +72,11 @@ impl Fitted {
 /// The surface that the boundary elements cover, with its surroundings and resolution.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub enum RadiatingShape {
-    /// The workpiece, and the worktable where there is one.
+    /// The workpiece, and the worktable if any.
     Workpiece(WorkpieceBoundaryElements),
     /// The tool's housing.
     Tool(ToolRadiation),
-    /// The tool's housing in the motion of each mode, and behind them with its cap alone in that motion.
+    /// The tool's housing in the motion of each mode, followed by only its cap in that motion.
     Cap(ToolRadiation, CapSurface),
 }
 
@@ -100,7 +101,7 @@ impl RadiatingShape {
         }
     }
 
-    /// Largest share of the energy that the modes of some standard structures may lack.
+    /// Largest share of the energy that the modes of some standard structures may miss.
     pub(crate) fn limit(&self, structures: usize) -> f64 {
         match self {
             Self::Workpiece(_) => LIMIT,
@@ -154,8 +155,8 @@ impl Stage for ShapeFit {
     }
 }
 
-/// The share of the energy of the surface's motion that a fit lacks, by frequency. Each body moves by itself under a force
-/// of one newton at each of its loads and supports; the energies under all are summed before they are divided.
+/// The share of the energy of the surface's motion that a fit misses, by frequency. Each body moves independently under
+/// a force of one newton at each of its loads and supports; the energies under all are summed before they are divided.
 /// The worst body counts.
 fn lacking(fit: &SurfaceFit, bodies: &[&Body], top_hz: f64) -> Vec<[f64; 2]> {
     let modes: usize = bodies.iter().map(|body| body.omega.len()).sum();
@@ -189,27 +190,27 @@ fn lacking(fit: &SurfaceFit, bodies: &[&Body], top_hz: f64) -> Vec<[f64; 2]> {
     (0..=count).map(at).collect()
 }
 
-/// What is known of standard bodies in the shape of a design's.
+/// Known results of standard bodies in the shape of a design's.
 #[derive(Serialize)]
 #[serde(bound = "")]
 pub struct Standard<T> {
-    /// How their modes hold those of the design's bodies.
+    /// How well their modes represent those of the design's bodies.
     pub fit: Stored<Fitted>,
-    /// What is known of their modes; read only where the fit holds.
+    /// The known results of their modes; read only if the fit is good enough.
     pub known: Stored<T>,
-    /// What they are, in words.
+    /// Description of the bodies, in words.
     pub name: &'static str,
-    /// Largest share of the energy that their modes may lack.
+    /// Largest share of the energy that their modes may miss.
     pub limit: f64,
 }
 
-/// The radiation matrix of the design's bodies: that of the first standard bodies that hold their motion carried over, or
-/// where none do their own.
+/// The radiation matrix of the design's bodies. It is carried over from the first standard bodies that represent their
+/// motion; if none do, it is solved for the design's modes.
 #[derive(Serialize)]
 pub struct ShapeMatrix {
-    /// Standard bodies, in the order in which they are tried.
+    /// Standard bodies, in the order of trial.
     pub standards: Vec<Standard<ModalBem>>,
-    /// The matrix of the design's own modes; read only where no fit holds.
+    /// The matrix of the design's modes; read only if no fit is good enough.
     pub own: Stored<ModalBem>,
 }
 
@@ -219,7 +220,7 @@ impl Stage for ShapeMatrix {
     const NAME: &'static str = "radiation by shape";
     const CODE: Code = CODE;
 
-    /// The first fit; others are made where it does not hold.
+    /// The first fit; others are made if it is not good enough.
     fn inputs(&self) -> Vec<&dyn Input> {
         first_fit(&self.standards)
     }
@@ -256,12 +257,12 @@ impl Stage for ShapeMatrix {
     }
 }
 
-/// The pressures at the microphones in the modes of which [`ShapeMatrix`] takes the radiation.
+/// The pressures at the microphones in the modes whose radiation [`ShapeMatrix`] uses.
 #[derive(Serialize)]
 pub struct ShapePressures {
     /// As in [`ShapeMatrix`].
     pub standards: Vec<Standard<ModalPressures>>,
-    /// The pressures of the design's own modes; read only where no fit holds.
+    /// The pressures of the design's modes; read only if no fit is good enough.
     pub own: Stored<ModalPressures>,
 }
 

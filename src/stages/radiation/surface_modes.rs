@@ -9,8 +9,8 @@ use crate::error::Error;
 use crate::stages::bodies::{Body, MovingSurface};
 use crate::stages::{Input, Stored, all};
 
-/// Structures of one shape: each of the same bodies, but of other materials or loads. Their meshes are the same or, where a
-/// structure is a single body, other ones of the same outer surface.
+/// Structures of one shape: each of the same bodies, but of other materials or loads. Their meshes are the same or, if
+/// a structure is a single body, other ones of the same outer surface.
 #[derive(Clone, Serialize)]
 pub struct SurfaceModes(pub Vec<Vec<Stored<Body>>>);
 
@@ -49,14 +49,14 @@ impl SurfaceModes {
 /// The bodies of the first structure in the modes of all that have their meshes, and the bodies of the others.
 pub struct JoinedModes {
     bodies: Vec<Arc<Body>>,
-    /// Modes of all structures on the surface of each body; none where no other structure has the same meshes.
+    /// Modes of all structures on the surface of each body; none unless another structure has the same meshes.
     joined: Option<Vec<DMatrix<f32>>>,
     /// Bodies with other meshes of the same outer surface.
     others: Vec<Arc<Body>>,
 }
 
 impl JoinedModes {
-    /// The surfaces of the bodies, and how they move; behind them those of bodies with other meshes.
+    /// The surfaces of the bodies, and how they move; then those of bodies with other meshes.
     pub fn surfaces(&self) -> Vec<MovingSurface<'_>> {
         let own = self.bodies.iter().map(|body| body.moving_surface());
         let others = self.others.iter().map(|body| body.moving_surface());

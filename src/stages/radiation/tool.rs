@@ -3,12 +3,13 @@
 //! The workpiece is not part of the problem: it neither reflects the tool's sound nor shades it, except in sand, where its
 //! top is flush with the plane that reflects. It closes the nose everywhere. The body is taken at its place before the shot.
 //!
-//! Where the housing is symmetric, as the parametric one is about y = 0, the part on one side is solved, for even and for odd
-//! motions ([`SymmetricPart`]).
+//! If the housing is symmetric, as the parametric one is about y = 0, the part on one side is solved, for even and for
+//! odd motions ([`SymmetricPart`]).
 //!
-//! A plane that is farther below than the tool is high is not part of the equations either. It changes the power of a small
-//! source at the height h by sin(2 k h)/(2 k h), ripples of 170 Hz below a table that would require three times as many
-//! frequencies and cancel in every band that is wider; its reflection at a microphone is the sound at the microphone's image.
+//! A plane that is farther below than the tool is high is not part of the equations either. It changes the power of a
+//! small source at the height h by sin(2 k h)/(2 k h). Below a table these are ripples of 170 Hz, which would require
+//! three times as many frequencies and cancel in every wider band. Its reflection at a microphone is the sound at the
+//! microphone's image.
 
 use nailnoise_acoustics::bem::{
     BemError, Boundary, BoundaryMesh, ClosedOutline, Gaps, MeanBands, MeanRanges, MeshRange, Panel, Parity, Patterns,
@@ -79,7 +80,7 @@ const WORTH_WHILE: f64 = 0.6;
 /// Least number of frequencies at which a piece of a range is sampled.
 const SAMPLES: f64 = 8.0;
 
-/// Highest frequency of the coarser mesh by itself, over the top of all.
+/// Highest frequency of the coarser mesh without the finer one, over the top of all.
 const ALONE: f64 = 0.4;
 
 /// Boundary elements of the tool's housing.
@@ -92,8 +93,8 @@ pub struct ToolRadiation {
 }
 
 impl ToolRadiation {
-    /// The solution in standard air, on the mesh of the first of several bodies of one shape, in the modes of all: it depends on
-    /// the wavelength alone.
+    /// The solution in standard air, on the mesh of the first of several bodies of one shape, in the modes of all: it
+    /// depends only on the wavelength.
     ///
     /// # Errors
     /// Those of mesh and boundary elements.
@@ -105,7 +106,8 @@ impl ToolRadiation {
         )
     }
 
-    /// The same with two columns a mode: first each mode of the whole body, then each with the cap alone in motion.
+    /// The same with two columns a mode: first the modes of the full body, then the same modes with only the cap in
+    /// motion.
     ///
     /// # Errors
     /// As [`Self::compute`], and [`Error::NoCapSurface`].
@@ -148,8 +150,8 @@ impl ToolRadiation {
         ranges.solve(task, &self.resolution, progress)
     }
 
-    /// Checks that the housing's own mesh can radiate, keeps away from the microphones, and has a cap where that is asked
-    /// for, before it has modes.
+    /// Checks that the housing's mesh can radiate, maintains its distance from the microphones, and has a cap if one is
+    /// required, before it has modes.
     ///
     /// # Errors
     /// As [`Self::level`], [`Error::NoCapSurface`], and those of the microphones.
@@ -171,8 +173,8 @@ impl ToolRadiation {
         self.finest(&[*body], None, air)?.ok_or(OTHER_SURFACE)
     }
 
-    /// The housing in panels that resolve the waves at a frequency \[Hz\]: those of its own mesh, and parts of those
-    /// that are too large.
+    /// The housing in panels that resolve the waves at a frequency \[Hz\]: those of its mesh, and parts of those that
+    /// are too large.
     ///
     /// # Errors
     /// As [`Self::level`].
@@ -180,8 +182,9 @@ impl ToolRadiation {
         self.of_finer_mesh(&self.housing(body, None)?, hz, air)
     }
 
-    /// The housing's own mesh, with each mode of the cap alone behind those of the whole where it is apart. The modes of further
-    /// bodies of the same shape follow those of the first, on the mesh of the first; none where their surfaces differ.
+    /// The housing's mesh with each mode; for a separate cap, the modes of only the cap follow those of the full body.
+    /// The modes of further bodies of the same shape follow those of the first, on the mesh of the first; none if their
+    /// surfaces differ.
     ///
     /// # Errors
     /// As [`Self::level`], [`Error::OpenCavity`], and [`Error::NoCapSurface`].
@@ -194,7 +197,8 @@ impl ToolRadiation {
         self.joined(&self.housings(bodies, cap)?, air)
     }
 
-    /// The mesh of the first housing in the motions of all, each carried over from its own mesh; none where the surfaces differ.
+    /// The mesh of the first housing in the motions of all, each carried over from its own mesh; none if the surfaces
+    /// differ.
     fn joined(&self, housings: &[Housing], air: &Air) -> Result<Option<MeshRange>, Error> {
         let mut all = self.of_own_mesh(&housings[0], air)?;
         for housing in &housings[1..] {
@@ -262,7 +266,7 @@ impl ToolRadiation {
         self.range(boundary, (&motions, part), top_hz, air)
     }
 
-    /// A boundary with velocities of all panels, and behind them those of a part alone, from displacements of every parity.
+    /// A boundary with velocities of all panels, followed by those of a part only, from displacements of every parity.
     fn range(
         &self,
         boundary: Boundary,
@@ -298,7 +302,7 @@ impl ToolRadiation {
         })
     }
 
-    /// The meshes on which the housing is solved.
+    /// The meshes for the solution of the housing.
     ///
     /// # Errors
     /// As [`Self::finest`].
@@ -311,9 +315,9 @@ impl ToolRadiation {
         self.of_housings(&self.housings(bodies, cap)?, air)
     }
 
-    /// The housing's mesh, below it where that saves much a coarser one of the same surface, which resolves the same waves:
-    /// alone in the lower part of the range, in the upper part to predict the matrix between the few frequencies of the
-    /// finer.
+    /// The housing's mesh. If it saves much, a coarser mesh of the same surface, which resolves the same waves,
+    /// precedes it. In the lower part of the range that is the only mesh; in the upper part it predicts the matrix
+    /// between the few frequencies of the finer.
     fn of_housings(&self, housings: &[Housing], air: &Air) -> Result<Vec<MeshRange>, Error> {
         let panels = self.resolution.panels;
         let fine = self.joined(housings, air)?.ok_or(OTHER_SURFACE)?;
@@ -324,7 +328,7 @@ impl ToolRadiation {
         if !housings[0].rims.is_empty() {
             return Ok(vec![fine]);
         }
-        // A surface that cannot be coarsened is solved as it is.
+        // A surface that cannot be coarsened is solved unchanged.
         let coarse = match boundary.coarsened(edge) {
             Ok(coarse) if coarse.mesh().panels.len() as f64 <= worth_while => coarse,
             _ => return Ok(vec![fine]),
@@ -342,7 +346,7 @@ impl ToolRadiation {
     }
 }
 
-/// The outer surface of a housing, its nose closed; where it is symmetric, the part above its mirror planes.
+/// The outer surface of a housing with its nose closed; if it is symmetric, the part above its mirror planes.
 struct Housing {
     mesh: BoundaryMesh,
     mirrors: [Option<f64>; 2],
@@ -350,7 +354,7 @@ struct Housing {
     rims: Vec<Rim>,
     /// Displacements of every parity at the mesh's points, (3 x points) x modes.
     motions: Vec<(Parity, DMatrix<f64>)>,
-    /// The panels of the cap, where it is apart.
+    /// The panels of the cap, if it is separate.
     cap: Option<Vec<bool>>,
 }
 
@@ -394,7 +398,7 @@ fn append(to: &mut MeshRange, from: &MeshRange, first: usize) -> bool {
     true
 }
 
-/// Velocity patterns (corner values of the panels x modes), and behind them the same with `part` of the panels alone in
+/// Velocity patterns (corner values of the panels x modes), followed by the same with only `part` of the panels in
 /// motion.
 fn beside_part(velocities: DMatrix<f64>, mesh: &BoundaryMesh, part: &[bool]) -> DMatrix<f64> {
     let modes = velocities.ncols();
@@ -411,8 +415,8 @@ fn beside_part(velocities: DMatrix<f64>, mesh: &BoundaryMesh, part: &[bool]) -> 
     both
 }
 
-/// Number of frequencies that are solved on each mesh, about: alone on three pieces of the range, beside a coarser one at
-/// half as many on the last piece and in the middles of the means.
+/// Approximate number of frequencies that are solved on each mesh: a single mesh on three pieces of the range, one next
+/// to a coarser mesh at half as many on the last piece and in the middles of the means.
 fn solves(levels: &[MeshRange], bands: &MeanBands) -> Vec<f64> {
     let means = bands.on_same_mesh();
     let in_means = MeanBands::samples(means) as f64;

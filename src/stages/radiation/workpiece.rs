@@ -1,10 +1,9 @@
-//! Radiation of the workpiece and of the table that it may stand on: the surfaces that radiate, the floor, the meshes and
-//! their cost.
+//! Radiation of the workpiece and of a table below it: the radiating surfaces, the floor, the meshes and their cost.
 //!
-//! Built-in block and table are boxes, symmetric about two planes, on meshes that get finer with frequency. A block that
-//! lies on a rigid floor or is held there has that floor instead of an underside: no sound leaves the gap between them. A
-//! block that hangs or stands on springs radiates all around, above the floor at `support.clearance`. A block of another
-//! shape (`workpiece.mesh`) radiates from the faces of its own mesh.
+//! Built-in block and table are boxes, symmetric about two planes, on meshes that get finer with frequency. A block
+//! that lies on a rigid floor or is fixed to it has that floor instead of an underside: no sound leaves the gap between
+//! them. A block that hangs or rests on springs radiates all around, above the floor at `support.clearance`. A block of
+//! another shape (`workpiece.mesh`) radiates from the faces of that mesh.
 
 use nailnoise_acoustics::bem::{
     BemError, Boundary, BoundaryMesh, Gap, Gaps, MeanBands, MeanRanges, MeshRange, MovingPart, Parity, Patterns, Rim,
@@ -22,14 +21,14 @@ use crate::error::Error;
 use crate::stages::Progress;
 use crate::stages::bodies::MovingSurface;
 
-/// Tops of the ranges that have a mesh of their own, over the top of all.
+/// Tops of the ranges with separate meshes, over the top of all.
 const RANGES: [f64; 4] = [0.16, 0.4, 0.65, 1.0];
 
 /// Longest side of a panel over the largest extent of the body: at low frequencies the shape requires as much as the wave.
 const COARSEST: f64 = 1.0 / 16.0;
 
-/// Frequencies at which a range is sampled on the mesh below it, as counted on the worktables: per wavelength of the range,
-/// and beside these.
+/// Frequencies at which a range is sampled on the mesh below it, as counted on the worktables: per wavelength of the
+/// range, and in addition to these.
 const SAMPLES_PER_WAVELENGTH: f64 = 7.0;
 const SAMPLES_BESIDE: f64 = 10.0;
 
@@ -47,13 +46,13 @@ const PATCHES: [&str; 6] = [
 ];
 const OF_WORKPIECE: usize = 2;
 
-/// Patches of a block alone.
+/// Patches of a block without a table.
 const ALONE: [&str; 3] = ["workpiece top", "workpiece sides", "workpiece underside"];
 
 /// How the radiation of the workpiece with its support is computed.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub enum WorkpieceRadiation {
-    /// By boundary elements on block and table as one surface above the floor, or on a block alone.
+    /// By boundary elements on block and table as one surface above the floor, or on a block only.
     BoundaryElements(WorkpieceBoundaryElements),
     /// By the equivalent radiated power of each body.
     Erp(Covered),
@@ -61,7 +60,7 @@ pub enum WorkpieceRadiation {
     Rayleigh(FlushTop),
 }
 
-/// Boundary elements of the workpiece, and of the table that it may stand on.
+/// Boundary elements of the workpiece, and of a table below it.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct WorkpieceBoundaryElements {
     /// Resolution.
@@ -76,7 +75,8 @@ pub struct WorkpieceBoundaryElements {
 }
 
 impl WorkpieceRadiation {
-    /// Checks that the surfaces of workpiece and table can radiate and keep away from the microphones, before they have modes.
+    /// Checks that the surfaces of workpiece and table can radiate and maintain their distance from the microphones,
+    /// before they have modes.
     ///
     /// # Errors
     /// As [`WorkpieceBoundaryElements::levels`]; those of the block's top in sand, and of the microphones.
@@ -100,7 +100,7 @@ impl WorkpieceRadiation {
 }
 
 impl WorkpieceBoundaryElements {
-    /// The solution in standard air: it depends on the wavelength alone.
+    /// The solution in standard air: it depends only on the wavelength.
     ///
     /// # Errors
     /// Those of [`Self::levels`] and of the boundary elements.
@@ -142,8 +142,8 @@ impl WorkpieceBoundaryElements {
         (0..3).map(of_axis).fold(0.0, f64::max)
     }
 
-    /// The surface of the bodies on meshes that get finer with frequency, with the velocities of all modes. In any air the
-    /// meshes and the wavelengths up to which they serve are those of the stored matrix.
+    /// The surface of the bodies on meshes that get finer with frequency, with the velocities of all modes. In any air
+    /// the meshes and their limiting wavelengths are those of the stored matrix.
     ///
     /// # Errors
     /// [`Error::NotBoxes`] for a mesh on a table that has not the sides of the design; those of mesh and radiation.
@@ -287,9 +287,10 @@ impl WorkpieceBoundaryElements {
     }
 }
 
-/// Number of frequencies that are solved on each mesh, about. The samples of a range follow how many more wavelengths twice
-/// the body's largest extent, or its height above the floor, holds at its top than at its bottom. They are solved on the
-/// mesh below and corrected by the range's own; the last mesh also solves the means half an octave above.
+/// Number of frequencies that are solved on each mesh, about. The samples of a range follow from the wavelengths that
+/// fit into twice the body's largest extent, or into its height above the floor: how many more fit at the top of the
+/// range than at its bottom. They are solved on the mesh below and corrected by the range's own; the last mesh also
+/// solves the means half an octave above.
 fn solves(levels: &[MeshRange], low: f64, bands: &MeanBands) -> Vec<f64> {
     let mut from = low;
     let mut solves = vec![0.0; levels.len()];
@@ -311,8 +312,8 @@ fn solves(levels: &[MeshRange], low: f64, bands: &MeanBands) -> Vec<f64> {
     solves
 }
 
-/// The faces from which no sound leaves: those where the bodies touch each other or the floor. The walls of cavities within a
-/// body do not radiate either.
+/// The faces without sound radiation: those where the bodies touch each other or the floor. The walls of cavities
+/// within a body do not radiate either.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Covered {
     /// Half the sides of the block's underside, which covers the table's top \[m\].
@@ -337,7 +338,7 @@ impl Covered {
         };
         let patches = &body.surface.patches;
         let shown = |patch: usize, point: &Point3<f64>| !hidden(&patches[patch], point);
-        // What a body stands on closes the bores and tubes that open downwards.
+        // The support of a body closes the bores and tubes that open downwards.
         let clear = body.body == "workpiece" && self.underside_open;
         let lowest = body.surface.points.iter().map(|p| p.z).fold(f64::INFINITY, f64::min);
         let open = open_faces(body.surface, (!clear).then_some(lowest))?;
@@ -422,8 +423,8 @@ mod tests {
         ]
     }
 
-    /// Cubes of 3 x 3 x 3 m with some of 27 cells empty move upwards; R = rho c times the area of what is horizontal and in the
-    /// open air.
+    /// Cubes of 3 x 3 x 3 m with some of 27 cells empty move upwards; R = rho c times the horizontal area in the open
+    /// air.
     #[test]
     fn only_surfaces_in_open_air_radiate_by_the_equivalent_radiated_power() {
         let air = Air::default();
@@ -570,7 +571,7 @@ mod tests {
         let [a, b] = [&boxes, &own].map(|level| shaken(level, &block, Vector3::z(), 200.0)[0]);
         let decibels = 10.0 * (b / a).log10();
         println!("{decibels} dB, {} panels", own.problem.boundary().mesh().panels.len());
-        // The other sides keep their faces, 60 mm wide: 0.24 dB; faces of 20 mm leave 0.03 dB.
+        // The other sides retain their faces, 60 mm wide: 0.24 dB; faces of 20 mm leave 0.03 dB.
         assert!(decibels.abs() < 0.3, "{b} against {a}");
     }
 
@@ -590,7 +591,7 @@ mod tests {
         assert_eq!(error.exit_status(), 2);
     }
 
-    /// Their meshes are those of the boxes alone, and of the housing's file.
+    /// Their meshes are those of the boxes without additions, and of the housing's file.
     #[test]
     fn shipped_designs_have_no_gap_that_needs_other_panels() {
         let design = |name: &str| Design::load(format!("{}/designs/{name}", env!("CARGO_MANIFEST_DIR"))).unwrap();

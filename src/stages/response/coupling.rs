@@ -1,9 +1,9 @@
-//! Two-way coupling: the modes of workpiece and support in the place of the cycle's lumped workpiece.
+//! Two-way coupling: the modes of workpiece and support replace the cycle's lumped workpiece.
 //!
-//! Cycle and structure advance by the same steps and agree at the end of each on the forces between them and on the
-//! motion these cause, so that the support's stiffness acts back on penetration, recoil and the release of the trigger.
-//! The nail's force acts along its embedded shank, and the motion the nail feels is the mean of the wood's with the
-//! same weights: the power that leaves the cycle is the power that reaches the wood.
+//! Cycle and structure advance by the same steps. At the end of each step they agree on the forces between them and on
+//! the motion these cause, so that the support's stiffness acts back on penetration, recoil and the release of the
+//! trigger. The nail's force acts along its embedded shank, and the motion the nail feels is the mean of the wood's
+//! with the same weights: the power that leaves the cycle is the power that reaches the wood.
 
 use std::sync::Arc;
 
@@ -37,7 +37,7 @@ const WEIGHT: [f64; COUPLED_LOADS] = {
 const FORCE_LIMIT: f64 = 1e-6;
 /// Largest difference of the work on both sides, as a part of the work of gas, hand and gravity on the tool's bodies.
 const WORK_LIMIT: f64 = 1e-4;
-/// The same as a part of the largest energy in the structure, which is a thousandth of it on a rigid floor: forces that
+/// The same as a part of the largest energy in the structure, a thousandth of the other on a rigid floor: forces that
 /// set in or jump within a step leave an error of the order of the step squared.
 const STRUCTURE_LIMIT: f64 = 1e-3;
 
@@ -47,7 +47,7 @@ pub struct Coupled {
     pub record: CycleRecord,
     /// The response of workpiece and support.
     pub response: Arc<ModalResponse>,
-    /// Amplitudes of each body's modes in vacuum for those in which it responds, where they differ.
+    /// Amplitudes of each body's modes in vacuum for its modes in the response, if they differ.
     pub coordinates: Vec<Option<DMatrix<f64>>>,
     /// Iterations of the coupling and the difference left.
     pub work: CouplingWork,
@@ -98,8 +98,8 @@ pub fn couple(
     })
 }
 
-/// Part of each support's force on a body that acts upwards: what weight and support do on the rigid motions together,
-/// Phi_s^T (Phi^T M e)/g = e . n. Without gravity all of them count.
+/// Part of each support's force on a body that acts upwards: combined effect of weight and support on the rigid
+/// motions, Phi_s^T (Phi^T M e)/g = e . n. Without gravity all of them count.
 fn carrying(body: &ModalBody, gravity: f64) -> Vec<f64> {
     let weight = body.loads.column(GRAVITY);
     let upwards = |support: DVectorView<'_, f64>| {
@@ -115,7 +115,7 @@ fn carrying(body: &ModalBody, gravity: f64) -> Vec<f64> {
 struct Reading {
     motion: Vec<f64>,
     rate: Vec<f64>,
-    /// Position of what holds the nail.
+    /// Position of the material around the nail.
     nail: f64,
 }
 
@@ -152,10 +152,10 @@ impl Wood<'_> {
         loads
     }
 
-    /// The motion the run has come to, with the tip at a depth.
+    /// The current motion of the run, with the tip at a depth.
     ///
-    /// What holds the nail moves by the mean of its stations' motions. Their weights change with depth, so the mean is
-    /// taken of the steps, not of the positions: a new station does not move the nail by joining.
+    /// The material around the nail moves by the mean of its stations' motions. Their weights change with depth, so the
+    /// mean is taken of the steps, not of the positions: a new station does not move the nail by joining.
     fn reading(&self, depth: f64) -> (Reading, WoodMotion) {
         let run = &self.run;
         let (motion, rate) = (run.motion().to_vec(), run.rate().to_vec());

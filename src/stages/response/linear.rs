@@ -1,7 +1,7 @@
 //! Linear motion with the complete radiation impedance of the air.
 //!
-//! A response in time has the impedance frozen at each mode's resonance, because its contact may open. Where nothing opens,
-//! what R and X of every frequency change of it follows in the frequency domain
+//! A response in time has the impedance frozen at each mode's resonance, because its contact may open. If nothing
+//! opens, the effect of R and X at every frequency follows in the frequency domain
 //! ([`impedance_correction`](nailnoise_acoustics::fluid_loading::impedance_correction)) and is added.
 
 use std::ops::Range;
@@ -44,9 +44,9 @@ pub struct LinearResponse<R> {
     pub bodies: Vec<Stored<Body>>,
     /// Loss factor of the modes of each \[-\].
     pub loss_factors: Vec<f64>,
-    /// What the air adds to the modes of each.
+    /// Fluid loads of the air on the modes of each.
     pub fluid: Stored<Vec<FluidLoads>>,
-    /// Springs and dashpots, none of which opens.
+    /// Springs and dashpots, which never open.
     pub supports: Vec<Support>,
     /// Whether a guide restricts the rigid motion of the bodies to their descent along its axis.
     pub guided: bool,
@@ -54,7 +54,7 @@ pub struct LinearResponse<R> {
 
 impl<R: Radiator + 'static> Stage for LinearResponse<R> {
     type Output = Vibration;
-    /// An intermediate of outputs that are kept.
+    /// An intermediate of stored outputs.
     type Codec = Uncached;
     const NAME: &'static str = "response with the complete impedance of the air";
     const CODE: Code = CODE;
@@ -183,8 +183,9 @@ impl<R: Radiator + 'static> LinearResponse<R> {
 
     /// Energy that the balance over time misses, relative to the energy exchanged with the air beyond the frozen impedance.
     ///
-    /// With u and f_0 the motion and the support forces of the frozen response, which has a balance of its own, d the added
-    /// motion, x = P^T d, f_x = k x + c x' and r the force of the air beyond the frozen one, the difference of both balances is
+    /// Let u and f_0 be the motion and the support forces of the frozen response, which has a separate balance. Let d
+    /// be the added motion, x = P^T d, f_x = k x + c x', and r the force of the air beyond the frozen one. The
+    /// difference of both balances is
     ///
     /// ```text
     /// int F . d'  =  change of energy in modes and air + int 2 zeta w (2 u' d' + d'²)

@@ -1,9 +1,9 @@
 //! Response of workpiece and support to a shot: modal bodies on supports that can lose contact.
 //!
-//! With one-way coupling, the cycle has its own lumped workpiece, and its forces on the wood drive the bodies: [`Response`].
-//! With two-way coupling, cycle and bodies are computed together: [`CoupledResponse`]. [`CoupledCycle`], [`CoupledVibration`]
-//! and [`CouplingReport`] are the parts of its output that other stages read. Where no contact can open, [`LinearResponse`]
-//! adds the effect of the complete radiation impedance.
+//! With one-way coupling, the cycle has its own lumped workpiece, and its forces on the wood drive the bodies:
+//! [`Response`]. With two-way coupling, cycle and bodies are computed together: [`CoupledResponse`]. [`CoupledCycle`],
+//! [`CoupledVibration`] and [`CouplingReport`] are the parts of its output that other stages read. If no contact can
+//! open, [`LinearResponse`] adds the effect of the complete radiation impedance.
 
 mod coupling;
 mod fluid;
@@ -40,7 +40,7 @@ const CODE: Code = code!(dynamics, meshes, fem, acoustics, stages_bodies, stages
 pub struct Vibration {
     /// Forces and motion.
     pub response: Arc<ModalResponse>,
-    /// Amplitudes of a body's modes in vacuum for those in which it responds, modes x coordinates; none where both are the
+    /// Amplitudes of a body's modes in vacuum for its modes in the response, modes x coordinates; none if both are the
     /// same.
     pub coordinates: Vec<Option<DMatrix<f64>>>,
     /// Checks of the response.
@@ -54,7 +54,7 @@ pub struct Structure {
     pub bodies: Vec<Stored<Body>>,
     /// Loss factor of the modes of each \[-\].
     pub loss_factors: Vec<f64>,
-    /// What the air adds to the modes of each body, where it acts on them.
+    /// Fluid loads of the air on the modes of each body, if the air acts on them.
     pub fluid: Option<Stored<Vec<FluidLoads>>>,
 }
 
@@ -99,7 +99,7 @@ pub struct Response {
 
 impl Stage for Response {
     type Output = Vibration;
-    /// An intermediate of outputs that are kept.
+    /// An intermediate of stored outputs.
     type Codec = Uncached;
     const NAME: &'static str = "response of workpiece and support";
     const CODE: Code = CODE;
@@ -126,7 +126,7 @@ impl Stage for Response {
 pub struct End {
     /// The cycle.
     pub cycle: Stored<CycleRecord>,
-    /// The longest response; that of an elastic tool where there is one, because its flight does not decay.
+    /// The longest response; that of an elastic tool if present, because its flight does not decay.
     pub longest: Stored<Vibration>,
 }
 
@@ -202,7 +202,7 @@ fn ending(response: &ModalResponse) -> String {
     }
 }
 
-/// Checks of a response, under the name of what responds.
+/// Checks of a response, under the name of the body or bodies.
 pub(crate) fn checks(of: &str, response: &ModalResponse) -> Vec<Check> {
     response.checks.iter().map(|check| check.clone().of(of)).collect()
 }

@@ -1,8 +1,8 @@
 //! The nail's forces on the wood, spread over stations along its axis.
 //!
-//! The cycle gives one force F_pen. In the wood it is friction along the embedded shank, a force of the tip that wedges
-//! the fibres apart, and, when the head meets the surface, a force under the head. With z the deepest tip depth, l_n the
-//! nail's length, F_r the penetration law and k_w the stiffness under the head, the envelope is
+//! The cycle gives one force F_pen. In the wood there are three: friction along the embedded shank, a force of the tip
+//! that wedges the fibres apart, and, once the head meets the surface, a force under the head. With z the deepest tip
+//! depth, l_n the nail's length, F_r the penetration law and k_w the stiffness under the head, the envelope is
 //!
 //! ```text
 //! E(z) = F_r(z) + k_w max(0, z - l_n),     shank S(z) = phi F_r(l_n) z/l_n  (at most F_r(z)),     tip = F_r(z) - S(z)

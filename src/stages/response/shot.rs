@@ -1,4 +1,4 @@
-//! What a shot does to workpiece and support: supports, loads, duration.
+//! Effects of a shot on workpiece and support: supports, loads, duration.
 
 use nailnoise_dynamics::{CycleRecord, Parameters, Settings as CycleSettings};
 use nailnoise_fem::transient::{Loads, ModalBody, ModalResponse, Settings, Support, SupportLaw, respond};
@@ -13,7 +13,7 @@ use crate::stages::bodies::{Body, ContactCells, STATIONS};
 /// Largest gap that [`open_gaps`] opens \[m\].
 const GAP: f64 = 1e-6;
 
-/// What a response is computed from, apart from the bodies and the cycle.
+/// Inputs of a response, except the bodies and the cycle.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Shot {
     /// Parameters of the cycle. One way, they give gravity, the nail's length and the penetration resistance over depth.
@@ -89,8 +89,8 @@ impl Shot {
         )
     }
 
-    /// A body with its loss factor as the transient solver takes it. Loads of the shot act on the workpiece alone, gravity on
-    /// every body.
+    /// A body with its loss factor as the transient solver takes it. Loads of the shot act only on the workpiece,
+    /// gravity on every body.
     pub(super) fn modal_body(&self, body: &Body, loss_factor: f64, workpiece: bool) -> ModalBody {
         let gravity = self.parameters.ambient.gravity;
         let weight = match self.added_sand {
@@ -147,7 +147,7 @@ impl Shot {
     }
 }
 
-/// Opens the unilateral supports by gaps of 0 to 1 um that depend on the start alone; start 0 has none.
+/// Opens the unilateral supports by gaps of 0 to 1 um that depend only on the start; start 0 has none.
 fn open_gaps(supports: &mut [Support], start: u32) {
     if start == 0 {
         return;

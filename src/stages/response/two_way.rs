@@ -25,7 +25,7 @@ pub struct CoupledResponse {
 
 impl Stage for CoupledResponse {
     type Output = Coupled;
-    /// An intermediate of outputs that are kept.
+    /// An intermediate of stored outputs.
     type Codec = Uncached;
     const NAME: &'static str = "nailing cycle with workpiece and support";
     const CODE: Code = CODE;

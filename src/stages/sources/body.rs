@@ -34,7 +34,7 @@ const CAP: &str = "cap";
 /// Name of the part of the source that the elastic modes radiate.
 const VIBRATION: &str = "housing";
 
-/// What the sound of the tool's body is computed from.
+/// Inputs of the sound of the tool's body.
 #[derive(Clone, Serialize)]
 pub struct BodySound {
     /// Its elastic housing; none for a rigid body.
@@ -43,7 +43,7 @@ pub struct BodySound {
     pub volume: f64,
     /// The ambient air.
     pub air: Air,
-    /// Range in which sources are compared \[Hz\].
+    /// Range over which sources are compared \[Hz\].
     pub range_hz: [f64; 2],
     /// The cycle.
     pub cycle: Stored<CycleRecord>,
@@ -54,7 +54,7 @@ pub struct BodySound {
 pub struct HousingAtMicrophones {
     /// The whole.
     pub whole: Stored<ModalBem>,
-    /// With its cap alone in motion, behind each mode of the whole, where the cap counts to another source.
+    /// Matrix with only the cap in motion, after each mode of the full body, if the cap counts to another source.
     pub cap: Option<Stored<ModalBem>>,
 }
 
@@ -63,19 +63,20 @@ pub struct HousingAtMicrophones {
 pub struct Housing {
     /// The body.
     pub body: Stored<Body>,
-    /// Frequency up to which its motion is part of the result \[Hz\].
+    /// Frequency up to which the result includes its motion \[Hz\].
     pub top_hz: f64,
     /// Its motion.
     pub motion: Stored<BodyMotion>,
-    /// How it radiates by boundary elements, where the design asks for them.
+    /// Its radiation by boundary elements, if the design requests them.
     pub radiator: Option<Stored<ModalBem>>,
-    /// What the air adds to its modes, where boundary elements tell.
+    /// Fluid loads of the air on its modes, if boundary elements yield them.
     pub loads: Option<Stored<Vec<FluidLoads>>>,
-    /// What of that acts on its motion.
+    /// Fluid loads that act on its motion.
     pub acts: Loading,
     /// Loss factor of its modes \[-\].
     pub loss_factor: f64,
-    /// How it radiates with its cap alone in motion, behind each mode of the whole, where the cap counts to another source.
+    /// Its radiation with only the cap in motion, after each mode of the full body, if the cap counts to another
+    /// source.
     pub cap: Option<Stored<ModalBem>>,
 }
 
@@ -117,7 +118,7 @@ impl BodySound {
         }
     }
 
-    /// Energy and signals of its cap, where that counts to another source.
+    /// Energy and signals of its cap, if that counts to another source.
     pub(in crate::stages) fn cap(&self) -> Result<Option<PartOfSurface>, Error> {
         let housing = self.housing.as_ref();
         let Some((housing, cap)) = housing.and_then(|housing| Some((housing, housing.cap.as_ref()?))) else {
@@ -152,7 +153,7 @@ impl BodySound {
         }
     }
 
-    /// By boundary elements, in a report beside the sound of a sphere.
+    /// By boundary elements, in a report next to the sound of a sphere.
     fn by_boundary_elements(
         &self,
         (bem, detail): (&ModalBem, Detail),
@@ -256,7 +257,7 @@ fn rigid_modes(body: &Body) -> usize {
 /// Sound of the tool's body.
 #[derive(Serialize)]
 pub struct BodySource {
-    /// What it is computed from.
+    /// Inputs of the sound.
     pub sound: BodySound,
     /// Its housing as a radiator with pressures at the microphones, if it is elastic and solved by boundary elements.
     pub at_microphones: Option<HousingAtMicrophones>,
@@ -333,10 +334,10 @@ impl Stage for BodySource {
     }
 }
 
-/// Energy of the tool's body over frequency alone, and of its cap where that counts to another source.
+/// Energy over frequency of the tool's body, and of its cap if that counts to another source.
 #[derive(Serialize)]
 pub struct BodyEnergy {
-    /// What it is computed from.
+    /// Inputs of the sound.
     pub sound: BodySound,
 }
 

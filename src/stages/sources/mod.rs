@@ -45,9 +45,9 @@ pub struct SurfaceSource {
     pub source: SoundSource,
     /// Its sound at the microphones.
     pub received: AtMicrophones,
-    /// Energy that its model lacks above top frequencies, those parts included that count to another source.
+    /// Energy that is missing from its model above top frequencies, including those parts that count to another source.
     pub truncations: Vec<Truncation>,
-    /// What of it counts to another source and is no part of this one.
+    /// The part that counts to another source and not to this one.
     pub moved: Option<MovedPart>,
 }
 

@@ -18,16 +18,16 @@ use crate::stages::{Code, Input, Postcard, Progress, Stage, Stored, Uncached, al
 /// Name of the source.
 const NAME: &str = "workpiece";
 
-/// What the sound of the workpiece with its support is computed from.
+/// Inputs of the sound of the workpiece with its support.
 #[derive(Clone, Serialize)]
 pub struct WorkpieceSound {
     /// How it radiates.
     pub radiator: Stored<Box<dyn Radiator>>,
     /// The bodies.
     pub bodies: Vec<Stored<Body>>,
-    /// What the air adds to the modes of each body.
+    /// Fluid loads of the air on the modes of each body.
     pub loads: Stored<Vec<FluidLoads>>,
-    /// What of that acts on their motion.
+    /// Fluid loads that act on their motion.
     pub acts: Loading,
     /// Loss factor of the modes of each \[-\].
     pub loss_factors: Vec<f64>,
@@ -67,11 +67,11 @@ impl WorkpieceSound {
     }
 }
 
-/// What the workpiece with its support radiates. Separate from [`WorkpieceSource`], which alone needs the end of all records.
-/// That end may depend on the tool, whose modes take longer to compute.
+/// Radiation of the workpiece with its support. Separate from [`WorkpieceSource`], because only that one needs the end
+/// of all records. That end may depend on the tool, whose modes take longer to compute.
 #[derive(Serialize)]
 pub struct WorkpieceRadiated {
-    /// What it is computed from.
+    /// Inputs of the sound.
     pub sound: WorkpieceSound,
     /// How it radiates, with pressures at the microphones.
     pub at_microphones: Stored<Box<dyn Radiator>>,
@@ -110,11 +110,11 @@ impl Stage for WorkpieceRadiated {
 /// Sound of the workpiece with its support.
 #[derive(Serialize)]
 pub struct WorkpieceSource {
-    /// What it radiates.
+    /// Its radiation.
     pub radiated: Stored<Radiated>,
     /// The bodies.
     pub bodies: Vec<Stored<Body>>,
-    /// Frequency up to which the motion of each body is part of the result \[Hz\].
+    /// Frequency up to which the result includes the motion of each body \[Hz\].
     pub top_hz: Vec<f64>,
     /// The cycle, whose events separate the intervals.
     pub cycle: Stored<CycleRecord>,
@@ -122,7 +122,7 @@ pub struct WorkpieceSource {
     pub end: Stored<f64>,
     /// The microphones.
     pub microphones: MicrophoneArray,
-    /// Middle of the workpiece, from which its sound spreads where only its power is known \[m\].
+    /// Middle of the workpiece, the origin of its sound if only its power is known \[m\].
     pub centre: [f64; 3],
 }
 
@@ -162,7 +162,7 @@ impl Stage for WorkpieceSource {
     }
 }
 
-/// Energy of the workpiece with its support over frequency alone.
+/// Energy of the workpiece with its support over frequency, without signals.
 #[derive(Serialize)]
 pub struct WorkpieceEnergy {
     /// How it radiates.

@@ -1,7 +1,8 @@
 //! Forces and pressures on the tool's body at every sample of the cycle.
 //!
-//! Gas pressures p are gauge pressures. A uniform pressure has no net force on the cycle's rod, piston and head valve, because
-//! A_1 = A_2 + A_r and A_h1 = A_h2 + A_h3, so that the ambient pressure cancels. Along the axis, downwards,
+//! Gas pressures p are gauge pressures. A uniform pressure exerts no net force on the cycle's rod, piston and head
+//! valve, because A_1 = A_2 + A_r and A_h1 = A_h2 + A_h3, so that the ambient pressure cancels. Along the axis,
+//! downwards,
 //!
 //! ```text
 //! roof within the valve   - p_1 A_i + F_st                                    A_i = pi/4 D_i^2
@@ -13,8 +14,8 @@
 //! handle                  F_hm, evenly
 //! ```
 //!
-//! and weight: their sum is the force on the tool in the cycle's equation of motion. Beside them gas presses on walls
-//! without moving the whole: p_1 and p_2 on the bore on both sides of the piston, p_ext within the handle and around the
+//! and weight: their sum is the force on the tool in the cycle's equation of motion. In addition, gas presses on walls
+//! without moving the tool: p_1 and p_2 on the bore on both sides of the piston, p_ext within the handle and around the
 //! cylinder above the check-ring holes, p_r around it below them, and the plenum's pressure in the cap.
 //!
 //! The head valve leaves a stiff cap or seat within less than a sampling interval. The impulse of the contact follows from the
@@ -85,8 +86,9 @@ fn nearest_stop(parameters: &Parameters, record: &CycleRecord, sample: usize) ->
 
 /// Mean force of the head valve on its stops around each sample, less the sampled one, down \[N\].
 ///
-/// Between two samples, h apart, the valve's momentum changes by M_h (v' - v). Gas, spring, friction and weight, M_h a + cap + seat,
-/// change it by their mean, for they are smooth; the rest is the impulse of cap and seat. Half of it counts at either sample.
+/// Between two samples at an interval h, the valve's momentum changes by M_h (v' - v). Gas, spring, friction and
+/// weight, M_h a + cap + seat, change it by their mean, for they are smooth; the rest is the impulse of cap and seat.
+/// Half of it counts at either sample.
 pub(super) fn impulse_correction(parameters: &Parameters, record: &CycleRecord) -> Vec<f64> {
     let (valve, interval, mass) = (&record.head_valve, record.sample_interval, parameters.head_valve.mass);
     let sampled = |n: usize| record.forces.cap[n] + record.forces.seat[n];
@@ -98,7 +100,7 @@ pub(super) fn impulse_correction(parameters: &Parameters, record: &CycleRecord) 
         forces[n - 1] += 0.5 * force;
         forces[n] += 0.5 * force;
     }
-    // Half an interval is missing at either end, where the valve rests.
+    // Half an interval is missing at either end, while the valve rests.
     for end in [0, record.len() - 1] {
         forces[end] += 0.5 * sampled(end);
     }

@@ -1,13 +1,13 @@
 //! Response of the tool's elastic housing to the forces of the cycle.
 //!
-//! In the cycle the tool moves along its axis only, held by hand and guide, and so does the rigid-body motion here. The
-//! reactions that prevent rotation are assumed to be distributed like the inertia of the body, so that they cause no bending.
-//! The elastic modes are those of the free body.
+//! In the cycle, hand and guide restrict the tool to motion along its axis, and the same applies to the rigid-body
+//! motion here. The reactions that prevent rotation are assumed to be distributed like the inertia of the body, so that
+//! they cause no bending. The elastic modes are those of the free body.
 //!
-//! Forces come from the cycle with their lumped contact stiffnesses, which stand for the compliance of cap and cylinder.
-//! The body deforms under these forces. This deformation does not change the forces, and no contact spring is added between
-//! cycle and body, so that the compliance is counted once. The notes of a run state the body's own stiffness and the lumped
-//! one.
+//! Forces come from the cycle with their lumped contact stiffnesses, which represent the compliance of cap and
+//! cylinder. The body deforms under these forces. This deformation does not change the forces, and no contact spring is
+//! added between cycle and body, so that the compliance is counted once. The notes of a run state the body's own
+//! stiffness and the lumped one.
 
 mod forces;
 
@@ -38,10 +38,10 @@ const CODE: Code = code!(
     stages_tool_response
 );
 
-/// What the response of the tool is computed from, apart from its body and the cycle.
+/// Inputs of the response of the tool, except its body and the cycle.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ToolShot {
-    /// Parameters of the cycle: areas on which gas acts, the tool's mass, and stiffness of contacts.
+    /// Parameters of the cycle: areas under gas pressure, the tool's mass, and stiffness of contacts.
     pub parameters: Parameters,
     /// Step \[s\].
     pub step: f64,
@@ -58,7 +58,7 @@ pub struct ToolResponse {
     pub body: Stored<Body>,
     /// Its loss factor \[-\].
     pub loss_factor: f64,
-    /// What the air adds to its modes, where it acts on them.
+    /// Fluid loads of the air on its modes, if the air acts on them.
     pub fluid: Option<Stored<Vec<FluidLoads>>>,
     /// The cycle.
     pub cycle: Stored<CycleRecord>,
@@ -66,7 +66,7 @@ pub struct ToolResponse {
 
 impl Stage for ToolResponse {
     type Output = Vibration;
-    /// An intermediate of outputs that are kept.
+    /// An intermediate of stored outputs.
     type Codec = Uncached;
     const NAME: &'static str = "response of the tool";
     const CODE: Code = CODE;
@@ -100,7 +100,7 @@ pub struct ToolReport {
 pub struct ToolChecks {
     /// Checks of modes and response.
     pub checks: Vec<Check>,
-    /// Stiffness of the body at cap and cylinder rim beside that of the cycle's contacts.
+    /// Stiffness of the body at cap and cylinder rim, and that of the cycle's contacts.
     pub stiffness: [Stiffness; 2],
 }
 
@@ -139,8 +139,8 @@ pub struct Stiffness {
 /// Largest sum of all forces less that of the cycle's equation of motion, over its largest.
 const FORCE_LIMIT: f64 = 1e-9;
 
-/// Largest force that pressure on closed walls leaves along the axis, over the largest sum of all forces: what a mesh's
-/// approximate cylinders leave.
+/// Largest force that pressure on closed walls leaves along the axis, over the largest sum of all forces: the residual
+/// of a mesh's approximate cylinders.
 const STRAY_LIMIT: f64 = 1e-4;
 
 /// Largest deviation of the body's velocity from the cycle's, over its largest: forces of piston, nose and hand that jump between two
@@ -218,8 +218,8 @@ struct Guided {
 }
 
 impl Guided {
-    /// Leaves the descent alone of all rigid motions; a force of resultant R descends the body with R/M, and pressures on
-    /// closed walls have none.
+    /// Retains only the descent among all rigid motions; a force of resultant R descends the body with R/M, and
+    /// pressures on closed walls have none.
     fn new(body: &Body, gravity: f64) -> Self {
         let rigid: Vec<usize> = (0..body.omega.len()).filter(|&j| body.omega[j] == 0.0).collect();
         let mut descent = DVector::zeros(body.omega.len());
@@ -318,8 +318,8 @@ fn rest(body: &ModalBody, loads: &Loads) -> ModalState {
     state
 }
 
-/// The loads of a shot. After the record inner forces keep their values and the hand takes up what the others leave: the
-/// tool floats on; its landing is no part of the shot.
+/// The loads of a shot. After the record inner forces retain their values and the hand takes up the remainder of the
+/// others: the tool floats on; its landing is not part of the shot.
 fn loads(guided: &Guided, histories: DMatrix<f64>, record: &CycleRecord) -> Loads {
     let mut history = DMatrix::from_element(LOADS + 1, record.len(), 1.0);
     history.rows_mut(0, LOADS).copy_from(&histories);
