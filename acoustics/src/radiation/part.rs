@@ -24,8 +24,8 @@ pub struct PartOfSurface {
 }
 
 impl PartOfSurface {
-    /// The part of a surface that moves as `spectra` says. `radiation` has each mode of the surface, and behind them each
-    /// mode with the part alone in motion.
+    /// The part of a surface that moves as `spectra` says. `radiation` has each mode of the surface, followed by each
+    /// mode with only the part in motion.
     ///
     /// # Errors
     /// As [`radiated_energy`]; a number of modes other than half that of `radiation`.

@@ -150,7 +150,7 @@ fn even<S: Simd>(simd: S, x: &[Pair<S::f32s>; 8], axes: usize) -> [Pair<S::f32s>
     sums
 }
 
-/// Sum over the axes of what each contributes for an image.
+/// Sum over the axes of their contributions for an image.
 #[inline(always)]
 fn of_image<S: Simd>(simd: S, x: &[[S::f32s; 2]; 3], bits: [usize; 3]) -> S::f32s {
     simd.add_f32s(simd.add_f32s(x[0][bits[0]], x[1][bits[1]]), x[2][bits[2]])
