@@ -56,7 +56,7 @@ impl Mirror {
     }
 }
 
-/// Nodes sorted along a direction in which no two of a regular mesh coincide.
+/// Nodes sorted along a direction that separates all nodes of a regular mesh.
 struct Places<'a> {
     mesh: &'a Mesh,
     /// The piece of each node: where two pieces touch, both have a node at the same place.
@@ -96,7 +96,7 @@ impl<'a> Places<'a> {
         (0..3).map(|axis| Self::DIRECTION[axis] * point[axis]).sum()
     }
 
-    /// The node at the mirror image of each node across the middle plane, or none if one has no counterpart.
+    /// The node at the mirror image of each node across the middle plane, or none if one is without a counterpart.
     fn opposite(&self, axis: usize) -> Option<Vec<usize>> {
         let size = (0..3).map(|a| self.upper[a] - self.lower[a]).fold(0.0, f64::max);
         let near = SAME_PLACE * size;
@@ -118,8 +118,8 @@ impl<'a> Places<'a> {
     }
 }
 
-/// The number of planes through the middle of a mesh and across the axes in which it and its materials are symmetric;
-/// [`crate::modes`] uses them where constraints and attachments are symmetric too and the model is large enough.
+/// The number of symmetry planes of a mesh and its materials, through its middle and across the axes; [`crate::modes`]
+/// uses them where constraints and attachments are symmetric too and the model is large enough.
 pub fn mirror_planes(mesh: &Mesh, materials: &[Material]) -> usize {
     let mut nodes = mesh.connectivity.clone();
     nodes.sort_unstable();

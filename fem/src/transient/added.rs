@@ -14,7 +14,7 @@ use super::model::Motion;
 ///
 ///   d_n = e^{sigma t_n}/N sum_k D_k e^{j omega_k t_n},    d' and d'': D_k times s_k and s_k^2,
 ///
-/// over both signs of the frequency, with N the length of the transform in samples and h the step.
+/// over both signs of the frequency. N is the length of the transform in samples and h the step.
 #[derive(Clone)]
 pub struct AddedMotion {
     /// Lines k = 0, 1, ... of each body, modes x lines.
