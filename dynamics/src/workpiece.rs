@@ -22,7 +22,7 @@ pub struct WoodMotion {
     /// Position \[m\] and velocity \[m/s\] of the surface under the nose, the work-conjugates of
     /// [`WoodForces::seat`].
     pub seat: [f64; 2],
-    /// Position and velocity of the wood that holds the nail, the work-conjugates of [`WoodForces::nail`].
+    /// Position and velocity of the wood that grips the nail, the work-conjugates of [`WoodForces::nail`].
     pub nail: [f64; 2],
     /// Force of the support on the wood, up \[N\].
     pub support: f64,
@@ -48,7 +48,7 @@ pub trait Workpiece {
     /// Brings the wood to rest under its weight and the force \[N\] of the seated tool; returns its motion.
     ///
     /// # Errors
-    /// There is no state of rest.
+    /// A state of rest does not exist.
     fn start(&mut self, seat: f64) -> Result<WoodMotion, Self::Error>;
 
     /// Compliance with the tip of the nail at a depth \[m\]. It only accelerates the search for the forces; the

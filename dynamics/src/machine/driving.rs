@@ -62,7 +62,7 @@ pub struct EnergyOfDrive {
     pub gravity: f64,
     /// Motion left when the projectile leaves the nail.
     pub rest: f64,
-    /// What these lack of zero, as a part of M v0^2/2 \[-\].
+    /// Their imbalance, as a part of M v0^2/2 \[-\].
     pub balance: f64,
 }
 
@@ -94,10 +94,10 @@ pub struct Drive {
     pub samples: Vec<Sample>,
 }
 
-/// Drives the nail of a machine; samples stand `interval` \[s\] apart.
+/// Drives the nail of a machine, with samples at intervals of `interval` \[s\].
 ///
 /// # Errors
-/// [`MachineError`] where the nail does not stop, leaves the block, or a law does not hold.
+/// [`MachineError`] where the nail does not stop, leaves the block, or a law is not valid.
 pub fn drive(machine: &Machine, fit: Option<&FittedLaw>, shot: Shot, interval: f64) -> Result<Drive, MachineError> {
     let (nail, wood, projectile) = (&machine.nail, &machine.wood, &machine.projectile);
     let gravity = machine.ambient.gravity;
@@ -156,7 +156,7 @@ pub fn drive(machine: &Machine, fit: Option<&FittedLaw>, shot: Shot, interval: f
         force: shank(0.0, v1),
         cell: to_cell * shank(0.0, v1),
     }];
-    // Samples by steps of their own: no interpolation stands between force and motion.
+    // Separate steps for samples: no interpolation between force and motion.
     let (mut t, mut y) = (0.0, [0.0, v1, 0.0, 0.0]);
     let mut head_speed = None;
     let mut stopped = false;
