@@ -48,7 +48,7 @@ pub trait Workpiece {
     /// Brings the wood to rest under its weight and the force \[N\] of the seated tool; returns its motion.
     ///
     /// # Errors
-    /// A state of rest does not exist.
+    /// There is no state of rest.
     fn start(&mut self, seat: f64) -> Result<WoodMotion, Self::Error>;
 
     /// Compliance with the tip of the nail at a depth \[m\]. It only accelerates the search for the forces; the

@@ -1,4 +1,4 @@
-//! Errors between a mesh and its modes.
+//! Errors on the way from a mesh to its modes.
 
 /// An error of the modal models; every variant carries the numbers and names the remedy.
 #[derive(Debug, thiserror::Error)]

@@ -139,7 +139,7 @@ impl Interval {
 
 /// Error with the samples of a round, from the misfit `found` without them and the misfit one round before: each round
 /// is assumed to reduce the error by the same factor as the previous one, but at most by [`GAIN`]. An exact result has
-/// zero error.
+/// no error.
 pub(super) fn extrapolated(found: f64, before: Option<f64>) -> f64 {
     match before {
         Some(before) if found > 0.0 => found * (found / before).clamp(GAIN, 1.0),

@@ -261,8 +261,8 @@ impl SampledRadiation {
         Ok(Some(grid))
     }
 
-    /// Converts to an air that multiplies the frequency of every wavelength by `speed`, and multiplies by `factor` at
-    /// each frequency \[Hz\] of that air: R(f) = factor(f) R0(f/speed).
+    /// Converts to an air with `speed` times the frequency at every wavelength, and multiplies by `factor` at each
+    /// frequency \[Hz\] of that air: R(f) = factor(f) R0(f/speed).
     ///
     /// The result has the label `method`. The factor is interpolated with R; its interpolation error is added to
     /// [`SampledRadiation::interpolation_error`].

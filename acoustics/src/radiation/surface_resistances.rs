@@ -42,8 +42,8 @@ impl SurfaceResistances {
         Self { bands, hz, resistances }
     }
 
-    /// Converts to an air that multiplies the frequency of every wavelength by `speed`, and multiplies by `factor`
-    /// there: the evaluation at the centre of a band then applies to another frequency in the band.
+    /// Converts to an air with `speed` times the frequency at every wavelength, and multiplies by `factor` there: the
+    /// evaluation at the centre of a band then applies to another frequency in the band.
     #[must_use]
     pub(crate) fn in_air(mut self, speed: f64, factor: impl Fn(f64) -> f64) -> Self {
         self.hz.iter_mut().for_each(|hz| *hz *= speed);

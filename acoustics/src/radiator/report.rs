@@ -37,10 +37,10 @@ pub struct RadiationReport {
     /// silent.
     pub surface_difference_db: Option<f64>,
     /// Level of the limit less that of the boundary elements in their last three bands, lowest and highest \[dB\]: the
-    /// possible error of the limit above. Zero without one.
+    /// possible error of the limit above. Zero if there is none.
     pub limit_error_db: [f64; 2],
     /// The same over the uppermost third of an octave of the boundary elements, where the limit takes over \[dB\]; null
-    /// when silent and without a limit.
+    /// when silent or if there is no limit.
     pub blend_error_db: Option<f64>,
     /// A-weighted level of radiation efficiency 1 over the source's range \[dB re 1 pW s\]; null when silent.
     pub erp_lwa_db: Option<f64>,

@@ -58,7 +58,7 @@ impl FlushSound {
         })
     }
 
-    /// Converts from the air `computed` of the computation without absorbing sand to `air` with the sand `absorbing`.
+    /// Converts from `computed`, the air of the computation without absorbing sand, to `air` with the sand `absorbing`.
     #[must_use]
     pub fn in_air(self, computed: &Air, air: &Air, absorbing: Option<AbsorbingSand>) -> Self {
         let (speed, density) = (air.sound_speed / computed.sound_speed, air.density / computed.density);

@@ -54,8 +54,8 @@ impl SoundAbovePlane {
         })
     }
 
-    /// Converts to an air that multiplies the frequency of every wavelength by `speed`, and multiplies by `factor` at
-    /// each sample.
+    /// Converts to an air with `speed` times the frequency at every wavelength, and multiplies by `factor` at each
+    /// sample.
     pub(super) fn in_air(mut self, speed: f64, factors: &[f64]) -> Self {
         self.sound_speed *= speed;
         for (sample, factor) in self.samples.iter_mut().zip(factors) {

@@ -208,7 +208,7 @@ fn a_box_keeps_its_sharp_edges_and_patches() {
             assert!((a[0] - b[0]).abs() < 1e-12);
             assert!((1..4).all(|axis| (a[axis] - b[axis]).abs() < 1e-4), "{a:?} {b:?}");
         }
-        // Motion only of the top moves nothing else.
+        // Patterns that move only the top move nothing else.
         let mut row = 0;
         for panel in &coarse.mesh().panels {
             let still = (0..3).all(|k| carried[(row + k, 1)] == 0.0);

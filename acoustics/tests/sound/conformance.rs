@@ -16,7 +16,7 @@ struct Row {
     /// Value of the standard's table.
     expected: f64,
     computed: f64,
-    /// Least and greatest value allowed; infinite without a limit.
+    /// Least and greatest value allowed; infinite if there is no limit.
     limits: [f64; 2],
     decimals: usize,
 }

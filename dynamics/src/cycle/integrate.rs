@@ -541,7 +541,7 @@ impl<'s> Cycle<'s> {
         }
         for (i, name) in VOLUME_NAMES.iter().enumerate() {
             let (size, mass) = (now.volume[i], self.y[MASS + i]);
-            // In the published gas law the gas need not equal the mass it has taken in and given off (C-02).
+            // The published gas law does not tie the gas to the mass that it has taken in and given off (C-02).
             let massless = mass <= 0.0 && self.system.p.model.gas == Form::Corrected;
             if !(size > 0.0 && !massless && self.y[ENERGY + i] > 0.0) {
                 return Err(CycleError::Collapse {

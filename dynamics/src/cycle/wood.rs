@@ -1,7 +1,7 @@
 //! Motion of the wood that an external structure prescribes.
 //!
 //! Over one window of the coupled run the wood's surface under the nose and the wood that grips the nail follow cubics
-//! in the time since the window began. That time is a state instead of the lumped wood's position, so that every force
+//! in the time since the window began. That time is a state, replacing the lumped wood's position, so that every force
 //! and every margin stays a function of the state.
 
 use super::real::Real;

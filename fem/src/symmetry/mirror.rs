@@ -96,7 +96,7 @@ impl<'a> Places<'a> {
         (0..3).map(|axis| Self::DIRECTION[axis] * point[axis]).sum()
     }
 
-    /// The node at the mirror image of each node across the middle plane, or none if one is without a counterpart.
+    /// The node at the mirror image of each node across the middle plane, or none if one has no counterpart.
     fn opposite(&self, axis: usize) -> Option<Vec<usize>> {
         let size = (0..3).map(|a| self.upper[a] - self.lower[a]).fold(0.0, f64::max);
         let near = SAME_PLACE * size;

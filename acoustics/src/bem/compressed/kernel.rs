@@ -51,7 +51,7 @@ impl Images {
     }
 }
 
-/// The single point of the two.
+/// Identifies the single point of the two.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Single {
     /// x: a row of the block.

@@ -4,8 +4,8 @@
 const WIDTH: f64 = 1.0 / 6.0;
 const SAMPLES: usize = 3;
 
-/// Octaves of averages above the top of single frequencies that use the mesh of that top. Single frequencies scatter
-/// more than a band with that mesh's four panels per wavelength.
+/// Octaves above the top of single frequencies whose averages still use the mesh of that top. Single frequencies
+/// scatter more than a band with that mesh's four panels per wavelength.
 const ON_SAME_MESH: f64 = 0.5;
 
 /// Most bands of one finer mesh: half an octave.

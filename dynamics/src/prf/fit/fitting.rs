@@ -305,7 +305,7 @@ fn distinct(drives: &[Drive], key: impl Fn(&Drive) -> &String) -> BTreeMap<&Stri
 /// Cross-validation: each fold is predicted by the law of all the others, fitted by `method`.
 ///
 /// # Errors
-/// [`FitError::OneFold`] without other folds to fit.
+/// [`FitError::OneFold`] if there are no other folds to fit.
 pub fn validate(form: &Form, drives: &[Drive], method: Method, leave: Leave) -> Result<Validation, FitError> {
     let folds = distinct(drives, |drive| leave.key(drive));
     if folds.len() < 2 {
