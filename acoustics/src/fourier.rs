@@ -193,7 +193,7 @@ impl Transform {
 /// A uniform record after a linear filter, y = IFFT\[H(f) X(f)\], at the instants of the record.
 ///
 /// `response` is H at a frequency f >= 0 \[Hz\]. The record is padded with zeros to `padding` times its length. The
-/// decay of the filter after the end of the record then does not wrap around to its beginning.
+/// decay of the filter after the record's end then does not wrap around to its beginning.
 ///
 /// # Errors
 /// A record of fewer than 8 samples, values that are not finite, an interval or padding that is not positive.

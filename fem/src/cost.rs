@@ -125,14 +125,14 @@ pub struct ShortestWave {
 
 impl ShortestWave {
     /// The shortest waves along all element sides of a part with walls of this thickness \[m\], in a solid and in a
-    /// wall (Cremer, Heckl and Petersson, *Structure-Borne Sound*, section 3.3),
+    /// wall (Cremer, Heckl and Petersson, *Structure-Borne Sound*, section 3.3).
     ///
     /// ```text
     /// lambda_S = c_S / f,   lambda_B = sqrt(1.8 c_L t / f),
     /// ```
     ///
-    /// with the wave speeds c_S and c_L of the material in the direction of the side, so that long elements along a
-    /// grain do not count as coarse.
+    /// with the wave speeds c_S and c_L of the material in the direction of the side. Long elements along a grain thus
+    /// do not count as coarse.
     pub fn of_part(mesh: &Mesh, part: usize, material: &Material, hz: f64, thickness: f64) -> Self {
         let mut worst = Self {
             hz,

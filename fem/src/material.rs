@@ -78,9 +78,10 @@ impl Material {
     /// set is as good as a right-handed one, since the material is its own mirror image.
     ///
     /// Poisson's ratio nu_ij is the contraction along j per extension along i under a stress along i, so that nu_ij /
-    /// E_i = nu_ji / E_j. The compliance in material axes is (Lekhnitskii, *Theory of Elasticity of an Anisotropic
-    /// Body*, section 3) S_ii = 1 / E_i, S_ij = -nu_ij / E_i, S_44 = 1 / G_23, S_55 = 1 / G_13, S_66 = 1 / G_12. The
-    /// stiffness in global axes is C_ijkl = Q_ip Q_jq Q_kr Q_ls C'_pqrs with Q = `axes` and C' = S^-1.
+    /// E_i = nu_ji / E_j. The compliance in material axes is that of Lekhnitskii (*Theory of Elasticity of an
+    /// Anisotropic Body*, section 3). Its entries are S_ii = 1 / E_i, S_ij = -nu_ij / E_i, S_44 = 1 / G_23, S_55 = 1 /
+    /// G_13, S_66 = 1 / G_12. The stiffness in global axes is C_ijkl = Q_ip Q_jq Q_kr Q_ls C'_pqrs with Q = `axes` and
+    /// C' = S^-1.
     ///
     /// # Errors
     /// [`FemError::NotPositive`], [`FemError::NotPositiveDefinite`] or [`FemError::Axes`].

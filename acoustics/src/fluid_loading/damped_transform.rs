@@ -72,7 +72,7 @@ impl DampedTransform {
     /// changes from the value that a record has at its first sample, and had before.
     ///
     /// After its end a record goes on as 2 x_N - x_{2N-n}, without a jump of value or slope, and fades to its first
-    /// value until the period ends; this has no effect on a causal system before the record's end.
+    /// value until the period ends. This has no effect on a causal system before the record's end.
     pub(crate) fn lines(&self, motion: &DMatrix<f64>) -> DMatrix<Complex<f64>> {
         let columns: Vec<Vec<Complex<f64>>> = motion
             .as_slice()

@@ -71,9 +71,9 @@ pub struct ImpedanceCorrection {
 /// [A(s) + D(s)] d = -D(s) u        D = W [S^T (s Z - s² M) S + s (S^T C S - diag(2 zeta w))]
 /// ```
 ///
-/// This is exact for linear motion: u + d satisfies the equation with Z as full matrix of every frequency, R and X, in
-/// place of the frozen one. Forces and start need not be known. Z/s is smooth and finite down to zero and is taken from
-/// the real axis.
+/// This is exact for linear motion. The sum u + d satisfies the equation with Z as full matrix of every frequency, R
+/// and X, in place of the frozen one. Forces and start need not be known. Z/s is smooth and finite down to zero and is
+/// taken from the real axis.
 ///
 /// ```text
 /// Z(s)/s ~ (1-j)/2 G(omega + sigma) + (1+j)/2 G(omega - sigma)        G(omega) = Z(j omega)/(j omega)

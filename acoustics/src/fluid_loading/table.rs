@@ -4,7 +4,7 @@ use std::f64::consts::{PI, TAU};
 
 /// A radiation impedance between frequencies at which it is known, also near the real axis.
 ///
-/// Z/(j omega) = X/omega - j R/omega is smooth and finite down to zero frequency; the polynomial through its values at
+/// Z/(j omega) = X/omega - j R/omega is smooth and finite down to zero frequency. The polynomial through its values at
 /// Chebyshev points of the range is analytic, so that it is also valid at the complex frequencies of damped motion.
 #[derive(Debug, Clone)]
 pub struct ImpedanceTable {

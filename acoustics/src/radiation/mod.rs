@@ -1,6 +1,6 @@
 //! Sound power of moving surfaces.
 //!
-//! Modal accelerations A(f) and a modal radiation resistance R(f) give the energy spectrum
+//! Modal accelerations A(f) and a modal radiation resistance R(f) give the energy spectrum.
 //!
 //! ```text
 //! E(f) = 2 V^H R V,   V = A / (j omega)      =>      E(f) = 2 A^H (R / omega^2) A

@@ -393,8 +393,8 @@ fn low_slopes(grid: &Grid, samples: &[PackedHermitian], modes: usize) -> Vec<f64
 /// ||S D S|| / ||S Q S||        S_ii = Q_ii^-1/2, no smaller resistance counted than `floor` of the largest
 /// ```
 ///
-/// This is the root mean square error of the energy of one mode if modes are many and radiate independently. In the
-/// norm of the largest entry it is max |(S D S)_ij|, the error of any pair of modes.
+/// It is the root mean square energy error of one mode if modes are many and radiate independently. In the norm of the
+/// largest entry it is max |(S D S)_ij|, the error of any pair of modes.
 fn misfit<'a>(
     interval: &Interval,
     modes: &[usize],

@@ -22,9 +22,9 @@ pub struct RadiatingSurface {
 impl RadiatingSurface {
     /// A surface from its quadrature.
     ///
-    /// * `points` \[m\], `normals` (outward, unit), `weights` \[m²\]: one each per quadrature point
-    /// * `patch`: index into `patch_names` per point
-    /// * `normal_modes`: points x modes, normal component of the modal displacement; per unit of modal coordinate
+    /// * `points` \[m\], `normals` (outward, unit), `weights` \[m²\]: one each per quadrature point.
+    /// * `patch`: index into `patch_names` per point.
+    /// * `normal_modes`: points x modes, normal component of the modal displacement; per unit of modal coordinate.
     ///
     /// # Errors
     /// Lengths that differ, a patch without a name, values that are not finite.

@@ -114,8 +114,8 @@ impl Rayleigh {
     /// R_ij = rho0 omega^2/(2 pi c0) sum_ab q_ai* K_ab q_bj        q = S phi, K_ab = sin(k r_ab)/(k r_ab)
     /// ```
     ///
-    /// This is the real part of the pressure on the surface times the velocity there, while [`Rayleigh::resistance`]
-    /// sums the spherical waves that carry the power away. Both apply the same factor for absorbing sand.
+    /// It is the real part of the pressure on the surface times the velocity there. [`Rayleigh::resistance`] sums the
+    /// spherical waves that carry the power away. Both apply the same factor for absorbing sand.
     pub fn surface_resistance(&self, hz: f64) -> Resistance {
         let k = 2.0 * PI * hz / self.air().sound_speed;
         let (points, sources) = self.own_sources();

@@ -320,7 +320,7 @@ fn boundary_elements_find_the_resonances_in_water() {
 
 /// Power of a point force, with the reactance of the surface and the resistance of the far field. It is the sum of the
 /// power dissipated in the structure and the power found in the far field, and on the surface where that resolves the
-/// resistance: of the orders that move at 600 Hz it is 1e-4 of the reactance.
+/// resistance. For the orders that move at 600 Hz the resistance is 1e-4 of the reactance.
 #[test]
 fn power_supplied_is_dissipated_or_radiated() {
     let modes = all_modes(0..=6);

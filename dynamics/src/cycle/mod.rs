@@ -40,7 +40,7 @@ use crate::{CouplingWork, CycleError, CycleRecord, Parameters, Settings, Workpie
 /// `settings.end` or the tool's landing at the latest.
 ///
 /// # Errors
-/// [`CycleError`]: a number out of range, a design outside the model (spring range, overlapping laps, tool not seated,
+/// [`CycleError`]. A number out of range, a design outside the model (spring range, overlapping laps, tool not seated,
 /// valve not closed), a dry fire, a contact that chatters, or an integration that cannot go on.
 pub fn simulate(parameters: &Parameters, settings: &Settings) -> Result<CycleRecord, CycleError> {
     start::check(parameters)?;

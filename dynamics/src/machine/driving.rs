@@ -3,7 +3,7 @@
 //! ```text
 //! v_1 = v_0 M/M_1,  M_1 = M + M_n,   M_1 v' = M_1 g - E(y; v),   E = F_r + k_w max(0, y - NL)
 //! ```
-//! From the deepest point the nail springs back with k_u, as in the nailing cycle; the projectile leaves it at F = 0.
+//! From the deepest point the nail springs back with k_u, as in the nailing cycle. The projectile leaves it at F = 0.
 
 use std::f64::consts::PI;
 

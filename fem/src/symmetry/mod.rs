@@ -1,16 +1,16 @@
 //! Mirror symmetry: the eigenproblem falls into one for each combination of even and odd.
 //!
 //! A mirror plane maps the unknowns onto each other, q -> S q, with S a permutation with signs. If S^T K S = K and S^T
-//! M S = M for k planes, every mode can be chosen even or odd in each of them. With the orthonormal basis T_c of the
-//! vectors of one combination c
+//! M S = M for k planes, every mode can be chosen even or odd in each of them. T_c is the orthonormal basis of the
+//! vectors of one combination c.
 //!
 //! ```text
 //! K_c = T_c^T K T_c,   M_c = T_c^T M T_c,   phi = T_c phi_c,   c = 1 .. 2^k
 //! ```
 //!
-//! are 2^k independent problems with 1/2^k of the unknowns each. Together the T_c are a square orthogonal matrix, so
-//! that inertia and orthogonality carry over: no mode is lost or found twice, and pairs whose frequencies coincide by
-//! symmetry fall into different sectors.
+//! These are 2^k independent problems with 1/2^k of the unknowns each. Together the T_c are a square orthogonal matrix,
+//! so that inertia and orthogonality carry over: no mode is lost or found twice, and pairs whose frequencies coincide
+//! by symmetry fall into different sectors.
 
 mod mirror;
 

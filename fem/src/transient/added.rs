@@ -10,7 +10,8 @@ use realfft::{ComplexToReal, RealFftPlanner};
 
 use super::model::Motion;
 
-/// Motion beyond that of the march, given by lines at the complex frequencies s_k = sigma + j 2 pi k/(N h):
+/// Motion beyond that of the march, given by lines at the complex frequencies s_k = sigma + j 2 pi k/(N h). The motion
+/// is
 ///
 ///   d_n = e^{sigma t_n}/N sum_k D_k e^{j omega_k t_n},    d' and d'': D_k times s_k and s_k^2,
 ///

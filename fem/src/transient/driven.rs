@@ -11,7 +11,8 @@ use super::system::{add_gram, effective_zeta, validate};
 
 /// A run whose loads are not known beforehand.
 ///
-/// At the end of a step the motion u along the loads depends on their values F there and on the support forces f.
+/// At the end of a step the motion u along the loads depends on their values F there and on the support forces f. The
+/// relations are
 ///
 ///   u = u_free + C_LL F - C_LS f,    d = d_free + C_SL F - C_SS f,    C = P^T diag(c1) P   (rates: c2).
 ///

@@ -105,11 +105,11 @@ const RESOLVED: f64 = 0.35;
 /// Work in poorly resolved modes beyond that of the cubic of a [`Ledger`]. Residual vectors are such modes: their
 /// frequencies are far above those of the analysis, and they follow every kink of a force.
 ///
-/// A mode's equation of motion gives the integral of its motion over a step without a quadrature,
+/// A mode's equation of motion gives the integral of its motion over a step without a quadrature:
 ///
-///   int q dt = ((g0 + g1) h/2 - (q1' - q0') - 2 zeta omega (q1 - q0))/omega^2,
+///   int q dt = ((g0 + g1) h/2 - (q1' - q0') - 2 zeta omega (q1 - q0))/omega^2.
 ///
-/// and with it the work of a modal force f that is linear over the step, beyond that of the cubic:
+/// With it follows the work of a modal force f that is linear over the step, beyond that of the cubic:
 ///
 ///   -(f1 - f0)/h (int q dt - (q0 + q1) h/2 + (q1' - q0') h^2/12).
 #[derive(Debug, Clone)]

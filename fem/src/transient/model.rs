@@ -87,7 +87,7 @@ impl Loads {
         self.interval * self.history.ncols().saturating_sub(1) as f64
     }
 
-    /// Loads x `samples` on the grid 0, `step`, 2 `step`, ...: linear between the record's samples, then
+    /// Loads x `samples` on the grid 0, `step`, 2 `step`, ... They are linear between the record's samples. Then
     ///
     ///   F(t) = F_final + (F_end - F_final) (1 + cos(pi (t - t_end)/taper))/2  for  t_end < t < t_end + taper,
     ///

@@ -2,7 +2,7 @@
 //!
 //! vtkio writes the grid, once for all frames; the fields are put into its file here, because vtkio compresses every
 //! file anew, number by number. Processor time and size of sixty frames of the velocity on 45 602 points: 0.13 s and 73
-//! MB here (0.1 s of it is the grid); with vtkio 8 s and 69 MB compressed, 0.7 s and 176 MB uncompressed.
+//! MB here (0.1 s of it is the grid). With vtkio they are 8 s and 69 MB compressed, 0.7 s and 176 MB uncompressed.
 //!
 //! With `compressor="vtkZLibDataCompressor"` and 64-bit headers an array of n bytes in blocks of B is
 //!

@@ -75,7 +75,7 @@ pub struct ModalBem {
 }
 
 /// Conversion to another air than that of the computation. At the same wavenumber k = omega/c the boundary conditions
-/// are equal:
+/// are the same.
 ///
 /// ```text
 /// R(f; rho, c) = (rho c)/(rho0 c0) R0(f c0/c)        p/a (f; rho, c) = rho/rho0 (p/a)0 (f c0/c)

@@ -40,15 +40,16 @@ pub(crate) struct Source {
 pub(crate) type Radiated<'a> = (&'a DMatrix<f64>, &'a SurfacePressure);
 
 impl Exterior {
-    /// Radiation resistance R (patterns x patterns) from the far field of the surface's pressure and velocity:
+    /// Radiation resistance R (patterns x patterns) from the far field of the surface's pressure and velocity, with the
+    /// images in floor and mirror planes and the half space above the floor.
     ///
     /// ```text
     /// p -> e^{-jkr}/(4 pi r) F(d)     F(d) = int e^{jk d.y} (jk d.n p + j omega rho v_n) dS
     /// R = 1/(16 pi² rho c) Re int F^H F dOmega
     /// ```
     ///
-    /// with the images in floor and mirror planes and the half space above the floor. Symmetric and positive
-    /// semidefinite by construction, and independent of [`Exterior::impedance`], which integrates the intensity on the surface.
+    /// Symmetric and positive semidefinite by construction, and independent of [`Exterior::impedance`], which integrates
+    /// the intensity on the surface.
     ///
     /// # Errors
     /// Patterns or pressures of another length.

@@ -3,15 +3,15 @@
 //! A plate without thickness moves with v along its normal n. With G = e^{-jkr} / (4 pi r), W is the hypersingular
 //! operator of [`Exterior`]; the operators K, K' are zero in a plane. The pressure on the wet side of a plate in a
 //! rigid baffle is Rayleigh's integral. The difference of the pressures on both sides of a plate in free fluid is the
-//! solution of
+//! solution of the second equation (Maue 1949; Stephan 1987 for open surfaces).
 //!
 //! ```text
 //! p = 2 j omega rho S v                                   one side
 //! W [p] = j omega rho v,  [p] = 0 at the free edges       both sides; [p] = pressure on the side of n less that behind
 //! ```
 //!
-//! (Maue 1949; Stephan 1987 for open surfaces). [p] rises from the edge with the root of the distance, so that panels should
-//! become narrow there: with them of equal width the added mass is too small by a term of the first order in the width.
+//! The difference [p] rises from the edge with the root of the distance, so that panels should become narrow there. With
+//! panels of equal width the added mass is too small by a term of the first order in the width.
 
 use crate::air::Air;
 use crate::bem::error::BemError;

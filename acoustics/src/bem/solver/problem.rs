@@ -34,10 +34,10 @@ const ACCURACY: Accuracy = Accuracy {
 /// (1/2 - K - alpha H) p = -(S + alpha (1/2 + K')) dp/dn        alpha = -j s(f) min(1/k, L_c)
 /// ```
 ///
-/// This equation has a unique solution at every frequency, while each half fails at resonances of the interior problem.
-/// Well below the lowest of these the correction is not needed. The derivative equation would reduce the accuracy of
-/// the small surface resistance of rigid-body motion (by a factor of 2 at 100 Hz for a block of 0.4 m; 2e-4 without
-/// it). Therefore s rises as sin² from 0 at half of f_box to 1 at 0.9 f_box, where f_box is the lowest resonance of the
+/// This equation has a unique solution at every frequency. Each half fails at resonances of the interior problem. Well
+/// below the lowest of these the correction is not needed. The derivative equation would reduce the accuracy of the
+/// small surface resistance of rigid-body motion (by a factor of 2 at 100 Hz for a block of 0.4 m; 2e-4 without it).
+/// Therefore s rises as sin² from 0 at half of f_box to 1 at 0.9 f_box, where f_box is the lowest resonance of the
 /// bounding box; no body inside it has a lower one. The method is Galerkin's with continuous linear (bilinear)
 /// pressure; the normal velocity is linear on each panel and discontinuous between panels. The hypersingular operator
 /// is integrated by parts (Maue 1949, Nedelec 2001 section 3.3.4).
@@ -276,8 +276,8 @@ impl Exterior {
         self.near().shapes()
     }
 
-    /// Pressure on the surface at the frequency `hz` for normal velocities (corner values of every panel x patterns,
-    /// see [`Boundary::project`]) that continue evenly across any mirror planes.
+    /// Pressure on the surface at the frequency `hz` for normal velocities that continue evenly across any mirror
+    /// planes. The velocities are corner values of every panel x patterns, see [`Boundary::project`].
     ///
     /// # Errors
     /// A frequency that is not positive or above the limit of the mesh, patterns of another length.

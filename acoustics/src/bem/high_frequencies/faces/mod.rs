@@ -23,10 +23,10 @@ use std::f64::consts::PI;
 /// R = rho0 c0 k^2/(2 pi) Phi_n^T S K S Phi_n       K_ab = sin(k r_ab)/(k r_ab)
 /// ```
 ///
-/// It tends to the equivalent radiated power for k -> infinity, but it includes the ratio of the wavelength on the face
-/// to that in air. A perpendicular wall (the floor, or the larger face that this one adjoins) reflects: images of the
-/// points are summed. Different faces radiate independently. Panels outside all faces, for example curved ones, radiate
-/// the equivalent radiated power.
+/// It tends to the equivalent radiated power for k -> infinity. Unlike that power, it includes the ratio of the
+/// wavelength on the face to that in air. A perpendicular wall (the floor, or the larger face that this one adjoins)
+/// reflects: images of the points are summed. Different faces radiate independently. Panels outside all faces, for
+/// example curved ones, radiate the equivalent radiated power.
 #[derive(Clone, Debug)]
 pub(crate) struct Faces<'a> {
     boundary: &'a Boundary,
