@@ -197,7 +197,7 @@ impl Eigenpairs {
         Self::new(pencil, x, self.edge, self.elastic())
     }
 
-    /// Replaces those pairs `chosen` where `accepted`.
+    /// Replaces those pairs `chosen` by others where `accepted`.
     fn replace(&mut self, chosen: &[usize], pairs: &Self, accepted: impl Fn(usize) -> bool) {
         for (c, &i) in chosen.iter().enumerate().filter(|(c, _)| accepted(*c)) {
             self.lambda[i] = pairs.lambda[c];

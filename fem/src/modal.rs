@@ -54,10 +54,10 @@ pub struct ModalBasis<S = DMatrix<f64>> {
     /// Shapes of the modes, then of the static corrections: 3 x nodes rows, one column a shape, phi^T M phi = 1
     /// \[kg^-1/2\].
     pub shapes: S,
-    /// |K phi - lambda M phi| / |lambda M phi| of each mode. A rigid mode has no lambda to divide by, so its residual is
-    /// |K phi| / |lambda_1 M phi| with the first elastic mode's lambda_1, or that of the edge when there is none. On a
-    /// soft support the terms of K phi cancel, and only rounding is left of a residual: where 1e-6 diag(K) phi is larger
-    /// than lambda M phi, it takes that one's place.
+    /// |K phi - lambda M phi| / |lambda M phi| of each mode. A rigid mode has no lambda to divide by, so its residual
+    /// is |K phi| / |lambda_1 M phi| with the first elastic mode's lambda_1, or that of the edge when there is none. On
+    /// a soft support the terms of K phi cancel, and only rounding is left of a residual: where 1e-6 diag(K) phi is
+    /// larger than lambda M phi, it takes that one's place.
     pub residuals: Vec<f64>,
     /// Whether a mode moves the body without straining it.
     pub rigid: Vec<bool>,

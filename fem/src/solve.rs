@@ -30,10 +30,10 @@ pub type Progress<'a> = dyn Fn(usize, usize) + Sync + 'a;
 
 /// Solves K phi = lambda M phi for all modes below `settings.top_hz`.
 ///
-/// K - sigma M = L D L^T with sigma = (2 pi top)^2 gives the number of modes below, by the signs of D. It then drives
-/// block Lanczos on sigma (K - sigma M)^-1 M until that many have converged. One factorisation serves the modes and the
-/// proof that none is missing. Each mode's residual is then taken anew from K and M. Should the edge fall on a mode, it
-/// is moved up by a few parts in ten thousand.
+/// K - sigma M = L D L^T with sigma = (2 pi top)^2 gives the number of modes below, by the signs of D. The factors then
+/// drive block Lanczos on sigma (K - sigma M)^-1 M until that many have converged. One factorisation serves the modes
+/// and the proof that none is missing. Each mode's residual is then taken anew from K and M. Should the edge fall on a
+/// mode, it is moved up by a few parts in ten thousand.
 ///
 /// A body with mirror planes is solved in its sectors (even or odd in each plane) one by one, a fraction of the work.
 /// Residuals and orthonormality are those of the assembled modes on the full matrices.

@@ -6,7 +6,7 @@ use crate::MeshError;
 /// h = c / (f n).
 ///
 /// `slowest_speed` is usually sqrt(G_min / rho) \[m/s\]; three quadratic elements a wavelength limit the error of a
-/// frequency to half a percent.
+/// frequency to below half a percent.
 ///
 /// # Errors
 /// [`MeshError::Dimension`] when an argument is not positive and finite.

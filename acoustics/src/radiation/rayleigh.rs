@@ -211,8 +211,8 @@ impl Rayleigh {
     /// times the square root of the power factor of absorbing sand.
     ///
     /// # Errors
-    /// [`ReceiverError::BelowFloor`] for a place below the plane. [`ReceiverError::NearSurface`] for one closer to it than
-    /// the surface's diameter over the root of its number of points.
+    /// [`ReceiverError::BelowFloor`] for a place below the plane. [`ReceiverError::NearSurface`] for one closer to it
+    /// than the surface's diameter over the root of its number of points.
     pub fn pressure_at(&self, hz: f64, places: &[Point3<f64>]) -> Result<DMatrix<Complex<f64>>, ReceiverError> {
         let k = 2.0 * PI * hz / self.air.sound_speed;
         let needed = self.clearance;

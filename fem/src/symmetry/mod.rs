@@ -156,7 +156,7 @@ impl Sector<'_> {
     }
 }
 
-/// The independent problems that the mirror planes of K and M leave; or only the whole if there are none.
+/// The independent problems that the mirror planes of K and M leave; only the whole if there are none.
 pub(crate) fn sectors(system: &System) -> Result<Vec<Sector<'_>>, FemError> {
     divided(system, &respected(system))
 }

@@ -11,9 +11,9 @@ use super::response::Work;
 ///   f_i = max(0, k_i d_i + c_i d_i')  where d_free,i > 0, else 0  (bonded: always, without the maximum).
 ///
 /// With r = k d_free + c v_free and S = 1 + diag(k) C_d + diag(c) C_v this is a linear complementarity problem. On the
-/// points with d_free > 0 it reads f >= 0, S f >= r, f^T (S f - r) = 0. The condition d_free > 0 instead of d > 0 makes it
-/// solvable. At first touch the dashpot's force may be finite while d is still of order h; then neither state of a law
-/// gated by d itself is consistent. The difference in d is C_d f = O(h^2).
+/// points with d_free > 0 it reads f >= 0, S f >= r, f^T (S f - r) = 0. The condition d_free > 0 instead of d > 0 makes
+/// it solvable. At first touch the dashpot's force may be finite while d is still of order h; then neither state of a
+/// law gated by d itself is consistent. The difference in d is C_d f = O(h^2).
 ///
 /// The touching set A is found by block principal pivoting (all violating points change at once: the semismooth Newton
 /// method) with single pivots as a fallback, which ends for every P-matrix (Judice & Pires, 1994, Computers Ops. Res.

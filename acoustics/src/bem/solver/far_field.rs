@@ -48,8 +48,8 @@ impl Exterior {
     /// R = 1/(16 pi² rho c) Re int F^H F dOmega
     /// ```
     ///
-    /// Symmetric and positive semidefinite by construction, and independent of [`Exterior::impedance`], which integrates
-    /// the intensity on the surface.
+    /// Symmetric and positive semidefinite by construction, and independent of [`Exterior::impedance`], which
+    /// integrates the intensity on the surface.
     ///
     /// # Errors
     /// Patterns or pressures of another length.

@@ -10,8 +10,8 @@
 //! W [p] = j omega rho v,  [p] = 0 at the free edges       both sides; [p] = pressure on the side of n less that behind
 //! ```
 //!
-//! The difference [p] rises from the edge with the root of the distance, so that panels should become narrow there. With
-//! panels of equal width the added mass is too small by a term of the first order in the width.
+//! The difference [p] rises from the edge with the root of the distance, so that panels should become narrow there.
+//! With panels of equal width the added mass is too small by a term of the first order in the width.
 
 use crate::air::Air;
 use crate::bem::error::BemError;

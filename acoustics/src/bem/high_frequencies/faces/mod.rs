@@ -17,7 +17,7 @@ use std::f64::consts::PI;
 
 /// Flat faces of a boundary that are wide compared with the wavelength, and the panels that belong to none.
 ///
-/// A face radiates by Rayleigh's integral, as if flush in a plane. The rest of the body is ignored:
+/// A face radiates by Rayleigh's integral, as if flush in a plane. The rest of the body is ignored.
 ///
 /// ```text
 /// R = rho0 c0 k^2/(2 pi) Phi_n^T S K S Phi_n       K_ab = sin(k r_ab)/(k r_ab)
