@@ -1,5 +1,5 @@
 //! CPU time of one frequency against size: `cargo bench -p nailnoise-acoustics --bench bem`, or `... -- table` for the
-//! last rows alone.
+//! last rows only.
 #![allow(clippy::unwrap_used, missing_docs)]
 
 #[path = "../tests/bem/common.rs"]
@@ -8,7 +8,7 @@ mod bem_common;
 use nailnoise_acoustics::Air;
 use nailnoise_acoustics::bem::{Boundary, BoundaryMesh, Exterior, Parity, Patterns, SolidBox};
 
-/// User and system time of this process \[s\], from /proc; wall time where there is none.
+/// User and system time of this process \[s\], from /proc; wall time if that is missing.
 fn cpu(start: std::time::Instant) -> f64 {
     let ticks = |stat: String| -> Option<f64> {
         let fields: Vec<&str> = stat.rsplit(')').next()?.split_whitespace().collect();

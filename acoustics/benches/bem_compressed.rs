@@ -1,9 +1,10 @@
 //! CPU time and memory of one frequency with the compressed matrix against size:
 //! `cargo bench -p nailnoise-acoustics --bench bem_compressed -- [PATTERNS [UNKNOWNS ...]]`.
 //!
-//! A box of 1 x 0.8 x 0.6 m above the floor, six panels a wavelength at every size; `quads`: of quadrilaterals; `sphere`:
-//! a sphere of triangles in free space, no two pairs of which are congruent; `low`: at a tenth of the frequency; `dense`:
-//! the dense matrix beside it at about 6 000 unknowns. The exponent is the slope of the logarithms of time and size.
+//! A box of 1 x 0.8 x 0.6 m above the floor, with six panels a wavelength at every size. Options: `quads`:
+//! quadrilaterals; `sphere`: a sphere of triangles in free space, without congruent pairs; `low`: a tenth of the
+//! frequency; `dense`: the dense matrix for comparison, at about 6 000 unknowns. The exponent is the slope of the
+//! logarithms of time and size.
 #![allow(clippy::unwrap_used, missing_docs)]
 
 #[path = "../tests/bem/common.rs"]
@@ -14,7 +15,7 @@ use nailnoise_acoustics::bem::{Boundary, EquationSolver, Exterior};
 use nalgebra::DMatrix;
 use std::f64::consts::PI;
 
-/// User and system time of this process \[s\], from /proc; wall time where there is none.
+/// User and system time of this process \[s\], from /proc; wall time if that is missing.
 fn cpu(start: std::time::Instant) -> f64 {
     let ticks = |stat: String| -> Option<f64> {
         let fields: Vec<&str> = stat.rsplit(')').next()?.split_whitespace().collect();

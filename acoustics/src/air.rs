@@ -39,10 +39,10 @@ impl Air {
         Self::default().in_state(temperature, pressure)
     }
 
-    /// A perfect gas of specific gas constant R \[J/(kg K)\] and ratio gamma of the specific heats, in the same state.
+    /// A perfect gas of specific gas constant R \[J/(kg K)\] and ratio gamma of specific heats, in the same state.
     ///
     /// # Errors
-    /// [`InputError`] for a gas constant that is not above zero and for a ratio that is not above 1.
+    /// [`InputError`] for a gas constant that is not above zero or a ratio not above 1.
     pub fn of_gas(self, gas_constant: f64, heat_ratio: f64) -> Result<Self, InputError> {
         positive("specific gas constant [J/(kg K)]", gas_constant)?;
         positive("ratio of the specific heats, less 1", heat_ratio - 1.0)?;

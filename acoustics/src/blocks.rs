@@ -1,6 +1,6 @@
 //! Large arrays as single blocks of little-endian bytes, for `#[serde(with = "crate::blocks")]`.
 //!
-//! Encoding every number by itself would take several times as long as copying a radiation matrix.
+//! Encoding every number separately would take several times as long as copying a radiation matrix.
 
 use nalgebra::{Complex, DMatrix};
 use serde::de::Error as _;

@@ -33,7 +33,7 @@ pub enum InputError {
         /// The value.
         value: f64,
     },
-    /// A quantity lies outside the interval in which the model holds.
+    /// A quantity lies outside the validity range of the model.
     #[error("{what} is {value}, outside {low} to {high}")]
     OutsideRange {
         /// The quantity.

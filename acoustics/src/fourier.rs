@@ -46,7 +46,7 @@ pub enum FourierError {
 /// Parameters of the transform of a record.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TransformSettings {
-    /// Analysed range \[Hz\]; the bins kept cover it.
+    /// Analysed range \[Hz\]; the retained bins cover it.
     pub range_hz: [f64; 2],
     /// Length of the cosine taper at the end of the record \[s\].
     pub taper: f64,
@@ -65,7 +65,7 @@ impl Default for TransformSettings {
     }
 }
 
-/// A planned transform of records of one length, which keeps the bins of the analysed range.
+/// A planned transform of records of one length to the bins of the analysed range.
 #[derive(Clone)]
 pub struct Transform {
     fft: Arc<dyn RealToComplex<f64>>,
@@ -76,7 +76,7 @@ pub struct Transform {
     bins: usize,
 }
 
-/// What a [`Transform`] works in: padded record, spectrum and scratch.
+/// Buffers of a [`Transform`]: padded record, spectrum and scratch.
 pub(crate) struct Work {
     padded: Vec<f64>,
     spectrum: Vec<Complex<f64>>,
@@ -136,7 +136,7 @@ impl Transform {
         1.0 / (self.fft.len() as f64 * self.sample_interval)
     }
 
-    /// Frequencies of the bins kept \[Hz\].
+    /// Frequencies of the retained bins \[Hz\].
     pub fn frequencies(&self) -> Vec<f64> {
         let df = self.resolution();
         (self.first..self.first + self.bins).map(|k| k as f64 * df).collect()
@@ -192,8 +192,8 @@ impl Transform {
 
 /// A uniform record after a linear filter, y = IFFT\[H(f) X(f)\], at the instants of the record.
 ///
-/// `response` is H at a frequency f >= 0 \[Hz\]. The record is padded with zeros to `padding` times its length, so that
-/// the decay of the filter after the end of the record does not wrap around to its beginning.
+/// `response` is H at a frequency f >= 0 \[Hz\]. The record is padded with zeros to `padding` times its length. The
+/// decay of the filter after the record's end then does not wrap around to its beginning.
 ///
 /// # Errors
 /// A record of fewer than 8 samples, values that are not finite, an interval or padding that is not positive.

@@ -174,8 +174,8 @@ pub(super) fn load<S: Simd>(values: &[f64], start: usize) -> S::f64s {
     S::as_simd_f64s(&values[start..start + S::F64_LANES]).0[0]
 }
 
-/// Green's function G = e^{-jkr} / (4 pi r), times `scale`, and h = (1 + jkr) G / r² for which
-/// dG/dn_y = h (x - y) . n_y and dG/dn_x = -h (x - y) . n_x; real and imaginary parts, from r².
+/// Green's function G = e^{-jkr} / (4 pi r), times `scale`, and h = (1 + jkr) G / r²; real and imaginary parts, from
+/// r². Then dG/dn_y = h (x - y) . n_y and dG/dn_x = -h (x - y) . n_x.
 #[inline(always)]
 pub(super) fn green<S: Simd>(simd: S, r2: S::f64s, k: S::f64s, scale: S::f64s) -> [S::f64s; 4] {
     let r = simd.sqrt_f64s(r2);

@@ -14,7 +14,7 @@ use serde::Serialize;
 /// of flows are enthalpies c_p T m at the temperature of their origin, counted from 0 K: a kilogram of air at ambient
 /// temperature carries 294 kJ in either direction.
 ///
-/// The published forms of gas law, channel and valve underside do not keep energy (C-02, C-03, C-06); the flow is
+/// The published forms of gas law, channel and valve underside do not conserve energy (C-02, C-03, C-06); the flow is
 /// still stated for them, and the residuals are the energy that is lost.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize)]
 pub struct EnergyFlow {
@@ -72,8 +72,7 @@ pub struct EnergyFlow {
     pub elastic_end: f64,
 }
 
-/// Energy dissipated in each contact \[J\]: by its dashpot, and what is left in its spring if it opens while
-/// compressed.
+/// Energy dissipated in each contact \[J\]: by its dashpot, and the energy of its spring if it opens while compressed.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize)]
 pub struct ContactEnergy {
     /// Piston on the bumper.

@@ -15,7 +15,7 @@ pub enum CycleError {
         name: String,
         /// The value found.
         value: f64,
-        /// What it must be.
+        /// The requirement.
         rule: Cow<'static, str>,
     },
     /// The closing spring would be compressed beyond the range of its published characteristic.
@@ -54,7 +54,7 @@ pub enum CycleError {
         /// Its value \[m\].
         outer: f64,
     },
-    /// The tip of the waiting nail would stand out of the nose.
+    /// The tip of the waiting nail would protrude from the nose.
     #[error(
         "nail.length {length} m exceeds nail.feed_height {feed_height} m: the nail waits inside the nose; raise \
          nail.feed_height or use a shorter nail"
@@ -125,7 +125,7 @@ pub enum CycleError {
         /// Hand force and weights \[N\].
         press: f64,
     },
-    /// Supply pressure does not hold the head valve on its seat before the shot.
+    /// Supply pressure does not press the head valve onto its seat before the shot.
     #[error(
         "the head valve does not close: {force} N on its seat at rest; raise supply.pressure or \
          head_valve.outer_diameter"
@@ -197,7 +197,7 @@ pub enum CycleError {
         /// Nail length \[m\].
         length: f64,
     },
-    /// Cycle and wood do not find forces on which both agree.
+    /// Cycle and wood do not agree on forces.
     #[error(
         "the cycle and the wood do not agree on their forces at {time} s: {mismatch} N apart, {limit} N allowed; use a \
          smaller settings.sample_interval (in a design analysis.time_step), or couple one way"
@@ -219,7 +219,7 @@ pub enum CycleError {
     Integration {
         /// Time \[s\].
         time: f64,
-        /// What the solver reported.
+        /// The solver's report.
         cause: String,
     },
 }

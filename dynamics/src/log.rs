@@ -94,7 +94,7 @@ pub enum Direction {
     Falling,
 }
 
-/// State at an entry, after the change where there is one.
+/// State at an entry, after any change.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct LogState {
     /// y_pr, piston travel \[m\].

@@ -62,7 +62,7 @@ impl CycleRecord {
         self.piston.position.len()
     }
 
-    /// Whether there are no samples; never true of a record from [`simulate`](crate::simulate).
+    /// Whether the record is empty; never true of a record from [`simulate`](crate::simulate).
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
@@ -72,7 +72,7 @@ impl CycleRecord {
         index as f64 * self.sample_interval
     }
 
-    /// Whether every check holds.
+    /// Whether every check passes.
     pub fn is_certified(&self) -> bool {
         self.checks.iter().all(|check| check.ok)
     }
@@ -153,7 +153,7 @@ pub struct Forces {
     pub guard: Vec<f64>,
     /// F_sup, support on the workpiece, up.
     pub support: Vec<f64>,
-    /// Hand on the tool, down; F_hm itself where the hand has no mass.
+    /// Hand on the tool, down; F_hm itself for a massless hand.
     pub hand: Vec<f64>,
     /// Friction of magazine and guide on the nail the rod drives, up on it when it moves down.
     pub magazine: Vec<f64>,
@@ -303,7 +303,7 @@ pub struct Summary {
     pub full_penetration: Option<f64>,
     /// Deepest nail tip depth z_max \[m\].
     pub penetration: f64,
-    /// Depth of the nail's head below the surface, z_max - l_n \[m\]; negative where it stands out.
+    /// Depth of the nail's head below the surface, z_max - l_n \[m\]; negative where it protrudes.
     pub head_depth: f64,
     /// Largest penetration resistance \[N\].
     pub peak_penetration_force: f64,
@@ -327,7 +327,7 @@ pub struct Summary {
     pub leak_mass: f64,
     /// Mass in from the hose \[kg\].
     pub supply_mass: f64,
-    /// Part of the time the intake is open in which it is choked \[-\].
+    /// Part of the intake's open time with choked flow \[-\].
     pub intake_choked_fraction: Option<f64>,
     /// Part of t13..t17 with P_a/P_1 below the critical ratio \[-\].
     pub exhaust_chamber_choked_fraction: Option<f64>,

@@ -22,7 +22,7 @@ pub struct WoodMotion {
     /// Position \[m\] and velocity \[m/s\] of the surface under the nose, the work-conjugates of
     /// [`WoodForces::seat`].
     pub seat: [f64; 2],
-    /// Position and velocity of the wood that holds the nail, the work-conjugates of [`WoodForces::nail`].
+    /// Position and velocity of the wood that grips the nail, the work-conjugates of [`WoodForces::nail`].
     pub nail: [f64; 2],
     /// Force of the support on the wood, up \[N\].
     pub support: f64,

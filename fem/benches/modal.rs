@@ -1,9 +1,10 @@
 //! Stage shares of the modal solution and its growth with the degrees of freedom.
 //!
 //! `cargo bench -p nailnoise-fem` runs the small meshes; `cargo bench -p nailnoise-fem -- --full` also the free wood
-//! block with 50 000 and 153 000 degrees of freedom. Times are CPU seconds of the process where /proc tells them, so that
-//! other work on the machine does not count; set RAYON_NUM_THREADS=1 for one core. `-- --only 34 13 8` runs the free block
-//! with these divisions alone, `-- --block 8` sets the vectors of a Lanczos block, `-- --whole` leaves mirror planes unused.
+//! block with 50 000 and 153 000 degrees of freedom. Times are CPU seconds of the process, if /proc provides them, so
+//! that other work on the machine does not count. Set RAYON_NUM_THREADS=1 for one core. `-- --only 34 13 8` runs the
+//! free block with only these divisions, `-- --block 8` sets the vectors of a Lanczos block, `-- --whole` leaves mirror
+//! planes unused.
 
 #[path = "../tests/common/bodies.rs"]
 mod bodies;
@@ -15,7 +16,7 @@ use nailnoise_fem::{Constraints, ModalSettings, System, assemble, modes};
 /// CPU time of this process in ticks of 10 ms.
 fn cpu_time() -> Option<Duration> {
     let stat = std::fs::read_to_string("/proc/self/stat").ok()?;
-    // Fields 14 and 15, counted from behind the command name, which may hold blanks.
+    // Fields 14 and 15, counted from behind the command name, which may contain blanks.
     let fields: Vec<&str> = stat.rsplit_once(')')?.1.split_whitespace().collect();
     let ticks: u64 = fields.get(11)?.parse::<u64>().ok()? + fields.get(12)?.parse::<u64>().ok()?;
     Some(Duration::from_millis(10 * ticks))

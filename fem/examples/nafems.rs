@@ -69,7 +69,7 @@ fn solve(
     input.push_str("*ELEMENT, TYPE=C3D20, ELSET=ALL\n");
     for (number, element) in mesh.elements().enumerate() {
         let nodes: Vec<String> = element.nodes.iter().map(|n| (n + 1).to_string()).collect();
-        // A line holds at most sixteen entries.
+        // A line has at most sixteen entries.
         writeln!(
             input,
             "{}, {},\n{}",

@@ -19,13 +19,13 @@ use crate::{Attachments, Constraints, FemError, Material, order};
 /// The free degrees of freedom of a model, numbered node by node as the mesh has them, or in an order of elimination
 /// ([`assemble_in_order`]).
 ///
-/// The degrees of freedom u of the mesh follow from the unknowns q of the equations as u = T q: a free one is an unknown
-/// itself, a held one is zero, and one of a tied node is a combination of unknowns.
+/// The degrees of freedom u of the mesh follow from the unknowns q of the equations as u = T q. A free one is an
+/// unknown itself, a fixed one is zero, and one of a tied node is a combination of unknowns.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Equations {
     /// Degrees of freedom of the mesh.
     dofs: usize,
-    /// Equation of degree of freedom 3 node + axis, or none where it is held or tied; those of rigid masses follow.
+    /// Equation of degree of freedom 3 node + axis, or none if it is fixed or tied; those of rigid masses follow.
     equation_of: Vec<Option<usize>>,
     /// Degree of freedom of each equation.
     dof_of: Vec<usize>,
@@ -37,7 +37,7 @@ pub struct Equations {
     mirrors: Vec<Mirror>,
 }
 
-/// Stiffness and mass of a body, held degrees of freedom removed.
+/// Stiffness and mass of a body, fixed degrees of freedom removed.
 ///
 /// Both matrices are symmetric; only their lower triangles are stored, by columns, rows ascending.
 #[derive(Clone, Debug)]
@@ -48,7 +48,7 @@ pub struct System {
     pub stiffness: CscMatrix<f64>,
     /// M \[kg\].
     pub mass: CscMatrix<f64>,
-    /// The pattern of factors, where the equations stand in an order of elimination.
+    /// The pattern of factors, with the equations in an order of elimination.
     pub(crate) symbolic: Option<Arc<Symbolic>>,
 }
 
@@ -83,13 +83,13 @@ impl Equations {
         &self.mirrors
     }
 
-    /// The equation of a displacement component, or none where it is held or tied.
+    /// The equation of a displacement component, or none if it is fixed or tied.
     pub fn equation(&self, node: usize, axis: usize) -> Option<usize> {
         self.equation_of[3 * node + axis]
     }
 
-    /// T q: columns over the degrees of freedom of the mesh (3 x nodes rows) from columns over the equations; held ones
-    /// are zero.
+    /// T q: columns over the degrees of freedom of the mesh (3 x nodes rows) from columns over the equations; fixed
+    /// ones are zero.
     pub fn expand(&self, columns: &DMatrix<f64>) -> DMatrix<f64> {
         let columns = MatRef::from_column_major_slice(columns.as_slice(), columns.nrows(), columns.ncols());
         self.expanded(columns.ncols(), |c| columns.col(c))
@@ -115,8 +115,8 @@ impl Equations {
         DMatrix::from_vec(self.dofs, columns, all)
     }
 
-    /// T^T f: forces on the equations from forces on the degrees of freedom of the mesh; those on held ones are dropped,
-    /// those on tied ones pass to what they are tied to.
+    /// T^T f: forces on the equations from forces on the degrees of freedom of the mesh. Those on fixed ones are
+    /// dropped, those on tied ones pass to their masters.
     ///
     /// # Errors
     /// [`FemError::LoadRows`] unless there are three rows a node.
@@ -170,10 +170,10 @@ pub fn assemble(mesh: &Mesh, materials: &[Material], constraints: &Constraints) 
     assemble_with(mesh, materials, constraints, &Attachments::default())
 }
 
-/// Assembles K and M of `mesh` with what is attached to it.
+/// Assembles K and M of `mesh` with its attachments.
 ///
 /// # Errors
-/// Those of [`assemble`]; [`FemError::Mesh`] when a group is unknown or a slave node is too far from its master;
+/// Those of [`assemble`]. [`FemError::Mesh`] when a group is unknown or a slave node is too far from its master.
 /// [`FemError::TiedTwice`], [`FemError::TieCycle`], [`FemError::HeldAndTied`], [`FemError::Patch`],
 /// [`FemError::Inertia`], [`FemError::Spring`] or [`FemError::NotPositive`].
 pub fn assemble_with(
@@ -203,9 +203,9 @@ pub fn assemble_in_order(
     nodes.assemble(mesh, materials, Some(order))
 }
 
-/// The nodes of a model that have unknowns, in an order of elimination of their graph; none for a body with planes that may
-/// divide it, where each sector has an order of its own. The order does not depend on materials, nor on the sizes of masses and
-/// stiffnesses.
+/// The nodes of a model that have unknowns, in an order of elimination of their graph; none for a body with planes that
+/// may divide it, because its sectors have separate orders. The order does not depend on materials, nor on the sizes of
+/// masses and stiffnesses.
 ///
 /// # Errors
 /// Those of [`assemble_with`], but for materials and elements.

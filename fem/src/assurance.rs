@@ -49,13 +49,13 @@ pub enum Pairing {
     Number,
 }
 
-/// Compares measured modes with computed ones of frequencies `hz` \[Hz\], whose `shapes` are 3 nodes x modes or more:
+/// Compares measured modes with computed ones of frequencies `hz` \[Hz\], whose `shapes` are 3 nodes x modes or more.
 ///
 /// ```text
 /// MAC = |phi_m^H phi_c|^2 / ((phi_m^H phi_m) (phi_c^H phi_c))
 /// ```
 ///
-/// (Allemang and Brown, IMAC 1982) over the degrees of freedom that were measured: those that are not zero in all modes, along
+/// (Allemang and Brown, IMAC 1982) over the measured degrees of freedom: those that are not zero in all modes, along
 /// the axes of each measured point. None when no point is matched.
 pub fn correlate(
     (hz, shapes): (&[f64], &DMatrix<f64>),

@@ -18,8 +18,8 @@ pub struct Attachments {
 }
 
 impl Attachments {
-    /// Each dependent node of a mesh with the nodes that it follows. Nothing is assembled, so that attachments can be checked
-    /// before a body is solved: each slave node reaches its master, and none is both held and tied.
+    /// Each dependent node of a mesh with the nodes that it follows. Nothing is assembled, so attachments can be
+    /// checked before a body is solved. Each slave node must reach its master, and none may be both fixed and tied.
     ///
     /// # Errors
     /// As [`crate::assemble_with`], as far as attachments are concerned.
@@ -40,10 +40,11 @@ impl Attachments {
 
 /// A tied interface: each node of the slave group moves with the master element behind it.
 ///
-/// u(x_s) = sum of N_a(x_s) u_a over the nodes of the element behind the nearest master face, where the shape functions
-/// are those of the volume, extrapolated beyond the face if the surfaces do not quite meet. They reproduce every linear
-/// field, so the interface neither strains under rigid motion nor needs a stiffness; the slave's degrees of freedom are
-/// eliminated. The finer of the two meshes should be the slave: what the master's field cannot follow is not tied.
+/// The motion u(x_s) is the sum of N_a(x_s) u_a over the nodes of the element behind the nearest master face. The shape
+/// functions are those of the volume, extrapolated beyond the face if the surfaces do not quite meet. They reproduce
+/// every linear field, so the interface neither strains under rigid motion nor needs a stiffness; the slave's degrees
+/// of freedom are eliminated. The finer of the two meshes should be the slave: motion that the master's field cannot
+/// follow is not tied.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Tie {
     /// Face group whose nodes follow.

@@ -9,7 +9,7 @@ use rayon::prelude::*;
 
 use crate::dense::{ROWS, add_product, transpose_product};
 
-/// Columns that one piece of memory holds.
+/// Columns in one piece of memory.
 const PIECE: usize = 128;
 
 /// V in pieces of [`PIECE`] columns, so that it grows without being copied and no more of it is in memory than is used.
@@ -79,7 +79,7 @@ impl Columns {
     }
 
     /// V S with the first columns of V. Rows are replaced piece by piece within V, and V is given up as its columns are
-    /// copied, so that the product needs little room beside it.
+    /// copied, so that the product needs little additional room.
     pub(crate) fn into_product(mut self, s: MatRef<'_, f64>) -> Mat<f64> {
         let parts: Vec<Range<usize>> = (0..s.nrows())
             .step_by(PIECE)

@@ -1,4 +1,4 @@
-//! Which degrees of freedom are held.
+//! The fixed degrees of freedom.
 
 use std::collections::BTreeSet;
 
@@ -6,7 +6,7 @@ use nailnoise_meshes::Mesh;
 
 use crate::FemError;
 
-/// Displacement components held at zero; they are eliminated, never penalised.
+/// Displacement components fixed at zero; they are eliminated, never penalised.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Constraints {
     held: BTreeSet<(usize, usize)>,
@@ -18,7 +18,7 @@ impl Constraints {
         Self::default()
     }
 
-    /// All three displacements held at the nodes of a face group.
+    /// All three displacements fixed at the nodes of a face group.
     ///
     /// # Errors
     /// [`FemError::Mesh`] when there is no such group.
@@ -32,17 +32,17 @@ impl Constraints {
         Ok(constraints)
     }
 
-    /// Holds one displacement component (axis 0, 1, 2 for x, y, z) of one node.
+    /// Fixes one displacement component (axis 0, 1, 2 for x, y, z) of one node.
     pub fn hold(&mut self, node: usize, axis: usize) {
         self.held.insert((node, axis));
     }
 
-    /// Whether this component is held.
+    /// Whether this component is fixed.
     pub fn holds(&self, node: usize, axis: usize) -> bool {
         self.held.contains(&(node, axis))
     }
 
-    /// The held components, ascending.
+    /// The fixed components, ascending.
     pub fn iter(&self) -> impl Iterator<Item = (usize, usize)> + '_ {
         self.held.iter().copied()
     }

@@ -1,4 +1,4 @@
-//! What the modes of a body cost, estimated before they are computed.
+//! Cost of the modes of a body, estimated before they are computed.
 
 use std::f64::consts::{PI, TAU};
 
@@ -27,10 +27,10 @@ impl ModalCost {
     ///
     /// Modes by the larger of the leading terms for solids (Dupuis, Mazo and Onsager 1960) and for plates (Courant and
     /// Hilbert), N = V w^3 / (6 pi^2) sum 1/c^3 and N = A w sqrt(12)/(4 pi c_P t). With n degrees of freedom the factor
-    /// L of a nested dissection holds 28 n^(4/3) values for a compact body and 28 n lg2 n for thin walls; Lanczos takes
-    /// s = 4 N solves and keeps as many vectors. The work is 6 L^2/n operations for two factors, 4 L s to solve, 4 n
-    /// s^2 to keep the vectors orthogonal. Mirror planes divide n and N by the number of sectors, and multiply the work
-    /// by it.
+    /// L of a nested dissection has 28 n^(4/3) values for a compact body and 28 n lg2 n for thin walls; Lanczos takes s
+    /// = 4 N solves and stores as many vectors. The work is 6 L^2/n operations for two factors, 4 L s to solve, 4 n s^2
+    /// to orthogonalise the vectors. Mirror planes divide n and N by the number of sectors, and multiply the work by
+    /// it.
     ///
     /// # Errors
     /// [`MeshError`] of the quadrature, never for a valid mesh.
@@ -80,8 +80,8 @@ fn plate_speed(c_s: f64) -> f64 {
     (2.0_f64 / 0.7).sqrt() * c_s
 }
 
-/// Share of the modes of a large plate that remains in narrow walls with held edges (0.51 on the tool body, 0.55 on the
-/// steel tables).
+/// Share of the modes of a large plate that remains in narrow walls with fixed edges (0.51 on the tool body, 0.55 on
+/// the steel tables).
 const CLAMPED_SHARE: f64 = 0.55;
 
 /// Stiffness and mass \[byte a degree of freedom\].
@@ -125,14 +125,14 @@ pub struct ShortestWave {
 
 impl ShortestWave {
     /// The shortest waves along all element sides of a part with walls of this thickness \[m\], in a solid and in a
-    /// wall (Cremer, Heckl and Petersson, *Structure-Borne Sound*, section 3.3),
+    /// wall (Cremer, Heckl and Petersson, *Structure-Borne Sound*, section 3.3).
     ///
     /// ```text
     /// lambda_S = c_S / f,   lambda_B = sqrt(1.8 c_L t / f),
     /// ```
     ///
-    /// with the wave speeds c_S and c_L of the material in the direction of the side, so that long elements along a
-    /// grain do not count as coarse.
+    /// with the wave speeds c_S and c_L of the material in the direction of the side. Long elements along a grain thus
+    /// do not count as coarse.
     pub fn of_part(mesh: &Mesh, part: usize, material: &Material, hz: f64, thickness: f64) -> Self {
         let mut worst = Self {
             hz,

@@ -10,7 +10,7 @@ use rayon::prelude::*;
 
 use crate::FemError;
 
-/// Rows of a piece; the split depends on the matrix alone.
+/// Rows of a piece; the split depends only on the matrix.
 pub(crate) const ROWS: usize = 4096;
 
 /// V^T W.
@@ -41,9 +41,9 @@ pub(crate) fn add_product(w: MatMut<'_, f64>, alpha: f64, v: MatRef<'_, f64>, c:
     });
 }
 
-/// Makes the columns of W orthonormal in the inner product of M, given Z = M W, which follows suit; returns the upper
-/// triangular R with W = Q R, by Cholesky QR done twice (Yamamoto et al. 2015), or none when W is too close to rank
-/// deficiency for that.
+/// Makes the columns of W orthonormal in the inner product of M, given Z = M W, which is transformed likewise. Returns
+/// the upper triangular R with W = Q R, by Cholesky QR done twice (Yamamoto et al. 2015), or none when W is too close
+/// to rank deficiency for that.
 pub(crate) fn cholesky_qr(w: &mut Mat<f64>, z: &mut Mat<f64>) -> Option<Mat<f64>> {
     let first = cholesky_qr_once(w, z)?;
     let second = cholesky_qr_once(w, z)?;

@@ -13,7 +13,8 @@ use crate::sparse::{Room, product, product_into};
 /// A mode is rigid when lambda is below this fraction of the edge: its frequency is then below 5e-5 of the top.
 pub(crate) const RIGID: f64 = 2.5e-9;
 
-/// The sums of K phi may cancel down to this fraction of their terms: what is left has eight digits more than rounding.
+/// The sums of K phi may cancel down to this fraction of their terms: the remainder has eight digits more than
+/// rounding.
 const CANCELLED: f64 = 1e-6;
 
 /// Rounding of phi^T K phi relative to phi^T diag(K) phi; half an epsilon in sheets of 0.5 and 1 mm. A thin sheet is so stiff
@@ -132,16 +133,17 @@ impl Eigenpairs {
         pairs
     }
 
-    /// Takes modes whose residual r = K phi - lambda M phi is above half the limit through steps of inverse iteration with
-    /// (K - sigma M)^-1, by which `solve` multiplies, until none is or a step no longer halves any, and says how many
-    /// vectors it solved for.
+    /// Improves modes whose residual r = K phi - lambda M phi is above half the limit, by steps of inverse iteration
+    /// with (K - sigma M)^-1, by which `solve` multiplies. It ends when none is above or a step no longer halves any,
+    /// and returns how many vectors it solved for.
     ///
     /// Rounding leaves components of high modes in the Lanczos basis, which K multiplies by their frequency squared; a
     /// solve divides them by it again. In the form phi - (K - sigma M)^-1 r the solve's own rounding is relative to r,
-    /// not to phi. A component of mode j is multiplied by (lambda - sigma) / (lambda_j - sigma): with sigma at the edge
-    /// that serves modes far above, with a small negative sigma all that are not in the basis, which the lowest modes
-    /// of a basis of several decades need. Components of modes just above the edge, which the first would enlarge and
-    /// the second hardly reduces, are taken out as those of the basis are. What a step does not improve stays as it is.
+    /// not to phi. A component of mode j is multiplied by (lambda - sigma) / (lambda_j - sigma). With sigma at the edge
+    /// this reduces modes far above, with a small negative sigma all that are not in the basis. The lowest modes of a
+    /// basis of several decades need the latter. Components of modes just above the edge, which the first would enlarge
+    /// and the second hardly reduces, are taken out as those of the basis are. Modes that a step does not improve stay
+    /// as they are.
     pub(crate) fn refine(
         &mut self,
         pencil: Pencil<'_>,
@@ -195,7 +197,7 @@ impl Eigenpairs {
         Self::new(pencil, x, self.edge, self.elastic())
     }
 
-    /// Puts other pairs in the place of those `chosen` where `accepted`.
+    /// Replaces those pairs `chosen` by others where `accepted`.
     fn replace(&mut self, chosen: &[usize], pairs: &Self, accepted: impl Fn(usize) -> bool) {
         for (c, &i) in chosen.iter().enumerate().filter(|(c, _)| accepted(*c)) {
             self.lambda[i] = pairs.lambda[c];
@@ -206,7 +208,7 @@ impl Eigenpairs {
         }
     }
 
-    /// Makes modes that were refined one by one orthogonal again: with Phi^T M Phi = I + E, E some 1e-8,
+    /// Makes modes that were refined one by one orthogonal again. With Phi^T M Phi = I + E, E some 1e-8,
     ///
     /// ```text
     /// Phi <- Phi (I - U),   U_ij = E_ij for lambda_i < lambda_j,   U_ii = E_ii / 2,
@@ -237,10 +239,11 @@ impl Eigenpairs {
         self.replace(&changed, &pairs, |_| true);
     }
 
-    /// Takes out of X, whose columns approximate the modes `chosen`, what it holds of other modes, those above included.
+    /// Takes out of X, whose columns approximate the modes `chosen`, the components of other modes, those above
+    /// included.
     ///
-    /// Mode i holds phi_j^T (K - lambda_i M) x / (lambda_j - lambda_i) of mode j. Mere orthogonalisation would not do:
-    /// a high mode's own trace of a low one, invisible in its residual, would be pushed into the low mode and there
+    /// Mode i contains phi_j^T (K - lambda_i M) x / (lambda_j - lambda_i) of mode j. Mere orthogonalisation would not
+    /// do: a high mode's own trace of a low one, invisible in its residual, would be pushed into the low mode and there
     /// weigh lambda_j / lambda_i times as much. Near-degenerate modes, where the quotient says nothing, are made
     /// orthogonal.
     fn purge(&self, pencil: Pencil<'_>, x: &mut Mat<f64>, chosen: &[usize]) {
@@ -286,7 +289,7 @@ impl Eigenpairs {
         elastic.map(|(l, _)| *l).fold(self.ceiling, f64::min)
     }
 
-    /// Refers the residuals of rigid modes to the body's lowest elastic lambda, which another sector may hold.
+    /// Refers the residuals of rigid modes to the body's lowest elastic lambda, which may be in another sector.
     pub(crate) fn refer_to(&mut self, elastic: f64) {
         let before = self.elastic();
         self.ceiling = elastic.min(self.ceiling);

@@ -50,7 +50,7 @@ impl From<&Material> for ElementMaterial {
     }
 }
 
-/// Stiffness and mass of one element, node pair by node pair for b <= a: pair (a, b) stands at a (a + 1) / 2 + b.
+/// Stiffness and mass of one element, node pair by node pair for b <= a: pair (a, b) is at a (a + 1) / 2 + b.
 #[derive(Default)]
 pub(crate) struct ElementMatrices {
     /// K_ab, the 3 x 3 block of nodes a and b.

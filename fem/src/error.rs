@@ -1,4 +1,4 @@
-//! What can go wrong between a mesh and its modes.
+//! Errors on the way from a mesh to its modes.
 
 /// An error of the modal models; every variant carries the numbers and names the remedy.
 #[derive(Debug, thiserror::Error)]
@@ -138,7 +138,7 @@ pub enum FemError {
     TiedTwice {
         /// The node.
         node: usize,
-        /// The group in which it was met the second time.
+        /// The group of its second occurrence.
         group: String,
     },
     /// Ties depend on each other in a circle.
@@ -147,7 +147,7 @@ pub enum FemError {
         /// A node of the circle.
         node: usize,
     },
-    /// A node is held and tied at once.
+    /// A node is fixed and tied at once.
     #[error(
         "node {node} is held along axis {axis} and tied as well; hold the master or take the node out of one group"
     )]

@@ -72,7 +72,7 @@ impl Symbolic {
         self.symmetric(a, shift, values).or_else(|_| self.pivoted(a, shift))
     }
 
-    /// P A Q = L U, with a fill-reducing order of its own.
+    /// P A Q = L U, with a separate fill-reducing order.
     fn pivoted(&self, a: &CscMatrix<f64>, shift: f64) -> Result<Factor<'_>, FemError> {
         let n = a.nrows();
         let mut triplets = Vec::with_capacity(2 * a.nnz());
@@ -93,8 +93,8 @@ impl Symbolic {
         Ok(factor)
     }
 
-    /// L D L^T = A. There is no pivoting; the probe checks its stability. `values` is the storage of an earlier factor, or
-    /// empty.
+    /// L D L^T = A. Pivoting is not used; the probe checks the stability. `values` is the storage of an earlier factor,
+    /// or empty.
     pub(crate) fn symmetric(&self, a: &CscMatrix<f64>, shift: f64, values: Vec<f64>) -> Result<Factor<'_>, FemError> {
         let mut values = self.storage(values);
         let numeric = Numeric {
@@ -148,7 +148,7 @@ impl Factor<'_> {
         }
     }
 
-    /// Y = scale A^-1 X, with room kept for the next solve.
+    /// Y = scale A^-1 X, with room for the next solve.
     pub(crate) fn solve_scaled(&self, scale: f64, x: MatRef<'_, f64>, mut y: MatMut<'_, f64>, room: &mut PartRows) {
         match &self.kind {
             Kind::Symmetric { values, diagonal } => {
@@ -229,7 +229,7 @@ mod tests {
 
     fn lower(rows: &[&[f64]]) -> CscMatrix<f64> {
         let dense = DMatrix::from_fn(rows.len(), rows.len(), |i, j| if i >= j { rows[i][j] } else { 0.0 });
-        // Zeros of the pattern are kept, so that all matrices share one.
+        // Zeros of the pattern are stored, so that all matrices share one.
         let n = rows.len();
         let offsets = (0..=n).map(|j| j * n - j * j.saturating_sub(1) / 2).collect();
         let indices = (0..n).flat_map(|j| j..n).collect();
@@ -258,7 +258,7 @@ mod tests {
         let factor = symbolic.best(&indefinite, 0.0, Vec::new()).unwrap();
         assert_eq!(factor.negative_eigenvalues(), Some(1));
         solves(&factor, &indefinite);
-        // Its first pivot is zero: without pivoting there is no factor.
+        // Its first pivot is zero: without pivoting the factor does not exist.
         let saddle = lower(&[&[0.0, 0.0, 0.0], &[1.0, 0.0, 0.0], &[2.0, -1.0, 0.0]]);
         assert!(symbolic.symmetric(&saddle, 0.0, Vec::new()).is_err());
         let factor = symbolic.best(&saddle, 0.0, Vec::new()).unwrap();

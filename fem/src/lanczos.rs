@@ -1,10 +1,10 @@
 //! Block Lanczos for the negative eigenvalues of (K - sigma M)^-1 M.
 //!
 //! With the shift sigma at the upper edge of the frequencies wanted, theta = sigma / (lambda - sigma) is at most -1 for
-//! every lambda in \[0, sigma) and positive beyond: the modes wanted are the negative end of the spectrum, and how many
-//! there are is the Sturm count of the very factorisation that serves the iteration. The basis is kept M-orthonormal to
-//! rounding, so there are no ghosts, and by Cauchy interlacing no more Ritz values than eigenvalues are negative: when
-//! as many have converged, none is missing (Grimes, Lewis & Simon 1994, SIAM J. Matrix Anal. Appl. 15, 228-272).
+//! every lambda in \[0, sigma) and positive beyond. The modes wanted are the negative end of the spectrum. Their number
+//! is the Sturm count of the very factorisation that serves the iteration. The basis stays M-orthonormal to rounding,
+//! so ghosts do not occur, and by Cauchy interlacing at most as many Ritz values as eigenvalues are negative: when as
+//! many have converged, none is missing (Grimes, Lewis & Simon 1994, SIAM J. Matrix Anal. Appl. 15, 228-272).
 
 use faer::prelude::ReborrowMut;
 use faer::{Mat, MatMut, MatRef};
@@ -26,8 +26,8 @@ const REFINABLE: f64 = 1e-3;
 /// Checks without improvement after which a basis counts as stagnant.
 const STAGNANT_CHECKS: usize = 2;
 
-/// Eigenvectors of a larger theta are handed out too: their lambda is at most a tenth above sigma. The operator multiplies
-/// rounding most along these, and the refinement has to know them to take it out.
+/// Eigenvectors of a larger theta are handed out too: their lambda is at most a tenth above sigma. The operator
+/// multiplies rounding most along these, and the refinement needs them to take it out.
 const ABOVE: f64 = 10.0;
 
 /// Largest relative residual |B y - theta y| / theta of such an eigenvector.
@@ -166,8 +166,8 @@ impl Ritz {
         self.theta.iter().fold(0.0, |a: f64, t| a.max(t.abs()))
     }
 
-    /// For each of the `count` negative pairs the relative residual |K phi - lambda M phi| / |lambda M phi| that the
-    /// improved vector will have, up to the difference of norms: with B phi = theta phi + r it is
+    /// For each of the `count` negative pairs the relative residual |K phi - lambda M phi| / |lambda M phi| of the
+    /// improved vector, up to the difference of norms. With B phi = theta phi + r it is
     /// |M r| sigma / (theta^2 lambda |M phi|), and theta = sigma / (lambda - sigma). For rigid modes the lowest elastic
     /// lambda takes the place of lambda. A residual at the level of rounding in B counts as none.
     fn errors(&self, count: usize) -> Vec<f64> {
@@ -235,7 +235,7 @@ impl<'a> Basis<'a> {
             self.v.add_product(range.clone(), w.as_mut(), -1.0, c.as_ref());
             accumulate(t.as_mut().submatrix_mut(range.start, old, range.len(), b), c.as_ref());
         }
-        // What M V of the block before last held is needed no more: M W takes its place.
+        // The M V of the block before last is needed no more: M W takes its place.
         let mut z = std::mem::replace(&mut self.m_last, Mat::new());
         if z.ncols() != b {
             z = Mat::zeros(w.nrows(), b);
@@ -342,7 +342,7 @@ impl<'a> Basis<'a> {
         self.v.into_product(s.as_ref())
     }
 
-    /// Keeps the lowest Ritz vectors and the next block (thick restart, Wu & Simon 2000).
+    /// Retains the lowest Ritz vectors and the next block (thick restart, Wu & Simon 2000).
     fn restart(&mut self, ritz: &Ritz, keep: usize) {
         let (m, b) = (self.size, self.block);
         let mut kept = Mat::zeros(self.m_q.nrows(), keep);

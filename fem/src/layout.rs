@@ -349,7 +349,7 @@ impl Layout {
         let Ok(r) = later.binary_search(&row) else { return };
         let before = self.before[self.later.offsets[column] + r];
         let mixed = mixes(self.mixing[column], self.mixing[row]);
-        // Columns of a node lose one row each: the triangle of its own block.
+        // Columns of a node lose one row each: the triangle of its diagonal block.
         let mut skipped = 0;
         for j in 0..3 {
             let Some(c) = self.equation[column][j] else { continue };

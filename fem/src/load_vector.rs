@@ -76,7 +76,7 @@ impl LoadVector {
         ))
     }
 
-    /// Mean displacement along a unit vector of the part of a patch where `inside` holds; the transpose is a uniform
+    /// Mean displacement along a unit vector of the part of a patch where `inside` is true; the transpose is a uniform
     /// traction of total force 1. `None` where no point of the patch is inside.
     ///
     /// # Errors
@@ -118,8 +118,8 @@ impl LoadVector {
         Ok((area > 0.0).then(|| Self::summed(weights)))
     }
 
-    /// Volume swept into the body by those parts of patches where `inside` holds, per unit of displacement \[m2\]; the
-    /// transpose is the force of a unit pressure there.
+    /// Volume swept into the body by those parts of patches where `inside` is true, per unit of displacement \[m2\];
+    /// the transpose is the force of a unit pressure there.
     ///
     /// # Errors
     /// [`MeshError::UnknownGroup`] with the names there are.
@@ -203,7 +203,7 @@ impl LoadVector {
 /// Cells along each side of a face that a region covers in part: its edge is resolved to a thirtieth of an element.
 const CELLS: usize = 16;
 
-/// Quadrature points of patches where `inside` holds; a fine grid on faces that are covered in part.
+/// Quadrature points of patches where `inside` is true; a fine grid on faces that are partly covered.
 fn points_on(
     surface: &Surface,
     patches: &[&str],

@@ -77,10 +77,11 @@ impl Material {
     /// An orthotropic material; the columns of `axes` are its directions 1, 2, 3 in global coordinates. A left-handed
     /// set is as good as a right-handed one, since the material is its own mirror image.
     ///
-    /// nu_ij is the contraction along j per extension along i under a stress along i, so that nu_ij / E_i = nu_ji / E_j.
-    /// The compliance in material axes is (Lekhnitskii, *Theory of Elasticity of an Anisotropic Body*, section 3)
-    /// S_ii = 1 / E_i,  S_ij = -nu_ij / E_i,  S_44 = 1 / G_23, S_55 = 1 / G_13, S_66 = 1 / G_12,
-    /// and the stiffness in global axes C_ijkl = Q_ip Q_jq Q_kr Q_ls C'_pqrs with Q = `axes` and C' = S^-1.
+    /// Poisson's ratio nu_ij is the contraction along j per extension along i under a stress along i, so that nu_ij /
+    /// E_i = nu_ji / E_j. The compliance in material axes is that of Lekhnitskii (*Theory of Elasticity of an
+    /// Anisotropic Body*, section 3). Its entries are S_ii = 1 / E_i, S_ij = -nu_ij / E_i, S_44 = 1 / G_23, S_55 = 1 /
+    /// G_13, S_66 = 1 / G_12. The stiffness in global axes is C_ijkl = Q_ip Q_jq Q_kr Q_ls C'_pqrs with Q = `axes` and
+    /// C' = S^-1.
     ///
     /// # Errors
     /// [`FemError::NotPositive`], [`FemError::NotPositiveDefinite`] or [`FemError::Axes`].
@@ -153,7 +154,7 @@ impl Material {
         &self.stiffness
     }
 
-    /// Speed of the slowest shear wave along a material axis, sqrt(G_min / rho) \[m/s\], from which elements are sized.
+    /// Speed of the slowest shear wave along a material axis, sqrt(G_min / rho) \[m/s\], for the size of elements.
     pub fn slowest_speed(&self) -> f64 {
         (self.slowest_shear / self.density).sqrt()
     }
@@ -176,7 +177,7 @@ impl Material {
         [squares.min().sqrt(), squares.max().sqrt()]
     }
 
-    /// The stiffness tensor C_ijkl, which is what the displacement gradients see.
+    /// The stiffness tensor C_ijkl, which acts on the displacement gradients.
     pub(crate) fn tensor(&self) -> [[[[f64; 3]; 3]; 3]; 3] {
         tensor(&self.stiffness)
     }

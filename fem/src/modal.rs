@@ -1,4 +1,4 @@
-//! Modes of vibration: what is asked for and what comes back.
+//! Modes of vibration: the request and the result.
 
 use nalgebra::DMatrix;
 use serde::{Deserialize, Serialize};
@@ -13,11 +13,11 @@ pub struct ModalSettings {
     pub loads: Option<DMatrix<f64>>,
     /// Largest residual accepted for any mode.
     pub residual_limit: f64,
-    /// Vectors a Lanczos block holds at most; multiplicities up to the block are found in one pass.
+    /// Most vectors of a Lanczos block; multiplicities up to the block are found in one pass.
     pub block: usize,
     /// Whether mirror planes of the body are used to divide the problem.
     pub mirrors: bool,
-    /// The largest number of Lanczos vectors kept before the iteration restarts on the best of them.
+    /// The largest number of Lanczos vectors before the iteration restarts on the best of them.
     pub max_vectors: usize,
 }
 
@@ -54,10 +54,10 @@ pub struct ModalBasis<S = DMatrix<f64>> {
     /// Shapes of the modes, then of the static corrections: 3 x nodes rows, one column a shape, phi^T M phi = 1
     /// \[kg^-1/2\].
     pub shapes: S,
-    /// |K phi - lambda M phi| / |lambda M phi| of each mode; a rigid mode has no lambda to divide by, so its residual is
-    /// |K phi| / |lambda_1 M phi| with the first elastic mode's lambda_1, or that of the edge when there is none. On a
-    /// soft support the terms of K phi cancel, and rounding is all that is left of a residual: where 1e-6 diag(K) phi
-    /// is larger than lambda M phi, it takes that one's place.
+    /// |K phi - lambda M phi| / |lambda M phi| of each mode. A rigid mode has no lambda to divide by, so its residual
+    /// is |K phi| / |lambda_1 M phi| with the first elastic mode's lambda_1, or that of the edge when there is none. On
+    /// a soft support the terms of K phi cancel, and only rounding is left of a residual: where 1e-6 diag(K) phi is
+    /// larger than lambda M phi, it takes that one's place.
     pub residuals: Vec<f64>,
     /// Whether a mode moves the body without straining it.
     pub rigid: Vec<bool>,
@@ -67,11 +67,11 @@ pub struct ModalBasis<S = DMatrix<f64>> {
     pub sturm: Sturm,
     /// Rayleigh frequencies of the static corrections for the load patterns asked for, ascending \[Hz\].
     ///
-    /// Corrections are residual vectors: what the modes left out contribute to the static response to the loads. They
-    /// are orthogonal to the modes and to each other with respect to M and K, mass-normalised, and so are taken as
+    /// Corrections are residual vectors: the contribution of the omitted modes to the static response to the loads.
+    /// They are orthogonal to the modes and to each other with respect to M and K, mass-normalised, and so are taken as
     /// further modes with these frequencies, which lie above those of the modes.
     pub corrections: Vec<f64>,
-    /// What the solution cost.
+    /// The cost of the solution.
     pub work: ModalWork,
 }
 
@@ -102,7 +102,7 @@ pub struct ModalWork {
 }
 
 impl ModalWork {
-    /// Adds what a part of the solution cost.
+    /// Adds the cost of a part of the solution.
     pub(crate) fn add(&mut self, part: &Self) {
         self.factorisations += part.factorisations;
         self.block_steps += part.block_steps;

@@ -1,9 +1,10 @@
 //! The numbers of a factor: L D L^T by supernodes, left-looking (Ng & Peyton 1993, SIAM J. Sci. Comput. 14, 1034-1056).
 //!
-//! A supernode's columns are those of A less what the supernodes below it add, L_d D_d L_d^T; then its own columns are
-//! eliminated. All below a supernode of a subtree lie in the same subtree, so that subtrees are factorised side by side
-//! ([`Subtrees`] says which). The few supernodes of the top are large: threads share their columns as they take over what is
-//! below, and their rows as they are eliminated, in pieces of [`WIDTH`] and [`HEIGHT`].
+//! A supernode's columns are those of A less the contributions L_d D_d L_d^T of the supernodes below it; then its own
+//! columns are eliminated. All below a supernode of a subtree lie in the same subtree, so that subtrees are factorised
+//! side by side ([`Subtrees`] says which). The few supernodes of the top are large: threads share their columns as they
+//! take over the contributions from below, and their rows as they are eliminated, in pieces of [`WIDTH`] and
+//! [`HEIGHT`].
 //!
 //! The factorisation is our own because that of faer is only parallel within single supernodes. This does not pay off for the
 //! many small supernodes of a thin housing. The dense kernels are those of faer.
@@ -43,7 +44,7 @@ impl Descendants {
         for s in 0..count {
             owner[symbolic.supernode_begin()[s]..end[s]].fill(s);
         }
-        // One row of each supernode that a pattern meets stands for the others.
+        // One row of each supernode that a pattern meets represents the others.
         let above = |d: usize| {
             let owners = symbolic.supernode(d).pattern().chunk_by(|&a, &b| owner[a] == owner[b]);
             owners.map(|rows| owner[rows[0]])
@@ -167,7 +168,8 @@ impl Numeric<'_> {
         Ok(())
     }
 
-    /// Writes A less what is below into some columns of supernode `s`, from column `first` of the matrix on.
+    /// Writes A less the contributions from below into some columns of supernode `s`, from column `first` of the matrix
+    /// on.
     fn gather(
         &self,
         s: usize,
@@ -208,7 +210,7 @@ impl Numeric<'_> {
                 let rows = tail.subrows(top, height);
                 let places = &places[top..top + height];
                 let place = places[0] as usize;
-                // Where rows and columns stand together in both, the product needs no room of its own.
+                // Where rows and columns are adjacent in both, the product does not need a buffer.
                 if columns_meet && places[height - 1] as usize + 1 - place == height {
                     let to = target
                         .rb_mut()

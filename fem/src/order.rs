@@ -22,9 +22,9 @@ impl Graph {
 
 /// The nodes in order of elimination.
 ///
-/// Nested dissection (George 1973; multilevel after Karypis & Kumar 1998) keeps the fill low. The postorder of its
-/// elimination tree leaves the fill as it is and brings columns of equal pattern together, and of several children the
-/// one with the longest column stands next to its parent, so that supernodes grow.
+/// Nested dissection (George 1973; multilevel after Karypis & Kumar 1998) gives low fill. The postorder of its
+/// elimination tree leaves the fill as it is and brings columns of equal pattern together. Of several children, the one
+/// with the longest column comes next to its parent, so that supernodes grow.
 pub(crate) fn elimination_order(graph: &Graph) -> Result<Vec<usize>, FemError> {
     let dofs = 3 * graph.len();
     let narrow = |v: &[usize]| v.iter().map(|&i| i32::try_from(i)).collect::<Result<Vec<i32>, _>>();
@@ -70,7 +70,7 @@ fn elimination_tree(graph: &Graph, order: &[usize]) -> Vec<Option<usize>> {
 fn postorder(parent: &[Option<usize>]) -> Vec<usize> {
     let n = parent.len();
     let mut size = vec![1usize; n];
-    // Parents stand above their children, so one sweep sums the subtrees.
+    // Parents come after their children, so one sweep sums the subtrees.
     for (i, p) in parent.iter().enumerate() {
         if let Some(p) = *p {
             size[p] += size[i];
@@ -134,7 +134,7 @@ mod tests {
 
     #[test]
     fn postorder_puts_children_before_parents_and_the_heavier_one_last() {
-        // 4 has the children 0 and 3; below 3 stand 1 and 2 in a chain.
+        // 4 has the children 0 and 3; below 3 are 1 and 2 in a chain.
         let parent = [Some(4), Some(2), Some(3), Some(4), None];
         assert_eq!(postorder(&parent), [0, 1, 2, 3, 4]);
         let parent = [Some(1), Some(2), Some(4), Some(4), None];

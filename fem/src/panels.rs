@@ -1,9 +1,9 @@
 //! Triangular solves with many right-hand sides.
 //!
-//! After the factorisation every supernode's columns are laid out anew, in blocks of at most [`WIDTH`] columns. The rows
-//! of a block, those of its own unit triangle first, are cut into panels of [`HEIGHT`] rows in which the values of one
-//! column stand together; what a panel of the triangle holds of its own columns follows it by rows. A solve then reads
-//! the factor front to back as a stream, and the right-hand sides, [`SIDES`] of them side by side in a row, are gathered
+//! After the factorisation every supernode's columns are laid out anew, in blocks of at most [`WIDTH`] columns. The
+//! rows of a block, those of its unit triangle first, are cut into panels of [`HEIGHT`] rows. A panel stores its values
+//! column by column. The values of a panel of the triangle in its own columns follow it by rows. A solve then reads the
+//! factor front to back as a stream, and the right-hand sides, [`SIDES`] of them side by side in a row, are gathered
 //! and scattered by whole rows.
 
 use std::ops::Range;

@@ -1,8 +1,8 @@
 //! Dependent nodes: how attachments eliminate displacements and add mass and stiffness.
 //!
 //! Every node's displacement is u_a = sum of W_ap u_p over independent nodes p, so with T the matrix of all W the
-//! reduced matrices are T^T K T and T^T M T, formed element by element. A rigidly attached mass adds two nodes of its
-//! own: the translation u_0 of its centre and l times its rotation theta, with u_a = u_0 + theta x r_a.
+//! reduced matrices are T^T K T and T^T M T, formed element by element. A rigidly attached mass adds two nodes: the
+//! translation u_0 of its centre and l times its rotation theta, with u_a = u_0 + theta x r_a.
 
 use std::collections::BTreeMap;
 use std::collections::btree_map::Entry;
@@ -16,7 +16,7 @@ use crate::{Attachments, Constraints, Coupling, FemError, LumpedMass, Place};
 /// One term of a node's expansion: the independent node and W.
 pub(crate) type Term = (usize, Matrix3<f64>);
 
-/// Rounds of substitution in which a chain of dependences must end.
+/// Most rounds of substitution for a chain of dependences.
 const LONGEST_CHAIN: usize = 8;
 
 /// Smallest ratio of the second moments of area of a group that counts as an area and not a line.
@@ -122,7 +122,7 @@ impl Reduction {
         let (translation, rotation) = (self.nodes, self.nodes + 1);
         self.nodes += 2;
         self.rotations.push(rotation);
-        // The rotation times a length of the group is a displacement, which keeps the matrices evenly scaled.
+        // The rotation times a length of the group is a displacement, so that the matrices are evenly scaled.
         let length = (patch.moment.trace() / 2.0 / patch.area).sqrt();
         for node in mesh.group_nodes(&mass.group)? {
             let r = mesh.nodes[node] - mass.centre;
@@ -319,7 +319,7 @@ fn check(mass: &LumpedMass) -> Result<(), FemError> {
 }
 
 /// The mass moves with the group's mean: u = 1/A integral of u dA, theta = J^-1 integral of r x u dA with J the second
-/// moments of area, u_c = u + theta x d; a rigid motion is its own mean.
+/// moments of area, u_c = u + theta x d. A rigid motion is its own mean.
 fn distributed(mesh: &Mesh, mass: &LumpedMass, patch: &Patch) -> Added {
     let inverse = patch.moment.try_inverse().unwrap_or_else(Matrix3::zeros);
     let d = mass.centre - patch.centroid;

@@ -77,8 +77,8 @@ impl Row {
     }
 }
 
-/// Room for one block, kept from one use to the next: its pages are as large as the vectors, and to ask the system for
-/// them anew costs as much as to transpose a block.
+/// Room for one block, reused from one product to the next: its pages are as large as the vectors, and to ask the
+/// system for them anew costs as much as to transpose a block.
 #[derive(Default)]
 pub(crate) struct Rows(Vec<Row>);
 
@@ -94,7 +94,7 @@ impl Rows {
         Row::scatter(&self.0, x);
     }
 
-    /// Makes it `n` rows of which the first are those it has.
+    /// Changes the number of rows to `n`; the first rows stay.
     pub(crate) fn resize(&mut self, n: usize) {
         self.0.resize(n, Row::ZERO);
     }

@@ -30,16 +30,16 @@ pub type Progress<'a> = dyn Fn(usize, usize) + Sync + 'a;
 
 /// Solves K phi = lambda M phi for all modes below `settings.top_hz`.
 ///
-/// K - sigma M = L D L^T with sigma = (2 pi top)^2 gives the number of modes below, by the signs of D, and then drives
-/// block Lanczos on sigma (K - sigma M)^-1 M until that many have converged: one factorisation for the modes and for
-/// the proof that none is missing. Each mode's residual is then taken anew from K and M. Should the edge fall on a
+/// K - sigma M = L D L^T with sigma = (2 pi top)^2 gives the number of modes below, by the signs of D. The factors then
+/// drive block Lanczos on sigma (K - sigma M)^-1 M until that many have converged. One factorisation serves the modes
+/// and the proof that none is missing. Each mode's residual is then taken anew from K and M. Should the edge fall on a
 /// mode, it is moved up by a few parts in ten thousand.
 ///
-/// A body with mirror planes is solved in its sectors (even or odd in each plane) one by one, a fraction of the work;
-/// residuals and orthonormality are those of the modes put together, on the full matrices.
+/// A body with mirror planes is solved in its sectors (even or odd in each plane) one by one, a fraction of the work.
+/// Residuals and orthonormality are those of the assembled modes on the full matrices.
 ///
 /// # Errors
-/// [`FemError::NotPositive`], [`FemError::LoadRows`]; [`FemError::Pivot`], [`FemError::Probe`],
+/// [`FemError::NotPositive`], [`FemError::LoadRows`]. [`FemError::Pivot`], [`FemError::Probe`],
 /// [`FemError::NotConverged`] or [`FemError::Incomplete`] when the numerics fail, never a basis with a mode missing.
 pub fn modes(system: &System, settings: &ModalSettings, progress: &Progress<'_>) -> Result<ModalBasis, FemError> {
     // Work is shared thousands of times, each time for less than a millisecond. A thread outside the pool would sleep after
@@ -65,13 +65,13 @@ fn solve(system: &System, settings: &ModalSettings, progress: &Progress<'_>) -> 
     };
     let solve = |sectors: &[Sector<'_>]| Problem::new(system, sectors, settings, loads.as_ref(), progress)?.solve();
     match solve(&sectors) {
-        // A symmetry that almost holds.
+        // A symmetry that is almost exact.
         Err(FemError::Residual { .. }) if sectors.len() > 1 => solve(&whole(system)?),
         solved => solved,
     }
 }
 
-/// A body in its sectors and what is wanted of it.
+/// A body in its sectors and the request for it.
 struct Problem<'a> {
     system: &'a System,
     sectors: &'a [Sector<'a>],
@@ -95,7 +95,7 @@ impl Counter<'_> {
     }
 }
 
-/// What a sector has below the edge.
+/// The modes of a sector below the edge.
 struct Solution<'a> {
     pairs: Eigenpairs,
     /// How many there are by the Sturm count.
@@ -273,7 +273,7 @@ impl<'a> Problem<'a> {
         };
         let mut before = 0;
         let report = |found: usize| {
-            // A restart keeps what counts, and rounding may lose one for a step.
+            // A restart keeps the converged ones, and rounding may lose one for a step.
             counter.found.fetch_add(found.saturating_sub(before), Ordering::Relaxed);
             before = before.max(found);
             counter.report();
@@ -369,11 +369,12 @@ fn dense(stiffness: &CscMatrix<f64>, mass: &CscMatrix<f64>, count: usize) -> Res
     Ok(phi)
 }
 
-/// Residual vectors: what the modes above contribute to the response to each load.
+/// Residual vectors: the contribution of the modes above to the response to each load.
 ///
-/// x = A^-1 f with A = K - sigma M, freed of the modes by x - Phi Phi^T M x, is the sum over the modes left out of
-/// phi phi^T f / (lambda - sigma): the static response for |sigma| far below their lambda, and defined for free
-/// bodies too. The Rayleigh-Ritz problem in the span of all x makes the set orthogonal and gives its frequencies.
+/// The vector x = A^-1 f with A = K - sigma M, freed of the modes by x - Phi Phi^T M x, is the sum over the omitted
+/// modes of phi phi^T f / (lambda - sigma). This is the static response for |sigma| far below their lambda, and it is
+/// defined for free bodies too. The Rayleigh-Ritz problem in the span of all x makes the set orthogonal and gives its
+/// frequencies.
 fn corrections(system: &System, pairs: &Eigenpairs, mut x: Mat<f64>) -> Result<Corrections, FemError> {
     let before: Vec<f64> = {
         let m_x = product(&system.mass, x.as_ref());
@@ -384,7 +385,7 @@ fn corrections(system: &System, pairs: &Eigenpairs, mut x: Mat<f64>) -> Result<C
         add_product(x.as_mut(), -1.0, pairs.phi.as_ref(), c.as_ref());
     }
     let m_x = product(&system.mass, x.as_ref());
-    // A load that the modes carry alone leaves rounding, which is not a shape.
+    // A load that only the modes carry leaves rounding, which is not a shape.
     let kept: Vec<(usize, f64)> = (0..x.ncols())
         .map(|i| (i, dot(x.as_ref(), m_x.as_ref(), i)))
         .filter(|&(i, norm)| norm > 1e-20 * before[i] && norm > 0.0)

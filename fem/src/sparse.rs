@@ -1,4 +1,4 @@
-//! Products with symmetric sparse matrices of which the lower triangle is stored.
+//! Products with symmetric sparse matrices stored as lower triangles.
 
 use std::ops::Range;
 
@@ -26,7 +26,7 @@ pub(crate) fn product(a: &CscMatrix<f64>, x: MatRef<'_, f64>) -> Mat<f64> {
     y
 }
 
-/// A x for one vector, which [`product`] would multiply beside fifteen of zeros.
+/// A x for one vector, which [`product`] would multiply together with fifteen of zeros.
 pub(crate) fn product_of_vector(a: &CscMatrix<f64>, x: &[f64]) -> Vec<f64> {
     let mut y = vec![0.0; a.nrows()];
     for j in 0..a.ncols() {
@@ -139,7 +139,7 @@ impl<'a> Split<'a> {
         }
     }
 
-    /// What the columns of a part add to its rows and those it reaches.
+    /// The contributions of a part's columns to its rows and to those it reaches.
     fn multiply(&self, part: &Part, beyond: &[u32], x: &[Row], y: &mut [Row]) {
         y.fill(Row::ZERO);
         let a = self.a;
@@ -170,7 +170,7 @@ impl WithSimd for PartProduct<'_> {
         } = self;
         let mut at = 0;
         for Range { start, end } in part.rows.iter().cloned() {
-            // Own rows stand closer together than they are numbered.
+            // Own rows are closer together than their numbers.
             let shift = start - at;
             for j in start..end {
                 let own = j - shift;
@@ -218,14 +218,15 @@ impl WithSimd for RowsProduct<'_> {
 fn column(a: &CscMatrix<f64>, j: usize) -> (f64, &[usize], &[f64]) {
     let range = a.col_offsets()[j]..a.col_offsets()[j + 1];
     let (rows, values) = (&a.row_indices()[range.clone()], &a.values()[range]);
-    // The diagonal, where there is one, opens the column.
+    // The diagonal, if present, opens the column.
     match rows.first() {
         Some(&i) if i == j => (values[0], &rows[1..], &values[1..]),
         _ => (0.0, rows, values),
     }
 }
 
-/// y_i += A_ij x_j and y_j += A_ij x_i for entries of column j, whose row stands at `own`; `place` says where others do.
+/// y_i += A_ij x_j and y_j += A_ij x_i for entries of column j, whose row is at `own`; `place` gives the places of the
+/// others.
 #[inline(always)]
 fn multiply_column<S: Simd, I: Copy>(
     simd: S,
@@ -258,7 +259,7 @@ fn multiply_column<S: Simd, I: Copy>(
     }
 }
 
-/// A -= sigma M on the pattern of A, which holds that of M.
+/// A -= sigma M on the pattern of A, which contains that of M.
 pub(crate) fn subtract(a: &mut CscMatrix<f64>, sigma: f64, m: &CscMatrix<f64>) {
     for (j, column) in m.col_iter().enumerate() {
         let mut target = a.col_mut(j);

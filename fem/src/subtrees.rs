@@ -1,10 +1,10 @@
 //! How the work with a factor is split among threads.
 //!
-//! Columns whose supernodes lie in different subtrees of the elimination tree do not touch each other: a subtree changes
-//! its own rows and some of those above it, which are all in the pattern of its root. [`Subtrees`] cuts the tree into such
-//! parts and the top that is left. Subtrees are worked on side by side, each in room of its own, and what they add to the
-//! rows of the top is summed in their order. The cut depends on the pattern alone, and so does every sum: no bit depends on
-//! the number of threads.
+//! Columns whose supernodes lie in different subtrees of the elimination tree do not touch each other: a subtree
+//! changes its own rows and some of those above it, which are all in the pattern of its root. [`Subtrees`] cuts the
+//! tree into such parts and the top that is left. Subtrees are worked on side by side, each in a separate buffer, and
+//! their contributions to the rows of the top are summed in their order. The cut depends only on the pattern, and so
+//! does every sum: no bit depends on the number of threads.
 
 use std::ops::Range;
 
@@ -13,13 +13,13 @@ use faer::{MatMut, MatRef};
 
 use crate::rows::{Row, Rows};
 
-/// The largest subtree holds at most this share of the factor's values, so that a few threads end at about the same time.
+/// The largest subtree has at most this share of the factor's values, so that a few threads end at about the same time.
 const SHARE: f64 = 1.0 / 12.0;
 
 /// Factors with fewer values are one part: a thread would wait for less than it takes to wake it.
 const WORTHWHILE: usize = 200_000;
 
-/// Supernodes whose rows stand together while they are worked on: its own, and behind them those of the top that they
+/// Supernodes whose rows are adjacent while they are worked on: the part's rows, followed by those of the top that they
 /// reach.
 #[derive(Debug)]
 pub(crate) struct Part {
@@ -191,7 +191,8 @@ impl Subtrees {
 }
 
 impl Subtrees {
-    /// Adds what the subtrees hold in the rows that they reach to those of the top, in the order of the subtrees.
+    /// Adds the contributions of the subtrees in the rows that they reach to those of the top, in the order of the
+    /// subtrees.
     pub(crate) fn add_reached(&self, subtrees: &[&mut [Row]], top: &mut [Row]) {
         for (part, rows) in self.subtrees.iter().zip(subtrees) {
             for (&at, sum) in part.reached.iter().zip(&rows[part.len()..]) {

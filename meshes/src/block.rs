@@ -33,11 +33,12 @@ impl Block {
     }
 }
 
-/// Face groups in which the pieces of [`jointed_block`] touch: the top of the lower and the underside of the upper one.
+/// Face groups of the contact between the pieces of [`jointed_block`]: the top of the lower and the underside of the
+/// upper one.
 pub const JOINT: [&str; 2] = ["joint_lower", "joint_upper"];
 
-/// Meshes a block of two pieces that touch at a height \[m\] above its underside and share no node; parts `block` and
-/// `board`, the face groups of [`block`] and [`JOINT`].
+/// Meshes a block of two pieces that touch at a height \[m\] above its underside and share no node. Its parts are
+/// `block` and `board`, its face groups those of [`block`] and [`JOINT`].
 ///
 /// # Errors
 /// As [`block`]; the height must lie within the block.

@@ -1,16 +1,17 @@
 //! A program that ends when this process ends, however it ends.
 //!
-//! A signal that no process can catch (`kill -9`) ends this process without a chance to end its child. A shell therefore
-//! starts the program and watches a pipe whose other end this process holds: the system closes that end when the process
-//! ends, and the shell then kills the program. Where there is no POSIX shell (Windows) the program works on to its end.
+//! A signal that no process can catch (`kill -9`) ends this process without a chance to end its child. A shell
+//! therefore starts the program and watches a pipe whose other end belongs to this process. The system closes that end
+//! when the process ends, and the shell then kills the program. Where there is no POSIX shell (Windows) the program
+//! works on to its end.
 
 use std::ffi::OsStr;
 use std::io;
 use std::process::{Command, ExitStatus, Output, Stdio};
 
-/// Starts its arguments as a command and kills it when standard input ends. The watcher holds none of the program's pipes,
-/// and it ends before the number of the process can belong to another. Ctrl-C, which a terminal sends to all of them, is left to
-/// this process: the program ends with it, and has nothing to say.
+/// Starts its arguments as a command and kills it when standard input ends. The watcher does not share the program's
+/// pipes, and it ends before the number of the process can belong to another. Ctrl-C, which a terminal sends to all of
+/// them, is left to this process: the program ends with it, and has nothing to say.
 #[cfg(unix)]
 const WATCHED: &str = r#"
 trap '' INT HUP
@@ -23,14 +24,14 @@ kill "$watcher"; wait "$watcher"
 exit "$status"
 "#;
 
-/// The variable of the shell that holds the limit.
+/// The variable of the shell with the limit.
 const SECONDS: &str = "PROCESSOR_SECONDS";
 
 /// Statuses of a shell that cannot start a program.
 #[cfg(unix)]
 const NOT_STARTED: [i32; 2] = [126, 127];
 
-/// A program to which arguments can be added.
+/// A program that can take further arguments.
 pub fn command(program: impl AsRef<OsStr>) -> Command {
     #[cfg(unix)]
     {
@@ -42,7 +43,7 @@ pub fn command(program: impl AsRef<OsStr>) -> Command {
     Command::new(program)
 }
 
-/// Ends a [`command()`] after so many seconds of processor time; on Windows it has no limit.
+/// Ends a [`command()`] after so many seconds of processor time; on Windows it is unlimited.
 pub(crate) fn limit(command: &mut Command, seconds: u64) {
     command.env(SECONDS, seconds.to_string());
 }
@@ -63,7 +64,7 @@ pub fn output(command: &mut Command) -> io::Result<Output> {
         .stdout(Stdio::piped())
         .stderr(Stdio::piped());
     let mut child = streams.spawn()?;
-    // Kept open: its end is what the shell waits for.
+    // Stays open: the shell waits for its end.
     let open = child.stdin.take();
     let output = child.wait_with_output()?;
     drop(open);
@@ -77,13 +78,14 @@ pub fn output(command: &mut Command) -> io::Result<Output> {
     Ok(output)
 }
 
-/// Runs a [`command()`] to its end with the outputs of this process; its status, to which the shell adds 128 for a signal.
+/// Runs a [`command()`] to its end with the outputs of this process. Returns its status; the shell adds 128 for a
+/// signal.
 ///
 /// # Errors
 /// When it cannot be started or waited for.
 pub fn status(command: &mut Command) -> io::Result<ExitStatus> {
     let mut child = command.stdin(Stdio::piped()).spawn()?;
-    // Not closed by the wait: its end is what the shell waits for.
+    // Not closed by the wait: the shell waits for its end.
     let open = child.stdin.take();
     let status = child.wait();
     drop(open);

@@ -63,7 +63,7 @@ pub fn fixed(text: &mut Vec<u8>, value: f64, digits: usize) {
 }
 
 /// The first digits of a positive number, one and so many behind it, as an integer, and the exponent of the first; none
-/// where they are in doubt.
+/// if they are in doubt.
 fn significant(size: f64, digits: usize) -> Option<(u64, i32)> {
     if !USUAL.contains(&size) || digits == 0 {
         return None;
@@ -79,7 +79,7 @@ fn significant(size: f64, digits: usize) -> Option<(u64, i32)> {
     }
     let rounded = nearest(scaled)?;
     let most = 10 * least as u64;
-    // What is rounded up to the next power of ten has one digit too many.
+    // A number rounded up to the next power of ten has one digit too many.
     Some(if rounded == most {
         (most / 10, exponent + 1)
     } else {

@@ -1,4 +1,4 @@
-//! What can be wrong with a mesh or a request to it.
+//! Errors of a mesh or of a request to it.
 
 use std::path::PathBuf;
 
@@ -49,7 +49,7 @@ pub enum MeshError {
         /// The names there are, comma separated.
         known: String,
     },
-    /// No element or face holds the point.
+    /// No element or face contains the point.
     #[error("point ({x}, {y}, {z}) m lies outside {place}, {distance} m from the nearest part of it; move it inside")]
     Outside {
         /// Coordinate \[m\].
@@ -60,7 +60,7 @@ pub enum MeshError {
         z: f64,
         /// Where it was looked for.
         place: String,
-        /// Distance to what was searched \[m\].
+        /// Distance to the searched elements or faces \[m\].
         distance: f64,
     },
     /// A field to be written does not match the mesh.
@@ -97,7 +97,7 @@ pub enum MeshError {
     Msh {
         /// The file.
         path: PathBuf,
-        /// What is wrong with it.
+        /// The fault.
         problem: MshError,
     },
     /// Elements of a mesh are inverted or flat.
@@ -132,7 +132,7 @@ pub enum MeshError {
          or name the program in NAILNOISE_GMSH"
     )]
     NoGmsh {
-        /// What was to be started.
+        /// The program.
         program: String,
         /// The system's reason.
         reason: String,
@@ -194,17 +194,17 @@ pub enum MeshError {
         /// Memory that is allowed \[GB\].
         allowed: f64,
     },
-    /// A solid geometry is far larger or smaller than what it stands for.
+    /// A solid geometry is far larger or smaller than the object it represents.
     #[error("{what} is {extent:.4e} m long, expected are {:.4e} to {:.4e} m; give the unit of its lengths", expected[0], expected[1])]
     Extent {
         /// The geometry.
         what: String,
         /// Its longest side along an axis \[m\].
         extent: f64,
-        /// What it may be \[m\].
+        /// Its allowed range \[m\].
         expected: [f64; 2],
     },
-    /// gmsh does not keep its elements below a size.
+    /// gmsh does not keep its elements below the required size.
     #[error(
         "gmsh leaves an element side of {longest:.4} m in {what}, where {size:.4} m is asked for; divide its faces (gmsh: \
          Mesh.OptimizeNetgen = 1), or allow longer elements"

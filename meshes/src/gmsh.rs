@@ -12,7 +12,7 @@ use crate::{FaceGroup, FaceRef, Mesh, MeshError, Surface};
 /// Name of the environment variable that names the program.
 const PROGRAM: &str = "NAILNOISE_GMSH";
 
-/// Beginning of the names of the folders in which gmsh works.
+/// Beginning of the names of gmsh's working folders.
 const FOLDER: &str = "nailnoise-gmsh-";
 
 /// What gmsh can be asked to mesh.
@@ -24,19 +24,19 @@ pub(crate) struct Job<'a> {
     pub(crate) script: &'a str,
     /// Constants of the script.
     pub(crate) constants: Vec<(&'static str, f64)>,
-    /// A geometry that the script opens, copied beside it under this name.
+    /// A geometry that the script opens, copied next to it under this name.
     pub(crate) beside: Option<(&'a Path, String)>,
     /// Files that the script may write, which are read into [`Made::written`].
     pub(crate) reports: &'static [&'static str],
-    /// Processor time after which gmsh is ended if it mends folded elements by the elastic analogy \[s\], and of which an attempt
-    /// without it has [`SHARE_WITHOUT_ANALOGY`]; no limit without it.
+    /// Processor time after which gmsh is ended if it mends folded elements by the elastic analogy \[s\]. An attempt
+    /// without the analogy has [`SHARE_WITHOUT_ANALOGY`] of it. None means no limit.
     pub(crate) seconds: Option<f64>,
 }
 
 /// The constant of the scripts that says how gmsh mends the elements that curved sides fold.
 const OPTIMISE: &str = "optimise";
 
-/// How gmsh mends folded elements: values of `Mesh.HighOrderOptimize`, in the order in which they are tried.
+/// How gmsh mends folded elements: values of `Mesh.HighOrderOptimize`, in the order of the attempts.
 ///
 /// The elastic analogy deforms the whole mesh, and takes three quarters of gmsh's time, although some ten of 8 500 elements of half
 /// a tool are folded.
@@ -103,8 +103,8 @@ pub(crate) fn run(job: &Job<'_>) -> Result<Imported, MeshError> {
     with_fewest_inverted(|optimization| mesh_once(job, optimization))
 }
 
-/// The first mesh if it has no inverted elements, else the one with fewer; the first, too, where the second cannot be made,
-/// because straight sides mend it.
+/// The first mesh if none of its elements are inverted, else the one with fewer inverted ones. If the second cannot be
+/// made, it is also the first, because straight sides mend it.
 fn with_fewest_inverted(
     mut made: impl FnMut(HighOrderOptimization) -> Result<Imported, MeshError>,
 ) -> Result<Imported, MeshError> {

@@ -49,7 +49,7 @@ impl Grid {
 
     /// Meshes the filled cells.
     ///
-    /// `part` gives the part of the cell with this index, or none where it is empty. `name` gives the group of an outer
+    /// `part` gives the part of the cell with this index, or none if it is empty. `name` gives the group of an outer
     /// face from the part it belongs to, its outward direction (axis 0 to 2, and whether towards larger coordinates)
     /// and its centre. Elements run with x fastest, then y, then z; so do the nodes.
     pub fn mesh(

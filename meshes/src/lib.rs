@@ -1,9 +1,10 @@
 //! Finite-element meshes: structured meshers, surfaces, quality checks and files.
 //!
-//! A [`Mesh`] holds nodes, elements with a part each, and named groups of element faces. [`block()`], [`worktable()`] and
-//! [`tool()`] build meshes of second order, [`SolidGeometry`] meshes STEP files. [`Surface`] holds the outer faces with their
-//! normals; [`Mesh::locate`] finds the nodes and weights that carry a value to any point. [`msh`], [`vtu`] and [`uff`]
-//! exchange files with gmsh, ParaView and modal-test software. All lengths are in metres.
+//! A [`Mesh`] contains nodes, elements with a part each, and named groups of element faces. [`block()`],
+//! [`worktable()`] and [`tool()`] build meshes of second order, [`SolidGeometry`] meshes STEP files. [`Surface`]
+//! contains the outer faces with their normals; [`Mesh::locate`] finds the nodes and weights that carry a value to any
+//! point. [`msh`], [`vtu`] and [`uff`] exchange files with gmsh, ParaView and modal-test software. All lengths are in
+//! metres.
 #![forbid(unsafe_code)]
 
 #[cfg(doctest)]

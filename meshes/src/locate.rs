@@ -9,7 +9,7 @@ use crate::{ElementRef, FaceKind, FaceRef, Mesh, MeshError};
 /// Nodes and weights of a point: u(x) = sum of weights\[a\] u(nodes\[a\]); the transpose spreads a force at x.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Location {
-    /// The element that holds the point.
+    /// The element that contains the point.
     pub element: usize,
     /// Volume nodes.
     pub nodes: Vec<usize>,
@@ -21,7 +21,7 @@ pub struct Location {
 const SLACK: f64 = 1e-9;
 
 impl Mesh {
-    /// Finds the element that holds `point` \[m\] by Newton's method on x(xi) = point.
+    /// Finds the element that contains `point` \[m\] by Newton's method on x(xi) = point.
     ///
     /// # Errors
     /// [`MeshError::Outside`] when none does.
@@ -45,8 +45,8 @@ impl Mesh {
         Err(outside(point, "the mesh".to_owned(), nearest))
     }
 
-    /// The same for a point that may lie outside the mesh by at most `off` \[m\]: then the shape functions of the element
-    /// nearest to it carry on to it, so that every linear field arrives unchanged.
+    /// The same for a point that may lie outside the mesh by at most `off` \[m\]. The shape functions of the nearest
+    /// element are then extrapolated to it, so that every linear field is exact.
     ///
     /// # Errors
     /// [`MeshError::Outside`] with the distance when it lies farther out.
@@ -65,7 +65,7 @@ impl Mesh {
             }
             let (xi, weights) = invert(self, element, point);
             let at = |weights: &[f64]| nodes().zip(weights).map(|(p, w)| p.coords * *w).sum::<Vector3<f64>>();
-            // A curved element need not reach what lies far outside it.
+            // The map of a curved element need not reach points far outside it.
             let missed = (at(&weights) - point.coords).norm() > 1e-10 * box_size(&nodes().collect::<Vec<_>>());
             let (mut shape, mut slope) = (vec![0.0; weights.len()], vec![[0.0; 3]; weights.len()]);
             view.kind.shape(view.kind.clamped(xi.into()), &mut shape, &mut slope);
@@ -229,7 +229,7 @@ fn box_size(points: &[Point3<f64>]) -> f64 {
 }
 
 /// Natural coordinates at which an element's map x(xi) takes the value `point`, by Newton's method, with the shape
-/// functions there; what it returns for points far outside is no solution and lies far outside, too.
+/// functions there. For points far outside, the result is not a solution and lies far outside, too.
 fn invert(mesh: &Mesh, element: usize, point: Point3<f64>) -> (Vector3<f64>, Vec<f64>) {
     let view = mesh.element(element);
     let n = view.kind.nodes();

@@ -113,8 +113,8 @@ fn extremes(surface: &Surface, piece: &[usize], wanted: usize) -> Vec<Point3<f64
         .collect()
 }
 
-/// Solid angle of a piece from a point, 4 pi inside and 0 outside, its faces taken as flat triangles:
-/// tan(omega/2) = a . (b x c) / (abc + (a . b) c + (b . c) a + (c . a) b) (van Oosterom and Strackee, 1983).
+/// Solid angle of a piece from a point, 4 pi inside and 0 outside. Its faces are taken as flat triangles: tan(omega/2)
+/// = a . (b x c) / (abc + (a . b) c + (b . c) a + (c . a) b) (van Oosterom and Strackee, 1983).
 fn solid_angle(surface: &Surface, piece: &[usize], wanted: usize, from: Point3<f64>) -> f64 {
     let mut sum = 0.0;
     for (face, _) in surface.faces.iter().zip(piece).filter(|&(_, &p)| p == wanted) {
@@ -143,7 +143,7 @@ mod tests {
         .unwrap()
     }
 
-    /// A cube of n x n x n elements of which some are empty, its underside at z = `low`.
+    /// A cube of n x n x n elements, some empty, its underside at z = `low`.
     fn hollow(n: usize, side: f64, low: f64, empty: &[[usize; 3]]) -> Mesh {
         let line = |from: f64| -> Vec<f64> { (0..=n).map(|i| from + side * i as f64 / n as f64).collect() };
         let grid = Grid::new(line(-0.5 * side), line(-0.5 * side), line(low)).unwrap();

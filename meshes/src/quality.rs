@@ -116,10 +116,10 @@ impl Mesh {
         Ok(volumes)
     }
 
-    /// Looks at every element and at the skin.
+    /// Examines every element and the skin.
     ///
     /// # Errors
-    /// [`MeshError::NoElements`] when there is no element.
+    /// [`MeshError::NoElements`] when the mesh is empty.
     pub fn quality(&self) -> Result<Quality, MeshError> {
         let jacobians = (0..self.element_count()).map(|element| self.jacobian(element));
         let (mut worst, mut inverted, mut poor) = (None::<Jacobian>, 0, 0);

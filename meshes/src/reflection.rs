@@ -2,7 +2,8 @@
 
 use crate::{ElementKind, FaceRef, Mesh};
 
-/// Distance from the plane within which a node lies in it \[m\]: some grains of 15 nm to which coordinates are rounded.
+/// Largest distance of a node in the plane from the plane \[m\]: several times the 15 nm to which coordinates are
+/// rounded.
 const IN_PLANE: f64 = 1e-7;
 
 impl Mesh {
@@ -57,7 +58,7 @@ impl Mesh {
     }
 }
 
-/// What the elements and nodes of a mesh with its image are images of; those of the half are their own.
+/// The originals of the elements and nodes of a mesh with its image; those of the half are their own.
 pub(crate) struct Images {
     pub(crate) elements: Vec<usize>,
     pub(crate) nodes: Vec<usize>,

@@ -7,7 +7,8 @@ use std::path::Path;
 /// Reads a file whole.
 ///
 /// # Errors
-/// Those of the file system; [`io::ErrorKind::InvalidInput`] for what is no regular file, or longer than `most` bytes.
+/// Those of the file system; [`io::ErrorKind::InvalidInput`] for a path that is not a regular file, or a file longer
+/// than `most` bytes.
 pub fn read_regular(path: &Path, most: u64) -> io::Result<Vec<u8>> {
     let invalid = |what: String| Err(io::Error::new(io::ErrorKind::InvalidInput, what));
     // Before it is opened: to open a pipe is to wait for its writer.

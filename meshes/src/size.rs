@@ -5,8 +5,8 @@ use crate::MeshError;
 /// The element edge that gives the slowest wave `elements` elements a wavelength at the top frequency \[m\]:
 /// h = c / (f n).
 ///
-/// `slowest_speed` is usually sqrt(G_min / rho) \[m/s\]; three quadratic elements a wavelength keep the error of a
-/// frequency below half a percent.
+/// `slowest_speed` is usually sqrt(G_min / rho) \[m/s\]; three quadratic elements a wavelength limit the error of a
+/// frequency to below half a percent.
 ///
 /// # Errors
 /// [`MeshError::Dimension`] when an argument is not positive and finite.

@@ -1,4 +1,4 @@
-//! Smooth faces of a skin: what a drawing calls a face, found again on a mesh.
+//! Smooth faces of a skin: the faces of a drawing, found again on a mesh.
 
 use std::collections::HashMap;
 

@@ -11,7 +11,7 @@ use crate::{MeshError, POOR};
 /// The script of gmsh.
 const SCRIPT: &str = include_str!("../geo/solid.geo");
 
-/// Reports of the script, each with what it contains.
+/// Reports of the script with their contents.
 const SHEETS: &str = "sheets"; // number of faces of a geometry without a solid
 const SOLIDS: &str = "solids"; // a line a solid: volume [mm3], lower and upper corner of its box [mm]
 const EXTENT: &str = "extent"; // longest side of a geometry that is too long or too short [mm]
@@ -119,9 +119,9 @@ impl SolidGeometry<'_> {
     /// Elements that curved sides fold are optimised for a limited time; those that are folded then get straight sides.
     ///
     /// # Errors
-    /// Before anything is meshed: [`MeshError::Sheets`] for faces that enclose no solid, [`MeshError::NoSolid`],
-    /// [`MeshError::Extent`] for a longest side that is not expected, [`MeshError::TooFine`] where memory does not suffice.
-    /// [`MeshError::TooLong`], [`MeshError::NoGmsh`], [`MeshError::Gmsh`], or those of [`crate::msh::read`].
+    /// Before anything is meshed. [`MeshError::Sheets`] for faces that enclose no solid, [`MeshError::NoSolid`],
+    /// [`MeshError::Extent`] for a longest side that is not expected, [`MeshError::TooFine`] where memory does not
+    /// suffice. [`MeshError::TooLong`], [`MeshError::NoGmsh`], [`MeshError::Gmsh`], or those of [`crate::msh::read`].
     pub fn mesh(&self) -> Result<Imported, MeshError> {
         let (mut target, mut longest) = (self.size / LONGEST_OVER_TARGET, f64::INFINITY);
         for _ in 0..MOST_MESHES {
@@ -219,7 +219,7 @@ impl SolidGeometry<'_> {
         }
     }
 
-    /// What is to be said of a file of several solids.
+    /// Remarks on a file of several solids.
     fn notes(&self, solids: &[Solid]) -> Vec<String> {
         let several = solids.len() > 1 && self.solid.is_none();
         several
@@ -334,7 +334,8 @@ mod tests {
         }
     }
 
-    /// 100 mm cubed in sides of 0.025 mm is what a unit of 1 m made of a file in mm; the estimate refuses it on any machine.
+    /// 100 mm cubed in sides of 0.025 mm results from a unit of 1 m for a file in mm; the estimate refuses it on any
+    /// machine.
     #[test]
     fn a_mesh_of_a_cube_that_is_a_thousand_times_too_fine_needs_more_memory_than_there_is() {
         let estimate = |h: f64| IN_VOLUME * (100.0 / h).powi(3) + ON_SURFACE * 6.0 * (100.0 / h).powi(2);

@@ -7,7 +7,7 @@ impl Mesh {
     /// that straight edges would help; returns the number of edges.
     ///
     /// A mesher that bends the sides of an element onto a curved surface may fold it where a wall is thin. A chord
-    /// stands off its arc by l^2/(8 r), some hundredths of a millimetre.
+    /// differs from its arc by l^2/(8 r), some hundredths of a millimetre.
     pub fn straighten(&mut self) -> usize {
         let mut straight = 0;
         // Each pass bends neighbours less; one that still changes an edge is followed by another.

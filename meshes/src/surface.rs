@@ -69,7 +69,7 @@ impl Surface {
                 }
             }
         };
-        // Faces of two elements stand side by side once sorted.
+        // Faces of two elements are adjacent once sorted.
         let mut all = Vec::new();
         every(&mut |_, corners| all.push((corners, all.len())));
         let mut is_outer = vec![false; all.len()];
@@ -159,7 +159,7 @@ impl Surface {
         Ok(points)
     }
 
-    /// The point of a face at natural coordinates `xi`; its weight is the area factor |t_1 x t_2| alone.
+    /// The point of a face at natural coordinates `xi`; its weight is only the area factor |t_1 x t_2|.
     pub fn point_at(&self, face: usize, xi: [f64; 2]) -> QuadraturePoint {
         let f = &self.faces[face];
         let (mut shape, mut slope) = ([0.0; 9], [[0.0; 2]; 9]);

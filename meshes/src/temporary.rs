@@ -1,8 +1,8 @@
 //! Temporary folders that belong to a living process.
 //!
-//! The owner of a folder holds a lock on a file in it. The system releases this lock when the process ends, however it ends.
-//! Whoever obtains the lock may therefore remove the folder: the next process removes at once what a killed one left, also on
-//! a file system that several machines share.
+//! The owner of a folder locks a file in it. The system releases this lock when the process ends, however it ends.
+//! Whoever obtains the lock may therefore remove the folder: the next process removes the remains of a killed one at
+//! once, also on a file system that several machines share.
 
 use std::fs::{self, File, TryLockError};
 use std::io::{self, ErrorKind};
@@ -13,7 +13,7 @@ use std::time::Duration;
 /// The locked file in a folder.
 const LOCK: &str = "in-use";
 
-/// Age at which a folder is abandoned where the file system has no locks.
+/// Age of an abandoned folder on a file system without locks.
 const ABANDONED: Duration = Duration::from_secs(3600);
 
 /// Removals of a folder tried, the pause between them, and how often in a row it must be found gone.
@@ -68,7 +68,8 @@ impl TemporaryFolder {
         &self.path
     }
 
-    /// Leaves the folder and what is in it for the user; where it is. Without its lock no process takes it for abandoned.
+    /// Leaves the folder and its contents for the user; returns its path. Without its lock no process takes it for
+    /// abandoned.
     pub fn leave(mut self) -> PathBuf {
         self.lock = None;
         let path = std::mem::take(&mut self.path);
@@ -81,7 +82,7 @@ impl TemporaryFolder {
 
 impl Drop for TemporaryFolder {
     fn drop(&mut self) {
-        // Some systems remove no open file. What is left of the folder does no harm; it is removed by a later process.
+        // Some systems remove no open file. The remains of the folder do no harm; a later process removes them.
         self.lock = None;
         if self.path.as_os_str().is_empty() {
             return; // it was left
@@ -189,7 +190,7 @@ mod tests {
     fn a_folder_without_its_owner_is_removed_at_once() -> io::Result<()> {
         let parent = parent("abandoned");
         let owned = TemporaryFolder::new(&parent, "work-")?;
-        // What a killed process leaves: the file, and no lock on it.
+        // The remains of a killed process: the file, without a lock on it.
         let left = parent.join("work-1-0");
         fs::create_dir(&left)?;
         fs::write(left.join(LOCK), "")?;

@@ -24,7 +24,7 @@ enum Order {
 
 /// A text without its byte order mark, in UTF-8 where it was UTF-16; every other file as it is.
 ///
-/// Binary parts of a file keep their bytes.
+/// Binary parts of a file retain their bytes.
 pub fn utf8(bytes: &[u8]) -> Cow<'_, [u8]> {
     if let Some(rest) = bytes.strip_prefix(b"\xef\xbb\xbf") {
         return Cow::Borrowed(rest);
@@ -64,7 +64,7 @@ fn unmarked(bytes: &[u8]) -> Option<Order> {
     }
 }
 
-/// Bytes of one text as characters: UTF-8 where they are, else Windows-1252.
+/// Bytes of one text as characters: UTF-8 if valid, else Windows-1252.
 pub fn characters(bytes: &[u8]) -> Cow<'_, str> {
     let letter = |byte: &u8| match byte {
         0x80..=0x9f => WINDOWS_1252[usize::from(byte - 0x80)],

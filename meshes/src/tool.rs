@@ -15,10 +15,10 @@ use crate::msh::{self, Imported};
 /// The script of the geometry; its constants are the fields of [`Tool`] in millimetres.
 const SCRIPT: &str = include_str!("../geo/tool.geo");
 
-/// Meshes that ship. Their first words say of which dimensions they are; `data/make.sh` writes them.
+/// Meshes that ship. Their first words state their dimensions; `data/make.sh` writes them.
 const SHIPPED: [&[u8]; 1] = [include_bytes!("../data/tool-n80cb.msh.gz")];
 
-/// Length of the beginning of a mesh that ships, within which its comment stands \[byte\].
+/// Length of the beginning of a shipped mesh that contains its comment \[byte\].
 const BEGINNING: u64 = 4096;
 
 group! {
@@ -127,7 +127,7 @@ pub fn tool_ships(spec: &Tool) -> bool {
     shipped(spec).is_some()
 }
 
-/// The mesh that ships for a tool body. Only its beginning is read: studies ask for each of their designs.
+/// The mesh that ships for a tool body. Only its beginning is read, because studies need it for each of their designs.
 fn shipped(spec: &Tool) -> Option<&'static [u8]> {
     let signature = spec.signature();
     SHIPPED.into_iter().find(|bytes| {
@@ -139,9 +139,10 @@ fn shipped(spec: &Tool) -> Option<&'static [u8]> {
 }
 
 impl Tool {
-    /// Processor time that gmsh may take with the elastic analogy \[s\]: 20 s, and 38 ms for each square of an element's side on the
-    /// walls, about five times what the shipped dimensions take with it (4 to 9 s). Without it they take
-    /// 1.4 to 1.9 s, and gmsh has a third of this time. Dimensions that fold the body into itself can keep gmsh busy without end.
+    /// Processor time that gmsh may take with the elastic analogy \[s\]: 20 s, and 38 ms for each square of an
+    /// element's side on the walls, about five times the time of the shipped dimensions (4 to 9 s). Without it they
+    /// take 1.4 to 1.9 s, and gmsh has a third of this time. Dimensions that fold the body into itself can occupy gmsh
+    /// without end.
     fn seconds(&self) -> f64 {
         let barrel = self.barrel_radius(self.sleeve_radius);
         let tubes = [
@@ -156,11 +157,11 @@ impl Tool {
     }
 }
 
-/// The mesh of a tool body: quadratic tetrahedra, parts `housing`, `nose` and `sleeve`, face groups `nose_tip`,
-/// `gas_bore`, `bumper_seat`, `seat`, `cap`, `handle`, `magazine`, `supply` (within the handle), `plenum` (within the cap)
-/// and `sleeve_outside`, and `fit_slave` (the sleeve's upper end), which is to be tied to `fit_master` (the barrel's inner
-/// side; `barrel_inside` where the sleeve stands free). The mesh is symmetric about y = 0, as the body is: gmsh meshes the
-/// half above, and the other is its image.
+/// The mesh of a tool body of quadratic tetrahedra, with parts `housing`, `nose` and `sleeve`. The face groups are
+/// `nose_tip`, `gas_bore`, `bumper_seat`, `seat`, `cap`, `handle`, `magazine`, `supply` (within the handle), `plenum`
+/// (within the cap) and `sleeve_outside`. `fit_slave` (the sleeve's upper end) is to be tied to `fit_master` (the
+/// barrel's inner side; `barrel_inside` for a free sleeve). The mesh is symmetric about y = 0, as the body is: gmsh
+/// meshes the half above, and the other is its image.
 ///
 /// A mesh that ships is taken where it was made for these dimensions and `anew` is not asked for; gmsh makes any other.
 ///

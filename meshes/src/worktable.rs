@@ -2,9 +2,9 @@
 
 use crate::{Grid, Mesh, MeshError, subdivide};
 
-/// A worktable as one conforming solid; the legs stand flush with the corners of the top.
+/// A worktable as one conforming solid; the legs are flush with the corners of the top.
 ///
-/// x and y run along the edges of the top, z up from the floor.
+/// The axes x and y run along the edges of the top, z up from the floor.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub struct Worktable {
     /// Lengths of the top along x and y \[m\].

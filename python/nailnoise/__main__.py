@@ -95,7 +95,7 @@ def _on_cluster(command: str) -> int:
     try:
         design: Design = load(given.design, dict(given.set))
         with Client(given.scheduler, timeout=30) as client:  # type: ignore[no-untyped-call]
-            # Workers have working folders of their own.
+            # Workers use separate working folders.
             folder = os.path.abspath(given.folder)
             cluster = Cluster(client, folder if given.shared else None, folder, _progress)
             if command == "study-on":

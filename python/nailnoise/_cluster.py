@@ -153,7 +153,7 @@ def _levels(sent: Sent, shared: str | None, received: Sequence[Files], stated: b
     try:
         names = _native.levels_task(sent.design()._native, folder)
     except _native.NailnoiseError:
-        # What has no levels is left to the client, which says why.
+        # A design without levels is left to the client, which gives the reason.
         names = []
     return _end(shared, folder, names, stated)
 

@@ -162,7 +162,7 @@ class Proposal:
     #: Figures of the shot and, where these meet the constraints, levels.
     figures: dict[str, Any]
     feasible: bool
-    #: Why it is no design; empty where it is one.
+    #: Why it is not a design; empty for a design.
     refused: str = ""
 
     @property

@@ -70,8 +70,9 @@ fn kind_of(nodes: usize) -> Result<ElementKind, Refused> {
     })
 }
 
-/// All modes below `top_hz` \[Hz\] of a mesh of one material: nodes \[m\], elements by their nodes in the order of VTK, Young's moduli E_1
-/// to E_3, shear moduli G_12, G_13, G_23 \[Pa\], Poisson ratios nu_12, nu_13, nu_23, density \[kg/m3\], and nodes that are held.
+/// All modes below `top_hz` \[Hz\] of a mesh of one material. The arguments are nodes \[m\], elements by their nodes in
+/// the order of VTK, Young's moduli E_1 to E_3, shear moduli G_12, G_13, G_23 \[Pa\], Poisson ratios nu_12, nu_13,
+/// nu_23, density \[kg/m3\], and nodes that are fixed.
 #[pyfunction]
 pub(crate) fn mesh_modes<'py>(
     py: Python<'py>,
@@ -134,9 +135,10 @@ pub(crate) fn mesh_modes<'py>(
 /// Bands as rows: nominal frequency \[Hz\], unweighted and A-weighted level \[dB\], none for silence.
 type Bands = Vec<(f64, Option<f64>, Option<f64>)>;
 
-/// Levels of the noise of round holes from the flow through them: mass flow \[kg/s\], absolute stagnation pressure \[Pa\] and temperature
-/// \[K\] before them at intervals of `sample_interval` \[s\]; number, diameter \[m\], discharge coefficient and pitch \[m\] of the holes;
-/// temperature \[K\] and pressure \[Pa\] of the air. The A-weighted level, that of each part, and the bands \[dB re 1 pW s\].
+/// Levels of the noise of round holes from the flow through them. The arguments are mass flow \[kg/s\], absolute
+/// stagnation pressure \[Pa\] and temperature \[K\] before them at intervals of `sample_interval` \[s\]; number,
+/// diameter \[m\], discharge coefficient and pitch \[m\] of the holes; temperature \[K\] and pressure \[Pa\] of the
+/// air. The A-weighted level, that of each part, and the bands \[dB re 1 pW s\].
 #[pyfunction]
 #[allow(clippy::too_many_arguments)] // they are those of the Python function
 pub(crate) fn exhaust_levels<'py>(

@@ -1,4 +1,4 @@
-//! Designs, and where results of their stages are kept.
+//! Designs, and the store for results of their stages.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -79,7 +79,7 @@ impl NativeDesign {
     }
 }
 
-/// Where results are kept: the folder given, the user's cache, or nowhere.
+/// The store for results: the folder given, the user's cache, or none.
 pub(crate) fn store(cache: Option<PathBuf>, keep: bool) -> Result<Store, Error> {
     Ok(match cache {
         _ if !keep => Store::none(),

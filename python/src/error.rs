@@ -23,7 +23,7 @@ create_exception!(
     "The user's cache cannot be used, and work can go on without it."
 );
 
-/// Why work on a thread of its own came to nothing.
+/// Why work on a separate thread failed.
 pub(crate) enum Refused {
     /// An error of the library.
     Library(Box<Error>),

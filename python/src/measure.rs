@@ -65,7 +65,7 @@ pub(crate) fn measure(
     Ok((json_of(&measured.0)?, measured.1))
 }
 
-/// What a wrapping test of a design gives in energies, without recordings and scatter, as JSON.
+/// The energies of a wrapping test of a design, without recordings and scatter, as JSON.
 #[pyfunction]
 pub(crate) fn test_energies(
     py: Python<'_>,

@@ -17,7 +17,7 @@ use crate::error::{json_of, value_error};
 use crate::values::drawn;
 use crate::work;
 
-/// What a study is asked for.
+/// The request for a study.
 pub(crate) fn request(draws: u32, seed: u64, structures: Option<u16>, part: Part) -> PyResult<Request> {
     if draws == 0 {
         return Err(value_error("a study needs at least one draw"));
@@ -66,7 +66,7 @@ pub(crate) fn study_of(
     Ok((json_of(&result)?, String::from_utf8_lossy(&table).into_owned(), charts))
 }
 
-/// Draws designs for the cycle alone, as JSON.
+/// Draws designs only for the cycle, as JSON.
 #[pyfunction]
 #[allow(clippy::too_many_arguments)] // they are those of the Python function
 pub(crate) fn shots(
@@ -123,7 +123,7 @@ fn axes(vary: &[String]) -> PyResult<Vec<Axis>> {
     Ok(axes)
 }
 
-/// The values of each key of a sweep, as they would stand in a design.
+/// The values of each key of a sweep, as written in a design.
 #[pyfunction]
 pub(crate) fn axis_values(vary: Vec<String>) -> PyResult<Vec<(String, Vec<String>)>> {
     Ok(axes(&vary)?.into_iter().map(|axis| (axis.key, axis.values)).collect())

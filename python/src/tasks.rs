@@ -1,4 +1,5 @@
-//! What a scheduler runs: each task leaves outputs of stages in a folder and names the files, so that they can be carried elsewhere.
+//! The tasks of a scheduler: each leaves outputs of stages in a folder and names the files, so that they can be carried
+//! elsewhere.
 
 use std::path::PathBuf;
 use std::sync::Arc;

@@ -1,4 +1,4 @@
-//! Work on a thread of its own: the interpreter goes on, progress reaches a callback, and Ctrl-C ends the work.
+//! Work on a separate thread: the interpreter goes on, progress reaches a callback, and Ctrl-C ends the work.
 
 use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -16,7 +16,7 @@ use crate::error::Refused;
 /// How often the interpreter is asked for signals.
 const POLL: Duration = Duration::from_millis(20);
 
-/// What a callback is told: a kind (`stage`, `note` or `done`), a text, and items done of how many.
+/// The message to a callback: a kind (`stage`, `note` or `done`), a text, and items done of how many.
 type Event = (&'static str, String, u64, u64);
 
 /// Sends progress to the thread of the interpreter, and ends the work that reports to it once it is cancelled.
@@ -65,7 +65,7 @@ impl Observer for Reporter {
 /// Does work on a thread without the interpreter's lock, and passes its progress on to `report(kind, text, done, of)`.
 ///
 /// # Errors
-/// Those of the work and of the callback; `KeyboardInterrupt` on Ctrl-C, after which the work ends at its next report.
+/// Those of the work and of the callback. `KeyboardInterrupt` on Ctrl-C, after which the work ends at its next report.
 pub(crate) fn off_the_lock<T: Send + 'static>(
     py: Python<'_>,
     report: Option<Py<PyAny>>,

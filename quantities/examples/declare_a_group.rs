@@ -1,4 +1,4 @@
-//! Declares a group of quantities, reads values with units into it, and prints what a user may set.
+//! Declares a group of quantities, reads values with units into it, and prints the keys that a user may set.
 //!
 //! ```text
 //! cargo run -p nailnoise-quantities --example declare_a_group

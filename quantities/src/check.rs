@@ -1,4 +1,4 @@
-//! Checks at run time: a number beside its limit.
+//! Checks at run time: a number with its limit.
 
 use std::borrow::Cow;
 
@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 /// A number that must stay within its limit, checked at run time.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Check {
-    /// What is checked, with unit.
+    /// The checked quantity, with unit.
     pub name: Cow<'static, str>,
     /// Value found; null if it is not a number.
     #[schemars(with = "Option<f64>")]
@@ -20,7 +20,7 @@ pub struct Check {
 }
 
 impl Check {
-    /// A check that holds when `|value| <= limit`.
+    /// A check that passes when `|value| <= limit`.
     pub fn at_most(name: impl Into<Cow<'static, str>>, value: f64, limit: f64) -> Self {
         Self {
             name: name.into(),

@@ -1,4 +1,4 @@
-//! Physical dimensions: what a quantity is, whatever unit it is written in.
+//! Physical dimensions: the nature of a quantity, whatever its unit.
 
 use std::fmt;
 
@@ -41,7 +41,7 @@ impl Dimension {
         })
     }
 
-    /// The unit of the SI in which the design keeps a quantity of this dimension; empty for a plain number.
+    /// The SI unit that the design uses for a quantity of this dimension; empty for a plain number.
     pub fn unit(self) -> String {
         self.named()
             .map_or_else(|| self.base_units(), |named| named.unit.to_owned())
@@ -53,14 +53,14 @@ impl Dimension {
             .map_or_else(|| self.base_units(), |named| named.examples.to_owned())
     }
 
-    /// Smallest and largest magnitude, in SI units, of a quantity of this dimension in a machine that a hand holds, its
-    /// surroundings and its test stand; every magnitude for a dimension without a name.
+    /// Smallest and largest magnitude, in SI units, of a quantity of this dimension in a hand-held machine, its
+    /// surroundings and its test rig; every magnitude for a dimension without a name.
     pub fn magnitudes(self) -> [f64; 2] {
         self.named()
             .map_or([f64::MIN_POSITIVE, f64::MAX], |named| named.magnitudes)
     }
 
-    /// Factor and unit in which a person reads a value of this dimension.
+    /// Factor and unit for the display of a value of this dimension.
     pub fn readable(self) -> (f64, String) {
         match self {
             LENGTH => (1e3, "mm".to_owned()),
@@ -95,7 +95,7 @@ impl Dimension {
     }
 }
 
-/// "a pressure", "a length", or the base units where the dimension has no name of its own.
+/// "a pressure", "a length", or the base units if the dimension has no name.
 impl fmt::Display for Dimension {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self.named() {

@@ -57,7 +57,7 @@ pub fn visit_key<G: Group, T: Held>(
     }
 }
 
-/// The declaration of a key and its symbol, where it has one, for its documentation.
+/// The declaration of a key and its symbol, if any, for its documentation.
 #[doc(hidden)]
 #[macro_export]
 macro_rules! key_doc {
@@ -72,8 +72,8 @@ macro_rules! key_doc {
 /// Declares a group: documentation, then `name: type = kind, "symbol";` for each key, then the groups and the lists
 /// within it.
 ///
-/// The line `..part: Inner;` among the keys puts the keys of the group `Inner` in this place. The struct holds the inner
-/// group as the field `part` and dereferences to it, so that the keys of both read alike.
+/// The line `..part: Inner;` among the keys puts the keys of the group `Inner` in this place. The struct contains the
+/// inner group as the field `part` and dereferences to it, so that the keys of both read alike.
 ///
 /// The struct derives `serde` traits; the crate that declares it depends on `serde`.
 #[macro_export]

@@ -1,4 +1,4 @@
-//! What a key holds, and the domain of its value.
+//! The kind of a key's value, and its domain.
 
 use crate::dimension::{Dimension, NUMBER, PRESSURE};
 
@@ -17,7 +17,7 @@ pub enum Sign {
     Component,
 }
 
-/// What a key holds.
+/// The kind of a key's value.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Kind {
     /// A physical quantity, stored in SI units.
@@ -28,7 +28,7 @@ pub enum Kind {
         sign: Sign,
         /// Its domain in SI units, where that of sign and dimension is too wide.
         within: Option<[f64; 2]>,
-        /// Whether a gauge pressure may be given, to which the ambient pressure is added.
+        /// Whether a gauge pressure may be given; the ambient pressure is added to it.
         gauge: bool,
     },
     /// A whole number from 1 to this.
@@ -54,7 +54,7 @@ impl Kind {
     /// The same quantity with the domain `low` to `high` in SI units.
     ///
     /// # Panics
-    /// At compile time, where this is no quantity.
+    /// At compile time, if this is not a quantity.
     #[must_use]
     pub const fn within(self, low: f64, high: f64) -> Self {
         let Self::Quantity {
@@ -72,7 +72,7 @@ impl Kind {
     }
 
     /// Smallest and largest value that a program of this kind can work with, in SI units: the hard domain of every
-    /// design, apart from the plausible range that a design gives. None for what is neither quantity nor count.
+    /// design, apart from the plausible range that a design gives. None for a value that is neither quantity nor count.
     pub fn domain(self) -> Option<[f64; 2]> {
         match self {
             Self::Quantity {
@@ -93,7 +93,7 @@ impl Kind {
         }
     }
 
-    /// Whether the domain holds `value`, in SI units; never for what is not a finite number.
+    /// Whether the domain contains `value`, in SI units; never true of a number that is not finite.
     pub fn allows(self, value: f64) -> bool {
         // Units are converted with a rounding.
         self.domain().is_some_and(|[low, high]| {
@@ -102,7 +102,7 @@ impl Kind {
         })
     }
 
-    /// The domain in words, "from 0.001 to 100 m"; empty for what has none.
+    /// The domain in words, "from 0.001 to 100 m"; empty if there is none.
     pub fn allowed(self) -> String {
         let unit = match self {
             Self::Quantity { dimension, .. } => dimension.unit(),

@@ -3,7 +3,7 @@
 use crate::dimension::Dimension;
 use crate::text::{QuantityError, quantity};
 
-/// Reads "500 mm/min" as a quantity of `dimension` in SI units; a number alone is in SI units.
+/// Reads "500 mm/min" as a quantity of `dimension` in SI units; a number without a unit is in SI units.
 ///
 /// # Errors
 /// The fault of the text, with the units that are allowed.

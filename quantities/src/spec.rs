@@ -7,7 +7,7 @@ use crate::kind::Kind;
 pub struct KeySpec {
     /// Its name in its group.
     pub name: &'static str,
-    /// Symbol in Nili Ahmadabadi (2016) or in the field; empty where there is none.
+    /// Symbol in Nili Ahmadabadi (2016) or in the field; empty if there is none.
     pub symbol: &'static str,
     /// Description, one line of text an element.
     pub doc: &'static [&'static str],
@@ -83,8 +83,8 @@ impl GroupSpec {
             .map(|(_, member)| *member)
     }
 
-    /// Calls `f` with the full name and declaration of every key, groups after the keys beside them; the members of a
-    /// list stand under `*`.
+    /// Calls `f` with the full name and declaration of every key, groups after the keys at their level; the members of
+    /// a list come under `*`.
     pub fn each_key(&self, path: &str, f: &mut dyn FnMut(&str, &'static KeySpec)) {
         self.each_key_of(path, &|_| vec![MEMBER.to_owned()], f);
     }

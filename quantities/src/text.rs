@@ -28,7 +28,7 @@ pub enum QuantityError {
     /// Infinite, too large for a double, or not a number.
     #[error("the number is not finite")]
     NotFinite,
-    /// A number alone where a dimension is expected.
+    /// A number without a unit where a dimension is expected.
     #[error("the unit is missing")]
     NoUnit,
     /// A unit that cannot be read.
@@ -111,7 +111,7 @@ fn scaled(number: &str, power: i32) -> Option<f64> {
     .ok()
 }
 
-/// Splits a text into its number and what follows it.
+/// Splits a text into its number and the rest.
 fn split(text: &str) -> Result<(&str, &str), QuantityError> {
     let text = text.trim();
     let unsigned = text.trim_start_matches(['+', '-']);

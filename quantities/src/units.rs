@@ -15,7 +15,7 @@ pub(crate) struct Unit {
     pub(crate) gauge: bool,
 }
 
-/// Why a text is no unit.
+/// Why a text is not a unit.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum UnitError {
     /// A symbol that is neither a unit nor a prefix with a unit.

@@ -1,4 +1,4 @@
-//! Values of keys, and the types that hold them.
+//! Values of keys, and their types.
 
 /// The value of a key.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
@@ -73,7 +73,7 @@ macro_rules! choice {
             pub const ALL: &'static [Self] = &[$(Self::$variant),+];
             /// Their words.
             pub const WORDS: &'static [&'static str] = &[$($word),+];
-            /// What a key of this type holds.
+            /// The kind of a key of this type.
             pub const KIND: $crate::Kind = $crate::Kind::Choice(Self::WORDS);
 
             /// Its word.

@@ -77,7 +77,7 @@ pub enum BemError {
         /// Largest distance of its nodes from the plane \[m\].
         off: f64,
     },
-    /// A panel has no area.
+    /// A panel has zero area.
     #[error("panel {panel} has an area of {area:.1e} m2; remove it or repair the mesh")]
     DegeneratePanel {
         /// Number of the panel.

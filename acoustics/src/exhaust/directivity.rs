@@ -51,7 +51,7 @@ pub struct MixingDirectivity {
 }
 
 impl MixingDirectivity {
-    /// At the jet speed lg(U_j/c0), held at -0.4 and 0.4 beyond them.
+    /// At the jet speed lg(U_j/c0), clamped to the interval from -0.4 to 0.4.
     pub fn new(lg_velocity: f64) -> Self {
         let mut ln_d = LG_D.map(|row| interpolate(&row, (lg_velocity - START) / STEP) * std::f64::consts::LN_10);
         let table_mean = mean(&ln_d);

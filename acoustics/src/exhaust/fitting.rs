@@ -14,8 +14,8 @@ const TRANSITION: f64 = 1.0 / 6.0;
 /// A pipe on the exhaust holes, open at its end: closed by the choked holes on one side, it resonates as a quarter wave.
 ///
 /// The volume flow Q of choked holes does not depend on the pipe. Plane waves carry U = H Q to the open end, whose
-/// impedance r + j x is that of [`OpenEnd`]; the jet at the outlet, p = rho U^2/2, adds M, which absorbs and radiates
-/// nothing:
+/// impedance r + j x is that of [`OpenEnd`]. The jet at the outlet, p = rho U^2/2, adds M, which absorbs and does not
+/// radiate.
 ///
 /// ```text
 /// H = 1/(cos kL + j z sin kL)     z = r + j x + M     G = |H|^2 4 r/(ka)^2
@@ -62,7 +62,7 @@ impl PipeFitting {
         let k = 2.0 * PI * hz / air.sound_speed;
         let limit = self.plane_wave_limit(air);
         let above = Complex::from_polar(1.0, -k * self.length);
-        // 0 where plane waves alone run, 1 at the first cross mode and above it.
+        // 0 where only plane waves run, 1 at the first cross mode and above it.
         let share = (1.0 + (hz / limit).log2() / TRANSITION).clamp(0.0, 1.0);
         if share >= 1.0 {
             return Ok(above);

@@ -14,8 +14,8 @@ pub(super) struct Burst {
 
 /// An opening's noise over time.
 ///
-/// Jet noise is random: a sample's energy is radiated within its sample, and its share inside a range is that of its
-/// own spectrum. The outflow's monopole is a signal.
+/// Jet noise is random: a sample's energy is radiated within its sample, and its share inside a range follows from its
+/// spectrum. The outflow's monopole is a signal.
 #[derive(Debug, Clone)]
 pub struct ExhaustHistory {
     pub(super) sample_interval: f64,

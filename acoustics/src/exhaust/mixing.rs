@@ -2,7 +2,7 @@ use super::jet::Jet;
 use crate::air::Air;
 use std::ops::RangeInclusive;
 
-/// Range of lg(U_j/c0) in which the correlation holds.
+/// Range of lg(U_j/c0) for which the correlation is valid.
 pub const MIXING_RANGE: RangeInclusive<f64> = -0.4..=0.4;
 
 /// First lg V* of both tables and their step.
@@ -27,7 +27,7 @@ const LG_P: [f64; 18] = [
 /// ```
 ///
 /// SAE ARP876 in the form of NASA TM-83199, sec. 8.4. `jet_area` is A_j of all jets \[m²\]. Outside [`MIXING_RANGE`]
-/// omega and P keep their end values, so that W ~ U^8 below.
+/// omega and P take their end values, so that W ~ U^8 below.
 pub fn mixing_power(jet: &Jet, jet_area: f64, air: &Air) -> f64 {
     let v = jet.velocity / air.sound_speed;
     let lg_v = v.log10();

@@ -3,7 +3,7 @@
 //! For each sample, the jet of the opening is expanded to ambient pressure ([`Jet`]); the power of its mixing and shock
 //! noise is distributed over frequency by the spectral shape at that instant and integrated over the record. The
 //! unsteady outflow is a monopole. Inward flow radiates no sound in this model. [`ExhaustNoise::at`] gives the exposure
-//! at a microphone beside a jet and above a floor, and [`ExhaustNoise::sound_at`] the signal there.
+//! at a microphone near a jet and above a floor, and [`ExhaustNoise::sound_at`] the signal there.
 
 mod cross_check;
 mod directivity;

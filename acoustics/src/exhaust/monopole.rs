@@ -53,8 +53,8 @@ impl PlenumResonance {
 /// E(f) = 2 |H F{d(m' T_0/T_a)/dt}|^2 / (4 pi rho0 c0)
 /// ```
 ///
-/// The derivative is taken between samples and freed of the difference quotient's sinc(pi f dt), so that it is exact
-/// for a record without content above half the sampling frequency. H is 1, or that of the plenum with its resonance
+/// The derivative is taken between samples and corrected for the difference quotient's sinc(pi f dt). It is exact for a
+/// record without content above half the sampling frequency. H is 1, or that of the plenum with its resonance
 /// frequency.
 pub(super) fn monopole(
     history: &FlowHistory,

@@ -83,7 +83,7 @@ pub struct ExhaustNoise {
 /// Times when the flow is inward, or the pressure at or below ambient, are silent.
 ///
 /// # Errors
-/// Histories of different lengths or with values that are not finite, an impossible opening, jets that merge, air that
+/// Histories of different lengths or with values that are not finite. An impossible opening, jets that merge, air that
 /// leaves against a higher pressure, a muffler that is not known over the analysed range.
 pub fn exhaust_noise(
     source: impl Into<String>,

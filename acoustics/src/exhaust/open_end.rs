@@ -37,7 +37,7 @@ impl OpenEnd {
     /// At the product of wavenumber and radius.
     ///
     /// # Errors
-    /// [`InputError::OutsideRange`] unless `ka` is above 0 and at most 3.8317, where waves begin to run across the pipe.
+    /// [`InputError::OutsideRange`] unless 0 < `ka` <= 3.8317, where waves begin to run across the pipe.
     pub fn new(ka: f64) -> Result<Self, InputError> {
         if !(ka > 0.0 && ka <= HIGHEST) {
             return Err(InputError::OutsideRange {

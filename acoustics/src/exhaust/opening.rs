@@ -61,7 +61,7 @@ pub struct Opening {
     pub diameter: f64,
     /// Discharge coefficient C_d.
     pub discharge_coefficient: f64,
-    /// Distance between the centres of neighbouring holes \[m\], where it is known.
+    /// Distance between the centres of neighbouring holes \[m\], if known.
     pub pitch: Option<f64>,
 }
 

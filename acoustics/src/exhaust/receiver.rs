@@ -25,9 +25,9 @@ pub struct Floor {
     pub height: f64,
     /// Coherence between the jet noise radiated towards the floor and that radiated directly to the receiver, 0 to 1.
     ///
-    /// 1 is a point source with one signal in all directions: direct and reflected sound interfere. 0 is the sum of the
-    /// energies, the limit for jet noise at high frequency, which is uncorrelated between directions tens of degrees
-    /// apart. The unsteady outflow is always a point source.
+    /// 1 means a point source with one signal in all directions: direct and reflected sound interfere. A value of 0 is
+    /// the sum of the energies, the limit for jet noise at high frequency, which is uncorrelated between directions
+    /// tens of degrees apart. The unsteady outflow is always a point source.
     pub coherence: f64,
 }
 
@@ -56,7 +56,7 @@ impl ReceivedNoise {
     }
 }
 
-/// lg(U_j/c0) of the first directivity kept, the step to the next, and their number: the range of the table.
+/// lg(U_j/c0) of the first directivity in the table, the step to the next, and their number: the range of the table.
 const FIRST: f64 = -0.4;
 const STEP: f64 = 0.01;
 const SPEEDS: usize = 81;

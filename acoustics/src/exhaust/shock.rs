@@ -15,7 +15,7 @@ const LG_H: [f64; 34] = [
 /// Slopes d lg H / d lg sigma beyond the ends.
 const SLOPES: (f64, f64) = (3.8, -1.2);
 
-/// Offset of lg H for jets with T_t/T_a < 1.1, which always holds for the exhaust of a tool.
+/// Offset of lg H for jets with T_t/T_a < 1.1, which is always true of a tool's exhaust.
 const COLD_JET: f64 = -0.2;
 
 /// lg sigma where H peaks.
@@ -33,7 +33,7 @@ fn lg_h(lg_sigma: f64) -> f64 {
     COLD_JET + beyond + super::mixing::interpolate(&LG_H, x)
 }
 
-/// H per natural logarithm of frequency at f/f_peak: H holds for a third octave, 0.1 in lg f.
+/// H per natural logarithm of frequency at f/f_peak: H itself is for a third octave, 0.1 in lg f.
 pub(super) fn shape(ratio: f64) -> f64 {
     10f64.powf(lg_h(PEAK + ratio.log10())) / (STEP * std::f64::consts::LN_10)
 }

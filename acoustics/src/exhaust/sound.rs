@@ -73,7 +73,7 @@ impl ExhaustNoise {
         let inverse = FftPlanner::new().plan_fft_inverse(length);
         let dt = self.history.sample_interval;
         let delay = (paths.direct_length() / air.sound_speed * rate).round() as usize;
-        // Frame i holds the flow's samples from (i - 1) hop to (i + 1) hop.
+        // Frame i contains the flow's samples from (i - 1) hop to (i + 1) hop.
         for frame in 0..=signal.len() / hop {
             let start = (frame as f64 - 1.0) * hop as f64;
             let place = |burst: &Burst| (burst.sample as f64 + 0.5) * dt * rate - start;

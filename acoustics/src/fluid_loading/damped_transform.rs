@@ -11,9 +11,9 @@ const WRAP_AROUND: f64 = 1e-5;
 
 /// Transforms of records of one length and their inverse, in a range of frequencies from zero.
 ///
-/// The period is twice the record or more, so that what a causal system answers to the record within its duration is that
-/// of the whole time axis: what the period wraps around is weakened by e^{-sigma L}. Rigid motion and offsets are no
-/// exception, because nothing is singular at s = sigma + j omega.
+/// The period is at least twice the record. The response of a causal system to the record is therefore, within the
+/// record, that of the whole time axis: the part that the period wraps around is weakened by e^{-sigma L}. Rigid motion
+/// and offsets are included, because nothing is singular at s = sigma + j omega.
 #[derive(Clone)]
 pub struct DampedTransform {
     fft: RealTransform,
@@ -71,8 +71,8 @@ impl DampedTransform {
     /// Lines sum_n (x_n - x_0) e^{-s t_n} of the records in the columns of `motion` (samples x records), records x lines:
     /// changes from the value that a record has at its first sample, and had before.
     ///
-    /// After its end a record goes on as 2 x_N - x_{2N-n}, without a jump of value or slope, and fades to its first value
-    /// until the period ends; a causal system does not know of it before.
+    /// After its end a record goes on as 2 x_N - x_{2N-n}, without a jump of value or slope, and fades to its first
+    /// value until the period ends. This has no effect on a causal system before the record's end.
     pub(crate) fn lines(&self, motion: &DMatrix<f64>) -> DMatrix<Complex<f64>> {
         let columns: Vec<Vec<Complex<f64>>> = motion
             .as_slice()

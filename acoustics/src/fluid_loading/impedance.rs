@@ -5,7 +5,7 @@ pub trait Impedance: Sync {
     /// Number of modes.
     fn modes(&self) -> usize;
 
-    /// Highest frequency up to which both R and X are known \[Hz\].
+    /// Highest frequency with known R and X \[Hz\].
     fn top_hz(&self) -> f64;
 
     /// Z(f) v for the modal velocities v in each column (modes x frequencies), at positive frequencies \[Hz\].

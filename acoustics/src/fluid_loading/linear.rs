@@ -19,7 +19,7 @@ const TOLERANCE: f64 = 1e-9;
 /// Lines solved together, few enough to keep their Krylov spaces small.
 const LINES: usize = 64;
 
-/// A structure on linear supports, in the coordinates u in which it moved with a frozen impedance:
+/// A structure on linear supports, in the coordinates u of its motion with a frozen impedance.
 ///
 /// ```text
 /// u'' + diag(2 zeta w) u' + diag(w²) u + P (k P^T u + c P^T u') = f
@@ -32,7 +32,7 @@ pub struct FrozenModes {
     pub omega: Vec<f64>,
     /// 2 zeta w of structure and frozen radiation \[1/s\].
     pub damping: Vec<f64>,
-    /// What the integration in time damps beyond that \[1/s\]: zero but for modes that its step does not follow.
+    /// Additional damping by the integration in time \[1/s\]: zero but for modes that its step does not follow.
     pub numerical_damping: Vec<f64>,
     /// S, modes in vacuum x coordinates.
     pub coordinates: DMatrix<f64>,
@@ -48,7 +48,7 @@ pub struct FrozenModes {
     pub dashpots: Vec<f64>,
 }
 
-/// What the complete impedance adds to a motion with the frozen one.
+/// The difference that the complete impedance makes to a motion with the frozen one.
 pub struct ImpedanceCorrection {
     /// The transform of its lines.
     pub transform: DampedTransform,
@@ -63,24 +63,25 @@ pub struct ImpedanceCorrection {
     pub residual: f64,
 }
 
-/// Finds what the complete impedance adds to a motion u(t) with the frozen one.
+/// Finds the difference that the complete impedance makes to a motion u(t) with the frozen one.
 ///
-/// At s = sigma + j omega, with A the dynamic stiffness of [`FrozenModes`],
+/// At s = sigma + j omega, A is the dynamic stiffness of [`FrozenModes`].
 ///
 /// ```text
 /// [A(s) + D(s)] d = -D(s) u        D = W [S^T (s Z - s² M) S + s (S^T C S - diag(2 zeta w))]
 /// ```
 ///
-/// which is exact for linear motion: u + d satisfies the equation with Z as full matrix of every frequency, R and X, in place
-/// of the frozen one. Forces and start need not be known. Z/s is smooth and finite down to zero and is taken from the real axis,
+/// This is exact for linear motion. The sum u + d satisfies the equation with Z as full matrix of every frequency, R
+/// and X, in place of the frozen one. Forces and start need not be known. Z/s is smooth and finite down to zero and is
+/// taken from the real axis.
 ///
 /// ```text
 /// Z(s)/s ~ (1-j)/2 G(omega + sigma) + (1+j)/2 G(omega - sigma)        G(omega) = Z(j omega)/(j omega)
 /// ```
 ///
-/// with an error of sigma² G'', about (sigma a/c)² of it for a body of the size a. W falls from 1 to 0 over the uppermost third of
-/// an octave in which Z is known; above, the frozen impedance acts. `motion` gives the records of a range of coordinates,
-/// samples x coordinates, `step` \[s\] apart.
+/// The error is sigma² G'', about (sigma a/c)² of it for a body of the size a. W falls from 1 to 0 over the uppermost
+/// third of an octave of known Z; above, the frozen impedance acts. `motion` gives the records of a range of
+/// coordinates, samples x coordinates, at intervals of `step` \[s\].
 ///
 /// # Errors
 /// Lengths that do not fit; those of `motion`; [`FluidLoadingError::Iteration`].

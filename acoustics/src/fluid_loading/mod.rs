@@ -1,17 +1,17 @@
 //! Fluid loading: modes of a structure that move with the fluid around it.
 //!
-//! With mass-normalised modes of the structure in vacuum, time factor e^{+j omega t}, Omega their angular frequencies and
-//! zeta their damping ratios, the modal velocities q' follow from the modal forces f by
+//! The modes of the structure in vacuum are mass-normalised; Omega are their angular frequencies and zeta their damping
+//! ratios. With the time factor e^{+j omega t}, the modal velocities q' follow from the modal forces f by
 //!
 //! ```text
 //! [-omega² I + j omega (C + Z(omega)) + Omega²] q = f        C = diag(2 zeta Omega), Z = R + jX symmetric
 //! Z_ij = int (phi_i . n) p_j dS                              p_j: pressure on the surface per unit modal velocity
 //! ```
 //!
-//! (Junger & Feit 1986, chapter 9). R damps, and X / omega is the mass of fluid that moves along. [`velocities`] solves the
-//! equation at one frequency, [`resonances`] finds the complex frequencies of free motion. For motion in time with contact
-//! that opens, [`WetModes`] freeze Z at each mode's own resonance. Where the motion stays linear, [`impedance_correction`] adds what the
-//! whole Z(omega) changes of it.
+//! (Junger & Feit 1986, chapter 9). R damps, and X / omega is the mass of fluid that moves along. [`velocities`] solves
+//! the equation at one frequency, [`resonances`] finds the complex frequencies of free motion. For motion in time with
+//! contact that opens, [`WetModes`] freeze Z at each mode's own resonance. Where the motion stays linear,
+//! [`impedance_correction`] adds the effect of the complete Z(omega).
 
 mod damped_transform;
 mod error;

@@ -31,9 +31,8 @@ impl Resonance {
     }
 }
 
-/// Resonances of modes in a fluid below `highest` \[rad/s\], one for each mode, in rising order of the frequency at which
-/// they would be with the fluid's mass alone; `None` where a mode is rigid, lies above, or is damped so much that it does not
-/// oscillate.
+/// Resonances of modes in a fluid below `highest` \[rad/s\], one for each mode, in rising order of their frequency with
+/// only the fluid's mass. `None` where a mode is rigid, lies above, or is damped so much that it does not oscillate.
 ///
 /// `impedance` gives Z at complex angular frequencies near the real axis up to `highest` (closed forms, or an
 /// [`ImpedanceTable`](super::ImpedanceTable)). Each of the sorted undamped frequencies

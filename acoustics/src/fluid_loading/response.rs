@@ -3,7 +3,7 @@ use super::modes::{DryModes, hz};
 use crate::checks::same_length;
 use nalgebra::{Complex, DMatrix};
 
-/// Modal velocities at the angular frequency `omega` \[rad/s\] for modal forces (modes x cases), with the radiation
+/// Modal velocities at the angular frequency `omega` \[rad/s\] for modal forces (modes x cases). With the radiation
 /// impedance Z(omega) of the modes \[1/s\]:
 ///
 /// ```text
@@ -66,7 +66,7 @@ impl PowerBalance {
         })
     }
 
-    /// What does not balance, relative to the input \[-\].
+    /// Imbalance, relative to the input \[-\].
     pub fn error(&self) -> f64 {
         (self.input - self.dissipated - self.radiated) / self.input
     }

@@ -4,8 +4,8 @@ use std::f64::consts::{PI, TAU};
 
 /// A radiation impedance between frequencies at which it is known, also near the real axis.
 ///
-/// Z/(j omega) = X/omega - j R/omega is smooth and finite down to zero frequency; the polynomial through its values at
-/// Chebyshev points of the range is analytic, so that it also holds at the complex frequencies of damped motion.
+/// Z/(j omega) = X/omega - j R/omega is smooth and finite down to zero frequency. The polynomial through its values at
+/// Chebyshev points of the range is analytic, so that it is also valid at the complex frequencies of damped motion.
 #[derive(Debug, Clone)]
 pub struct ImpedanceTable {
     /// Angular frequencies of the samples \[rad/s\], and the weights of the barycentric formula.

@@ -36,7 +36,7 @@ pub struct WetModes {
 
 impl WetModes {
     /// From a column of X/omega of the dry modes (the column's number, the angular frequency) and the quadratic form of
-    /// their R (angular frequency, amplitudes); frequencies \[rad/s\] no lower than `lowest`, which rigid modes take.
+    /// their R (angular frequency, amplitudes). Frequencies \[rad/s\] are at least `lowest`, the value for rigid modes.
     ///
     /// # Errors
     /// A column of another length; [`FluidLoadingError::Mass`].

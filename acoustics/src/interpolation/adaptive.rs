@@ -9,7 +9,7 @@ use rayon::prelude::*;
 use std::collections::BTreeMap;
 
 /// Widest useful interval of one polynomial, as a ratio of frequencies: over a wider one, the small values at its lower
-/// end are lost in rounding beside those at its upper end.
+/// end are lost in the rounding of those at its upper end.
 pub(crate) const WIDEST: f64 = 4.0;
 
 /// Tolerance and limits of the sampling.
@@ -82,9 +82,9 @@ pub(crate) fn each<T: Send>(
 /// its error decreases by the same factor as in the previous round, at most by ten.
 ///
 /// A piece is halved once it has the largest number of samples of one polynomial. It is halved earlier, from half that
-/// number on, if the convergence of the last two rounds shows that the full number would not meet the tolerance: the
-/// narrower a resonance is relative to the interval, the more slowly a polynomial converges. The sequences of the halves
-/// begin with the samples that lie in them, to which Leja's rule adds those that the new end needs.
+/// number on, if the convergence of the last two rounds shows that the full number would not meet the tolerance. The
+/// narrower a resonance is relative to the interval, the more slowly a polynomial converges. The sequences of the
+/// halves begin with the samples inside them. Leja's rule adds those that the new end needs.
 ///
 /// # Errors
 /// A tolerance that is not positive, [`SamplingError::Unresolved`], those of `take`.

@@ -163,8 +163,8 @@ impl Grid {
         self.intervals.iter().map(of_interval).fold(0.0, f64::max)
     }
 
-    /// Appends the intervals of `above` that end above this grid, and returns the indices there of the samples they need, in
-    /// the order in which they are appended.
+    /// Appends the intervals of `above` that end above this grid, and returns the indices there of the samples they
+    /// need, in the order of appending.
     pub(crate) fn extend(&mut self, above: &Self) -> Vec<usize> {
         let end = self.highest_hz();
         let later = || above.intervals.iter().filter(|i| i.high > end);
@@ -183,7 +183,7 @@ impl Grid {
     }
 }
 
-/// A misfit, infinite where it is not a number: where the interpolant through few samples has no value.
+/// A misfit, infinite if it is not a number: the interpolant through few samples may have no value.
 pub(crate) fn or_infinite(misfit: f64) -> f64 {
     if misfit.is_nan() { f64::INFINITY } else { misfit }
 }

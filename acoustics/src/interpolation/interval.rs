@@ -47,7 +47,7 @@ impl Interval {
         }
     }
 
-    /// The same interval with its first samples alone.
+    /// The same interval with only its first samples.
     fn with_first(&self, count: usize, tests: usize) -> Self {
         let (nodes, hz) = (self.nodes[..count].to_vec(), self.hz[..count].to_vec());
         Self::new([self.low, self.high], nodes, hz, tests)
@@ -59,7 +59,7 @@ impl Interval {
         ends.into_iter().chain(&mut self.hz).for_each(|hz| *hz *= by);
     }
 
-    /// The same samples, of which the last `tests` test the others; if all are test samples, they are compared with
+    /// The same samples; the last `tests` of them test the others. If all are test samples, they are compared with
     /// zero.
     pub(super) fn tested_by(&self, tests: usize) -> Self {
         Self { tests, ..self.clone() }
@@ -81,8 +81,8 @@ impl Interval {
         &self.hz
     }
 
-    /// Frequencies of the samples in Leja's order among themselves \[Hz\], which begins with both ends: the first few of
-    /// them serve an interpolant of their own.
+    /// Frequencies of the samples in Leja's order among themselves \[Hz\], which begins with both ends: the first few
+    /// of them serve a separate interpolant.
     pub(crate) fn samples_in_leja_order(&self) -> Vec<f64> {
         let x: Vec<f64> = self.hz.iter().map(|&hz| scaled([self.low, self.high], hz)).collect();
         let mut left: Vec<usize> = (0..x.len()).collect();
@@ -138,7 +138,8 @@ impl Interval {
 }
 
 /// Error with the samples of a round, from the misfit `found` without them and the misfit one round before: each round
-/// is assumed to reduce the error by the same factor as the previous one, but at most by [`GAIN`]. What is exact has no error.
+/// is assumed to reduce the error by the same factor as the previous one, but at most by [`GAIN`]. An exact result has
+/// no error.
 pub(super) fn extrapolated(found: f64, before: Option<f64>) -> f64 {
     match before {
         Some(before) if found > 0.0 => found * (found / before).clamp(GAIN, 1.0),

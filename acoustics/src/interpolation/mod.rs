@@ -5,8 +5,8 @@
 //! Grid     frequencies of the samples; weights of the samples at any frequency; products with motions
 //! ```
 //!
-//! Radiation matrices, pressures at receivers and fields around a body are all sampled here. They differ only in the
-//! norm of their misfit.
+//! It samples radiation matrices, receiver pressures and surrounding fields. They differ only in the norm of their
+//! misfit.
 
 mod adaptive;
 pub(crate) mod error;

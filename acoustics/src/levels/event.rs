@@ -47,7 +47,7 @@ pub fn peak_level(pressure: &[f64], sample_interval: f64, weighting: Weighting) 
     Ok((peak > 0.0).then(|| 20.0 * (peak / REFERENCE_PRESSURE).log10()))
 }
 
-/// The record through the causal weighting filter, with `finer` samples for each of its own and time to ring out.
+/// The record through the causal weighting filter, with `finer` samples for each given one, and with time to ring out.
 fn weighted(record: &[f64], dt: f64, weighting: Weighting, finer: usize) -> Result<Vec<f64>, InputError> {
     positive("sample interval [s]", dt)?;
     finite("pressure", record)?;

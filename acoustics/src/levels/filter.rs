@@ -10,7 +10,7 @@ const ORDER: i32 = 3;
 /// |H|^2 = 1 / (1 + x^{2n})      x = (f/f_m - f_m/f) / (f_2/f_m - f_m/f_2)      n = 3
 /// ```
 ///
-/// Neighbouring filters overlap, so that the sum of the bands slightly exceeds the total: use it to compare with an
+/// Neighbouring filters overlap, so that the sum of the bands slightly exceeds the total. Use it to compare with an
 /// instrument, and [`SourceSpectrum::band_levels`] for everything else.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BandFilter {

@@ -3,8 +3,8 @@ use serde::{Deserialize, Serialize};
 
 /// A-weighted sound power over time on uniform cells.
 ///
-/// Cell n holds the mean power between `start` + (n - 1/2) dt and `start` + (n + 1/2) dt, so that sums over the cells
-/// are energies and nothing is lost between them.
+/// Cell n is the mean power between `start` + (n - 1/2) dt and `start` + (n + 1/2) dt, so that sums over the cells are
+/// energies and nothing is lost between them.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct PowerHistory {
     /// Time of the middle of the first cell \[s\].
@@ -57,8 +57,8 @@ impl PowerHistory {
         energies
     }
 
-    /// The history of the sum of sources, in `cells` cells of `sample_interval` \[s\] from `start` \[s\] on; it keeps the
-    /// energy that the given histories have there.
+    /// The history of the sum of sources, in `cells` cells of `sample_interval` \[s\] from `start` \[s\] on; it
+    /// preserves the energy of the given histories there.
     pub fn sum(histories: &[Self], start: f64, sample_interval: f64, cells: usize) -> Self {
         let edges: Vec<f64> = (0..=cells + 2)
             .map(|n| start + (n as f64 - 1.5) * sample_interval)

@@ -2,7 +2,7 @@ use std::borrow::Borrow;
 
 use super::{Level, SourceSpectrum, Weighting, energy_level};
 
-/// Range in which sources are compared unless the design says otherwise \[Hz\].
+/// Range for the comparison of sources, unless the design sets another one \[Hz\].
 pub const COMMON_RANGE_HZ: [f64; 2] = [50.0, 10_000.0];
 
 /// Levels of a source over the common range.

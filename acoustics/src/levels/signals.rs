@@ -14,10 +14,10 @@ use std::sync::Arc;
 /// Samples taken of the highest bin's period: 4 let |x|² be sampled without aliasing.
 const OVERSAMPLING: usize = 4;
 
-/// Length to which a measured cut is padded \[s\].
+/// Length of a measured cut after padding \[s\].
 const CUT_LENGTH: f64 = 1.0;
 
-/// Signals per task. A fixed number keeps the order of summation independent of the number of threads.
+/// Signals per task. A fixed number makes the order of summation independent of the number of threads.
 const CHUNK: usize = 8;
 
 /// Signals whose sum of squares is the power radiated by a source.
@@ -26,8 +26,8 @@ const CHUNK: usize = 8;
 /// x(t) = F^-1[H_A L^H V]      W_A(t) = |x(t)|^2      R = L L^H
 /// ```
 ///
-/// Every bin has exactly the energy of the source's spectrum, and the range and weighting enter as the
-/// [weights](energy_weights) that integrate this spectrum: by Parseval's theorem the integral of the power over time
+/// Every bin has exactly the energy of the source's spectrum. The range and weighting enter as the
+/// [weights](energy_weights) that integrate this spectrum. By Parseval's theorem the integral of the power over time
 /// equals that of the spectrum over frequency, to rounding. The weighting has the phase of its causal filter, so that a
 /// signal does not precede its cause. L is real on the frequency axis (Hermitian in general) and spreads a signal
 /// symmetrically in time, as do the ends of the range.
@@ -120,9 +120,9 @@ impl PowerSignals {
 
     /// A-weighted power over time and levels between neighbouring `edges` \[s\], within `range_hz`.
     ///
-    /// In addition to the energies, which add up, each interval has the level that a measurement would give: the
+    /// In addition to the energies, which add up, each interval has the level that a measurement would give. The
     /// unweighted signal, limited to the range, is cut at the ends of the interval, padded with zeros to 1 s,
-    /// transformed, weighted and summed over the range; the cuts add energy. The first interval extends back to the
+    /// transformed, weighted and summed over the range. The cuts add energy. The first interval extends back to the
     /// start of the history and the last one to its end.
     pub fn analyse(&self, edges: &[f64], range_hz: [f64; 2]) -> SignalAnalysis {
         let work = Work::new(self, edges, range_hz);
@@ -211,7 +211,7 @@ impl MeasuredSum {
         let mut spectrum = transform.make_input_vec();
         let last = spectrum.len() - 1;
         for (k, (v, weight)) in spectrum.iter_mut().zip(weights).enumerate() {
-            // A bin between the ends stands for two of the two-sided sum.
+            // A bin between the ends represents two of the two-sided sum.
             let alone = k == 0 || (k == last && points.is_multiple_of(2));
             *v = Complex::from(if alone { *weight } else { 0.5 * weight });
         }

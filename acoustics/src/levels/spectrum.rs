@@ -11,8 +11,7 @@ use std::sync::LazyLock;
 pub struct Contribution {
     /// Name of the part: a surface patch or a mechanism.
     pub name: String,
-    /// Energy density \[J/Hz\] on the frequencies of the spectrum. Negative where a patch
-    /// absorbs what others radiate.
+    /// Energy density \[J/Hz\] on the frequencies of the spectrum. Negative where a patch absorbs the sound of others.
     pub energy_density: Vec<f64>,
 }
 
@@ -23,7 +22,7 @@ pub struct Contribution {
 pub struct SourceSpectrum {
     /// Name of the source.
     pub source: String,
-    /// Label of the method, shown beside every result.
+    /// Label of the method, shown with every result.
     pub method: String,
     /// Frequencies \[Hz\], rising.
     pub frequency: Vec<f64>,
@@ -81,7 +80,7 @@ impl SourceSpectrum {
         })
     }
 
-    /// The spectrum without a part of it on the same frequencies, which becomes a contribution of its own, negative.
+    /// The spectrum without a part of it on the same frequencies; that part becomes a separate contribution, negative.
     ///
     /// # Errors
     /// Another number of frequencies than the spectrum's.

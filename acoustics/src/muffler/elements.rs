@@ -88,8 +88,8 @@ impl MufflerElement {
     /// k_z = sqrt(k^2 - j k beta P/S)      Z = rho0 c0 k / (S k_z)
     /// ```
     ///
-    /// P/S = 4/d is perimeter over area. The fundamental wave of the lined pipe is taken as plane and its wall as flat:
-    /// valid if the lining is thin compared with the pipe and |beta| k d < 1.
+    /// P/S = 4/d is perimeter over area. The fundamental wave of the lined pipe is taken as plane and its wall as flat.
+    /// This is valid if the lining is thin compared with the pipe and |beta| k d < 1.
     ///
     /// # Errors
     /// [`MufflerError::NotPlaneWaves`] above [`Self::highest_hz`]; impossible dimensions; a lining outside its fit.

@@ -58,7 +58,7 @@ impl BandLosses {
         Ok(Self { first, decibels })
     }
 
-    /// Insertion loss of the band that holds the frequency `hz` \[dB\].
+    /// Insertion loss of the band that contains the frequency `hz` \[dB\].
     ///
     /// # Errors
     /// [`MufflerError::Bands`] outside the bands given.
@@ -112,13 +112,13 @@ impl MufflerChain {
     /// Insertion loss \[dB\] for a source whose volume flow does not depend on the muffler, such as choked holes that
     /// otherwise radiate into the open: 20 lg |U_source / U_outlet|. Negative where the muffler resonates.
     ///
-    /// The outlet radiates into free space, and its jet absorbs sound energy:
+    /// The outlet radiates into free space, and its jet absorbs sound energy.
     ///
     /// ```text
     /// Z = Z_open end + M rho0 c0 / S
     /// ```
     ///
-    /// by Bernoulli's law p = rho U^2/2 for small changes of a quasi-steady jet, dp/dU = rho U.
+    /// This is Bernoulli's law p = rho U^2/2 for small changes of a quasi-steady jet, dp/dU = rho U.
     ///
     /// # Errors
     /// See [`Self::four_pole`].

@@ -15,14 +15,14 @@ use std::ops::Range;
 /// Bins evaluated together.
 const CHUNK: usize = 64;
 
-/// Real resistances of every patch at a few rising frequencies, each averaged over a band around its frequency; linear
-/// in the logarithm of frequency between them, constant below the first and above the last:
+/// Real resistances of every patch at a few rising frequencies, each averaged over a band around its frequency. They
+/// are linear in the logarithm of frequency between them, constant below the first and above the last.
 ///
 /// ```text
 /// R(f) = sum_n h_n(ln f) R_n        h_n >= 0, sum_n h_n = 1
 /// ```
 ///
-/// so that R stays positive semidefinite, and at most two nodes contribute at a frequency.
+/// R thus stays positive semidefinite, and at most two nodes contribute at a frequency.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub(crate) struct AveragedResistance {
     hz: Vec<f64>,

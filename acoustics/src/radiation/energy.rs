@@ -124,10 +124,10 @@ pub fn radiated_energy(
 /// x = L^H V = L^H A / (j omega)       R = L L^H
 /// ```
 ///
-/// `spectrum` is that of [`radiated_energy`] with the same operator and motion.
+/// `spectrum` is [`radiated_energy`] of the same operator and motion.
 ///
 /// # Errors
-/// A number of modes that differs from the operator's, a spectrum on other frequencies.
+/// Another number of modes than the operator's, a spectrum on other frequencies.
 pub fn radiated_signals(
     radiation: &dyn ModalRadiation,
     spectra: &ModalSpectra,

@@ -1,7 +1,7 @@
 use crate::checks::InputError;
 use thiserror::Error;
 
-/// Why a surface has no radiation operator.
+/// Why a radiation operator cannot be built.
 #[derive(Debug, Error)]
 pub enum RadiationError {
     /// An invalid argument.

@@ -10,8 +10,8 @@ use faer::traits::math_utils::{mul_real, real};
 use faer::{Accum, Mat, Par, unzip, zip};
 use nalgebra::{Complex, DMatrix};
 
-/// Coupling between two modes below this fraction of the mean of their own resistances is neglected; no resistance
-/// counts as less than this fraction of the largest. Stored matrices are rounded to this precision.
+/// Coupling between two modes below this fraction of their mean resistance is neglected; no resistance counts as less
+/// than this fraction of the largest. Stored matrices are rounded to this precision.
 const NOTHING: f64 = f32::EPSILON as f64;
 
 /// The Hermitian root of a resistance, S = S^H >= 0 with S^2 = R; its imaginary part is antisymmetric.
@@ -125,7 +125,7 @@ fn root_of<T: ComplexField<Real = f64>>(whole: Mat<T>) -> Mat<T> {
 mod tests {
     use super::*;
 
-    /// Modes of two parities in turn, of which some hardly radiate; with and without an imaginary part.
+    /// Modes of two parities in turn, some hardly radiating; with and without an imaginary part.
     #[test]
     fn the_square_of_a_root_is_the_resistance() {
         let n = 12;

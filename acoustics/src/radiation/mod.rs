@@ -1,12 +1,12 @@
 //! Sound power of moving surfaces.
 //!
-//! Modal accelerations A(f) and a modal radiation resistance R(f) give the energy spectrum
+//! Modal accelerations A(f) and a modal radiation resistance R(f) give the energy spectrum.
 //!
 //! ```text
 //! E(f) = 2 V^H R V,   V = A / (j omega)      =>      E(f) = 2 A^H (R / omega^2) A
 //! ```
 //!
-//! R / omega² is what is sampled and interpolated: it stays finite at f = 0.
+//! R / omega² is sampled and interpolated: it stays finite at f = 0.
 
 mod averaged;
 mod compact;

@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 
 /// A radiation operator reduced to modal coordinates.
 pub trait ModalRadiation: Sync {
-    /// Label of the operator, shown beside every result.
+    /// Label of the operator, shown with every result.
     fn method(&self) -> &str;
 
     /// Number of modes.
@@ -48,8 +48,8 @@ pub trait ModalRadiation: Sync {
     }
 
     /// Signals x (rows) at every frequency (columns) with |x|² = a^H (R / omega²) a for the whole surface: x = S^H a
-    /// with S the Hermitian root of R / omega², smooth over frequency. Where S is interpolated the energies hold to
-    /// the interpolation error.
+    /// with S the Hermitian root of R / omega², smooth over frequency. Where S is interpolated the energies are
+    /// accurate to the interpolation error.
     fn root_signals(&self, frequency: &[f64], accelerations: &DMatrix<Complex<f64>>) -> DMatrix<Complex<f64>> {
         let mut signals = DMatrix::zeros(accelerations.nrows(), frequency.len());
         for (bin, &hz) in frequency.iter().enumerate() {

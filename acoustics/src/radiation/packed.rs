@@ -189,7 +189,7 @@ impl PackedHermitian {
     }
 }
 
-/// The sum of rows of a length that stand one behind the other.
+/// The sum of consecutive rows of a length.
 fn summed(rows: &[f32], length: usize) -> Vec<f64> {
     let mut sums = vec![0.0; length];
     for row in rows.chunks_exact(length.max(1)) {
@@ -263,7 +263,7 @@ pub(super) fn scaled_squares(scale: &[f64], row: &[f64], mut visit: impl FnMut(f
     }
 }
 
-/// `factor` times the sum of some rows that stand one behind the other.
+/// `factor` times the sum of some consecutive rows.
 pub(super) fn sum_of_rows(rows: &[f64], count: usize, factor: f64) -> Vec<f64> {
     let length = rows.len() / count.max(1);
     let mut sum = vec![0.0; length];

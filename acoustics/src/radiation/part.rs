@@ -13,8 +13,8 @@ use nalgebra::Complex;
 /// E_i = 2 Re(V_i^H R sum_j V_j) = [E(V + V_i) - E(V - V_i)] / 4,      V = sum_j V_j,   E(V) = 2 V^H R V
 /// ```
 ///
-/// R is symmetric, so that the energies of all parts add up to that of the whole. A part that absorbs more of the sound of the
-/// others than it radiates has a negative energy.
+/// R is symmetric. The energies of all parts therefore add up to that of the whole. A part that absorbs more of the
+/// sound of the others than it radiates has a negative energy.
 #[derive(Debug, Clone)]
 pub struct PartOfSurface {
     /// Its energy over frequency, of either sign.
@@ -24,8 +24,8 @@ pub struct PartOfSurface {
 }
 
 impl PartOfSurface {
-    /// The part of a surface that moves as `spectra` says. `radiation` has each mode of the surface, and behind them each
-    /// mode with the part alone in motion.
+    /// The part of a surface that moves as `spectra` says. `radiation` has each mode of the surface, followed by each
+    /// mode with only the part in motion.
     ///
     /// # Errors
     /// As [`radiated_energy`]; a number of modes other than half that of `radiation`.

@@ -22,7 +22,7 @@ use std::f64::consts::PI;
 /// R = rho0 omega^2 / (2 pi c0) Phi_n^T S K S Phi_n       K_ab = sin(k r_ab) / (k r_ab)
 /// ```
 ///
-/// S holds the quadrature weights. The kernel is smooth, so that a Gauss rule on the faces converges spectrally. The
+/// S contains the quadrature weights. The kernel is smooth, so that a Gauss rule on the faces converges spectrally. The
 /// kernel is applied as a sum of spherical waves; [`Self::surface_resistance`] sums over pairs of points instead.
 #[derive(Debug, Clone)]
 pub struct Rayleigh {
@@ -211,8 +211,8 @@ impl Rayleigh {
     /// times the square root of the power factor of absorbing sand.
     ///
     /// # Errors
-    /// [`ReceiverError::BelowFloor`] for a place below the plane, [`ReceiverError::NearSurface`] for one closer to it than
-    /// the surface's diameter over the root of its number of points.
+    /// [`ReceiverError::BelowFloor`] for a place below the plane. [`ReceiverError::NearSurface`] for one closer to it
+    /// than the surface's diameter over the root of its number of points.
     pub fn pressure_at(&self, hz: f64, places: &[Point3<f64>]) -> Result<DMatrix<Complex<f64>>, ReceiverError> {
         let k = 2.0 * PI * hz / self.air.sound_speed;
         let needed = self.clearance;
@@ -339,9 +339,9 @@ fn radius(points: &[[f64; 2]], middle: [f64; 2]) -> f64 {
     points.iter().map(distance).fold(0.0, f64::max)
 }
 
-/// `factor` times the Hermitian parts of Y_p^H Y for every patch field Y_p, with Y their sum: real fields of the
-/// patches of the surface, followed by that of the sand, Y_s = Z E, from the complex field Z of the points that follow
-/// each edge point and the motion E of the edge. The field of the sand may have more waves.
+/// `factor` times the Hermitian parts of Y_p^H Y for every patch field Y_p, with Y their sum. They are real fields of
+/// the patches of the surface, followed by that of the sand, Y_s = Z E, from the complex field Z of the points that
+/// follow each edge point and the motion E of the edge. The field of the sand may have more waves.
 fn patch_forms(own: &[DMatrix<f64>], sand: Option<([DMatrix<f64>; 2], &DMatrix<f64>)>, factor: f64) -> Vec<Resistance> {
     let mut surface = own[0].clone();
     own[1..].iter().for_each(|field| surface += field);

@@ -4,12 +4,12 @@ use nalgebra::{Complex, DMatrix};
 /// Modal radiation resistance R(f) of one frequency: Hermitian, positive semidefinite, modes x modes.
 ///
 /// With mass-normalised modal coordinates its unit is 1/s. It is real symmetric unless surface points move with
-/// different phases, as sand around a block does; then `imaginary` holds the antisymmetric part.
+/// different phases, as sand around a block does; then `imaginary` contains the antisymmetric part.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Resistance {
     /// Symmetric real part.
     pub real: DMatrix<f64>,
-    /// Antisymmetric imaginary part; `None` where it is zero.
+    /// Antisymmetric imaginary part; `None` if zero.
     pub imaginary: Option<DMatrix<f64>>,
 }
 

@@ -34,7 +34,8 @@ pub struct Sampling {
     /// Lowest and highest sample \[Hz\]. Below the lowest every entry follows its own power law.
     pub range_hz: [f64; 2],
     /// Largest interpolation error, relative to sqrt(R_ii R_jj): of any entry R_ij, or root mean square over them where
-    /// [`SampledRadiation::of_parities`] takes the samples. Below 2e-7 it is not met: samples are kept in single precision.
+    /// [`SampledRadiation::of_parities`] takes the samples. Below 2e-7 it is not met: samples are stored in single
+    /// precision.
     pub tolerance: f64,
     /// The error of a mode whose resistance is below this fraction of the largest one at a frequency is measured
     /// relative to that fraction: its resistance is a small difference of large numbers, and its sound is hardly
@@ -76,7 +77,7 @@ impl Sampling {
 /// R_ij(f) = R_ij(f_0) (f/f_0)^{(n_i + n_j)/2}      n_i = 2, 4, 6: the slope of R_ii at f_0, rounded to even
 /// ```
 ///
-/// which keeps R positive semidefinite.
+/// so that R stays positive semidefinite.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct SampledRadiation {
     method: String,
@@ -260,7 +261,7 @@ impl SampledRadiation {
         Ok(Some(grid))
     }
 
-    /// Converts to an air in which every wavelength has its frequency times `speed`, and multiplies by `factor` at each
+    /// Converts to an air with `speed` times the frequency at every wavelength, and multiplies by `factor` at each
     /// frequency \[Hz\] of that air: R(f) = factor(f) R0(f/speed).
     ///
     /// The result has the label `method`. The factor is interpolated with R; its interpolation error is added to
@@ -279,7 +280,7 @@ impl SampledRadiation {
     }
 
     /// Joins this radiation up to its highest frequency with `above` from there on. Also returns the indices of the
-    /// samples of `above` that follow its own, in their order. Patches that `above` lacks are silent there.
+    /// samples of `above` that follow its own, in their order. Patches that are missing in `above` are silent there.
     pub(crate) fn continued(mut self, mut above: Self) -> (Self, Vec<usize>) {
         let taken = self.grid.extend(&above.grid);
         self.roots.resize(self.samples.len(), None);
@@ -362,7 +363,7 @@ impl SampledRadiation {
     }
 }
 
-/// The names of patches of which the first `count` are one of the name `name`.
+/// The names of patches, with the first `count` replaced by one of the name `name`.
 pub(super) fn sum_of_names(patches: &[String], count: usize, name: &str) -> Vec<String> {
     let others = patches.iter().skip(count).cloned();
     std::iter::once(name.to_owned()).chain(others).collect()
@@ -386,14 +387,14 @@ fn low_slopes(grid: &Grid, samples: &[PackedHermitian], modes: usize) -> Vec<f64
 }
 
 /// Distance of the test samples from the interpolant through the others for all parities together, at the worst of
-/// their frequencies, with modes scaled to equal radiated power:
+/// their frequencies, with modes scaled to equal radiated power.
 ///
 /// ```text
 /// ||S D S|| / ||S Q S||        S_ii = Q_ii^-1/2, no smaller resistance counted than `floor` of the largest
 /// ```
 ///
-/// This is the root mean square error of the energy of one mode if modes are many and radiate independently. In the
-/// norm of the largest entry it is max |(S D S)_ij|, the error of any pair of modes.
+/// It is the root mean square energy error of one mode if modes are many and radiate independently. In the norm of the
+/// largest entry it is max |(S D S)_ij|, the error of any pair of modes.
 fn misfit<'a>(
     interval: &Interval,
     modes: &[usize],

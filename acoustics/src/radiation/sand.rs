@@ -27,14 +27,14 @@ pub fn miki_admittance(hz: f64, resistivity: f64) -> Complex<f64> {
 
 /// Sand that absorbs sound at grazing incidence.
 ///
-/// Above an infinite locally reacting plane, the power of a compact source in the plane is multiplied by
+/// Above an infinite locally reacting plane, the power of a compact source in the plane is multiplied by g(f), relative
+/// to a rigid plane.
 ///
 /// ```text
 /// g(f) = int_0^1 |u / (u + beta)|^2 du       u the cosine of the angle to the normal
 /// ```
 ///
-/// relative to a rigid plane. The sand of a box is finite, so that only the fraction `share` of the loss in decibels is
-/// applied.
+/// The sand of a box is finite, so that only the fraction `share` of the loss in decibels is applied.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct AbsorbingSand {
     /// Flow resistivity sigma \[Pa s/m²\]; dry sand has 1e5 to 5e5.
@@ -88,8 +88,9 @@ impl AbsorbingSand {
 /// v(s) = v_edge (2/pi) asin(a / (a + s)) e^{-j k_R s (1 - j eta/2)}      a = sqrt(A/pi),  k_R = omega / (0.93 V_s)
 /// ```
 ///
-/// s is the distance to the edge of the block, v_edge the velocity of the block at the nearest point of its edge and A
-/// the area of its top: the static surface displacement around a rigid disk, propagating outward as a Rayleigh wave.
+/// The distance to the edge of the block is s. The velocity v_edge is that of the block at the nearest point of its
+/// edge, and A is the area of its top. This is the static surface displacement around a rigid disk, propagating outward
+/// as a Rayleigh wave.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct MovingSand {
     /// The block's top, intervals of x and y \[m\].
@@ -239,8 +240,8 @@ fn plane_fit(block: &[[f64; 2]], displacement: &DMatrix<f64>, at: [f64; 2]) -> n
 }
 
 impl SandPatch {
-    /// Motion of every point relative to its edge point at one frequency; `None` above the range in which the sand
-    /// moves.
+    /// Motion of every point relative to its edge point at one frequency; `None` above the frequency range of the
+    /// moving sand.
     pub(super) fn followers(&self, hz: f64) -> Option<Vec<Follower>> {
         self.law.fade(hz)?;
         let follower = |p: &FollowingPoint| Follower {
@@ -287,8 +288,8 @@ impl MovingSand {
         [0, 1].map(|i| point[i].clamp(self.footprint[i][0], self.footprint[i][1]))
     }
 
-    /// v(s)/v_edge at a point (x, y) of the sand's surface: its velocity over that of the block at [`Self::edge`]; 0 above
-    /// the range in which the sand moves.
+    /// v(s)/v_edge at a point (x, y) of the sand's surface: its velocity over that of the block at [`Self::edge`]; 0
+    /// above the frequency range of the moving sand.
     pub fn ratio(&self, point: [f64; 2], hz: f64) -> Complex<f64> {
         let edge = self.edge(point);
         let distance = (point[0] - edge[0]).hypot(point[1] - edge[1]);

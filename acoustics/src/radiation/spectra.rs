@@ -124,14 +124,14 @@ impl ModalSpectra {
         })
     }
 
-    /// Covariance C of the modal velocities in a band, modes x modes, with a weight w(f) of every frequency:
+    /// Covariance C of the modal velocities in a band, modes x modes, with a weight w(f) of every frequency.
     ///
     /// ```text
     /// C = 2 int w Re(a a^H) / omega^2 df
     /// ```
     ///
-    /// so that phi^T C phi is 2 int w |v|^2 df for the mode shape amplitudes phi. `None` if the band contains fewer
-    /// than two bins.
+    /// For the mode shape amplitudes phi, phi^T C phi is 2 int w |v|^2 df. `None` if the band contains fewer than two
+    /// bins.
     pub fn velocity_covariance(&self, [low, high]: [f64; 2], weight: impl Fn(f64) -> f64) -> Option<DMatrix<f64>> {
         let bins: Vec<usize> = (0..self.frequency.len())
             .filter(|&k| (low..high).contains(&self.frequency[k]))

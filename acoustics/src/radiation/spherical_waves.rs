@@ -7,13 +7,13 @@
 //! ```
 //!
 //! by the addition theorems of the spherical Bessel functions (Abramowitz and Stegun 10.1.45) and of Legendre
-//! polynomials; in the plane only harmonics with even l + m are nonzero. Hence R = Y^T Y, where Y holds the amplitudes
-//! of all spherical waves for each mode: positive semidefinite by construction. The cost is waves x points x modes; the
-//! number of waves grows with (k a)^2, a the radius of the surface.
+//! polynomials; in the plane only harmonics with even l + m are nonzero. Hence R = Y^T Y, where Y contains the
+//! amplitudes of all spherical waves for each mode: positive semidefinite by construction. The cost is waves x points x
+//! modes; the number of waves grows with (k a)^2, a the radius of the surface.
 
 use nalgebra::{Complex, DMatrix};
 
-/// Orders from which on all waves are smaller than this are left out; the error of the kernel is its square.
+/// Orders are left out once all waves are smaller than this; the error of the kernel is its square.
 const SMALLEST: f64 = 1e-10;
 
 /// Columns of a product that are multiplied at once.

@@ -22,9 +22,9 @@ pub struct RadiatingSurface {
 impl RadiatingSurface {
     /// A surface from its quadrature.
     ///
-    /// * `points` \[m\], `normals` (outward, unit), `weights` \[m²\]: one each per quadrature point
-    /// * `patch`: index into `patch_names` per point
-    /// * `normal_modes`: points x modes, normal component of the modal displacement; per unit of modal coordinate
+    /// * `points` \[m\], `normals` (outward, unit), `weights` \[m²\]: one each per quadrature point.
+    /// * `patch`: index into `patch_names` per point.
+    /// * `normal_modes`: points x modes, normal component of the modal displacement; per unit of modal coordinate.
     ///
     /// # Errors
     /// Lengths that differ, a patch without a name, values that are not finite.
@@ -68,7 +68,7 @@ impl RadiatingSurface {
 
     /// The quadrature points of a surface that are `shown`, with normal modal displacements from `shapes`, the
     /// displacements of the surface's points in each mode, (3 x points) x modes. The normal component is formed per
-    /// face, because a node on an edge has no unique normal.
+    /// face, because the normal at a node on an edge is not unique.
     ///
     /// # Errors
     /// A number of rows that does not fit the surface's points; those of the surface.
@@ -150,7 +150,7 @@ impl RadiatingSurface {
         self.weights.iter().sum()
     }
 
-    /// The part of the surface whose points pass the test, with all patch names kept.
+    /// The part of the surface whose points pass the test, with all patch names retained.
     pub fn filtered(&self, keep: impl Fn(usize) -> bool) -> Self {
         let rows: Vec<usize> = (0..self.points.len()).filter(|&i| keep(i)).collect();
         Self {

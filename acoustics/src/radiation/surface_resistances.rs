@@ -42,8 +42,8 @@ impl SurfaceResistances {
         Self { bands, hz, resistances }
     }
 
-    /// Converts to an air in which every wavelength has its frequency times `speed`, and multiplies by `factor` there:
-    /// the evaluation at the centre of a band then applies to another frequency in the band.
+    /// Converts to an air with `speed` times the frequency at every wavelength, and multiplies by `factor` there: the
+    /// evaluation at the centre of a band then applies to another frequency in the band.
     #[must_use]
     pub(crate) fn in_air(mut self, speed: f64, factor: impl Fn(f64) -> f64) -> Self {
         self.hz.iter_mut().for_each(|hz| *hz *= speed);
@@ -108,13 +108,13 @@ impl SurfaceResistances {
 }
 
 impl Rayleigh {
-    /// Resistance of the whole surface including moving sand at the frequency `hz`, by a sum over pairs of points:
+    /// Resistance of the whole surface including moving sand at the frequency `hz`, by a sum over pairs of points.
     ///
     /// ```text
     /// R_ij = rho0 omega^2/(2 pi c0) sum_ab q_ai* K_ab q_bj        q = S phi, K_ab = sin(k r_ab)/(k r_ab)
     /// ```
     ///
-    /// the real part of the pressure on the surface times the velocity there, while [`Rayleigh::resistance`] sums the
+    /// It is the real part of the pressure on the surface times the velocity there. [`Rayleigh::resistance`] sums the
     /// spherical waves that carry the power away. Both apply the same factor for absorbing sand.
     pub fn surface_resistance(&self, hz: f64) -> Resistance {
         let k = 2.0 * PI * hz / self.air().sound_speed;

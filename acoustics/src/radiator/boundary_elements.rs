@@ -12,7 +12,7 @@ use crate::radiation::{ModalRadiation, ModalSpectra, mode_energies, radiated_ene
 use nalgebra::DVector;
 use std::f64::consts::TAU;
 
-/// Number of uppermost bands of boundary elements from which the error of the limit is estimated.
+/// Number of uppermost bands of boundary elements that give the error of the limit.
 const JUDGED: usize = 3;
 
 /// Octaves over which pressures fade out at the upper end of single frequencies.
@@ -70,7 +70,7 @@ impl Radiator for ModalBem {
             let damping = damping[own..own + n].to_vec();
             let mut loads = FluidLoads::new(damping, body.omega(), (own, self), mass_at);
             if acts == Loading::Full {
-                // Rigid motion keeps the mass with which forces and weight are in balance.
+                // Rigid motion retains the mass that balances forces and weight.
                 let elastic = |mode: usize| f64::from(u8::from(body.omega()[mode] > 0.0));
                 let column = |mode: usize, omega: f64| {
                     let mass = self.added_mass(own + mode, omega / TAU);
@@ -110,8 +110,8 @@ impl Radiator for ModalBem {
 }
 
 /// Uncertainty from the difference of both evaluations, and above the boundary elements from the error of the
-/// high-frequency limit: its difference to boundary elements in their uppermost bands is taken as its error above. What
-/// standard modes of the same surface lack of the motion adds its bound, and so do the panels of thin gaps.
+/// high-frequency limit: its difference to boundary elements in their uppermost bands is taken as its error above.
+/// Motion that standard modes of the same surface do not cover adds its bound, and so do the panels of thin gaps.
 fn uncertainty(
     bem: &ModalBem,
     source: &SourceSpectrum,
@@ -150,9 +150,9 @@ fn uncertainty(
     }
 }
 
-/// Bound of the error in the A-weighted level \[dB\] by the motion that standard modes of the same surface lack; none where
-/// the radiation was solved for the body's own modes. Radiating with efficiency 1 and in phase with all else, the lacking
-/// energy E_r changes the energy E by 2 sqrt(E E_r) + E_r at most.
+/// Bound of the error in the A-weighted level \[dB\] by the motion that standard modes of the same surface do not
+/// cover; none where the radiation was solved for the body's own modes. Radiating with efficiency 1 and in phase with
+/// all else, the missing energy E_r changes the energy E by 2 sqrt(E E_r) + E_r at most.
 fn lacking_db(bem: &ModalBem, source: &SourceSpectrum, together: &ModalSpectra) -> Option<f64> {
     let rest = SourceSpectrum {
         energy_density: bem.rest_energy(together)?,
@@ -190,9 +190,9 @@ fn share_out(source: &mut SourceSpectrum) -> SourceSpectrum {
     surface
 }
 
-/// How far evaluations of the power of one source are apart.
+/// Differences between evaluations of the power of one source.
 struct Differences {
-    /// By the surface less by the far field, where boundary elements alone are used \[dB, A-weighted\].
+    /// By the surface less by the far field, where only boundary elements are used \[dB, A-weighted\].
     surface_db: Option<f64>,
     /// Smallest and largest difference of the high-frequency limit in the uppermost bands of boundary elements \[dB\].
     limit_error_db: [f64; 2],
@@ -231,7 +231,7 @@ impl Differences {
     }
 }
 
-/// The part of a range in which boundary elements alone are used \[Hz\].
+/// The part of a range where only boundary elements are used \[Hz\].
 fn solved(bem: &ModalBem, range: [f64; 2]) -> [f64; 2] {
     [range[0], bem.transition_hz()[0].min(range[1])]
 }
@@ -276,7 +276,7 @@ fn report(
     }
 }
 
-/// The power by the high-frequency limit alone, zero outside the range of comparison.
+/// The power by the high-frequency limit only, zero outside the range of comparison.
 fn limit(bem: &ModalBem, together: &ModalSpectra, far_field: &SourceSpectrum) -> SourceSpectrum {
     let [from, to] = bem.compared_hz();
     // One bin on either side includes the ends.

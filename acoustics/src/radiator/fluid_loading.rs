@@ -1,4 +1,4 @@
-//! What the fluid adds to the modes of radiating bodies, and what that changes in their sound.
+//! The effects of the fluid on the modes of radiating bodies, and on their sound.
 
 use super::MovingBody;
 use crate::fluid_loading::{FluidLoadingError, WetModes};
@@ -27,7 +27,7 @@ impl Loading {
     }
 }
 
-/// An error where a mass is to act of which a method knows nothing.
+/// An error if a mass is to act that the method does not model.
 pub(super) fn needs_no_mass(acts: Loading, method: &'static str) -> Result<(), FluidLoadingError> {
     match acts {
         Loading::Full => Err(FluidLoadingError::NoReactance { method }),
@@ -35,7 +35,7 @@ pub(super) fn needs_no_mass(acts: Loading, method: &'static str) -> Result<(), F
     }
 }
 
-/// What the fluid adds to each mode of a body, for modal masses of 1.
+/// The effects of the fluid on each mode of a body, for modal masses of 1.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct FluidLoads {
     /// Damping ratio R_jj/(2 omega_j) at the mode's resonance in vacuum \[-\].
@@ -114,11 +114,11 @@ impl FluidLoads {
     }
 }
 
-/// What fluid loading changes in the sound of a source, mode by mode: each mode's share of the energy times what the fluid
-/// does to that mode ringing at its resonance.
+/// Change of a source's sound by fluid loading, mode by mode: each mode's share of the energy times the effect of the
+/// fluid on that mode ringing at its resonance.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct FluidLoading {
-    /// What acts on the modes.
+    /// The loading that acts on the modes.
     pub acts: Loading,
     /// Change of the A-weighted level by R as damping \[dB\]: the modes' own damping and that of radiation, contact
     /// left aside. That which acted, or would have.

@@ -27,7 +27,7 @@ use std::f64::consts::TAU;
 
 /// One or several bodies that radiate together, for example the workpiece and the table under it.
 ///
-/// Motions are given by body, in the order in which the radiator was constructed.
+/// Motions are given by body, in the order of construction of the radiator.
 pub trait Radiator: Send + Sync {
     /// Energy spectrum of the source `source`.
     ///
@@ -47,7 +47,7 @@ pub trait Radiator: Send + Sync {
         detail: Detail,
     ) -> Result<RadiatedSound, AcousticsError>;
 
-    /// What the fluid adds to each mode of each body.
+    /// The effects of the fluid on each mode of each body.
     ///
     /// # Errors
     /// Where the mass is to act: a method without reactance, those of [`WetModes::new`](crate::fluid_loading::WetModes::new).
@@ -85,9 +85,9 @@ pub struct MovingBody<'a> {
     pub modes: usize,
     /// Damping ratio of its structure \[-\].
     pub zeta: f64,
-    /// What the fluid adds to each, where it is known.
+    /// The effects of the fluid on each, if known.
     pub loads: Option<&'a FluidLoads>,
-    /// What of that acts on its motion.
+    /// The part of them that acts on its motion.
     pub acts: Loading,
     /// Fourier transforms of the modal accelerations.
     pub spectra: &'a ModalSpectra,
@@ -115,7 +115,7 @@ pub struct Pressures {
     pub values: DMatrix<Complex<f64>>,
     /// Range over which they fade out in favour of averages without phase, if any \[Hz\].
     pub fade_hz: Option<[f64; 2]>,
-    /// Range in which they hold \[Hz\].
+    /// Range of their validity \[Hz\].
     pub range_hz: [f64; 2],
     /// Error of the interpolation over frequency, relative to the loudest mode at any receiver \[-\].
     pub interpolation_error: f64,

@@ -1,12 +1,12 @@
-//! The second evaluation of a source's power, what each mode adds, and the uncertainty of the method.
+//! The second evaluation of a source's power, the share of each mode, and the uncertainty of the method.
 
 use super::fluid_loading::FluidLoading;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::borrow::Cow;
 
-/// Band in which the true level is expected around the one predicted, from the method alone: no uncertainty of the
-/// design's values is in it.
+/// Band in which the true level is expected around the one predicted, from the method only: it excludes the uncertainty
+/// of the design's values.
 #[derive(Debug, Clone, Serialize, Deserialize, JsonSchema)]
 pub struct Uncertainty {
     /// How much lower the true level may be \[dB\]; null when the method gives no bound.
@@ -17,8 +17,8 @@ pub struct Uncertainty {
     pub basis: String,
 }
 
-/// Power of a vibrating surface by boundary elements, in sand by Rayleigh's integral, or of a rigid tool as the sphere of
-/// its volume in closed form, evaluated twice, beside that of radiation efficiency 1.
+/// Power of a vibrating surface by boundary elements, in sand by Rayleigh's integral, or of a rigid tool as the sphere
+/// of its volume in closed form, evaluated twice, with that of radiation efficiency 1.
 #[derive(Debug, Clone, Serialize, Deserialize, JsonSchema)]
 pub struct RadiationReport {
     /// Where boundary elements give way to the limit of high frequencies: beginning and end of the blend \[Hz\]; by
@@ -36,23 +36,24 @@ pub struct RadiationReport {
     /// A-weighted level by the intensity on the surface less that by the far field, below the blend \[dB\]; null when
     /// silent.
     pub surface_difference_db: Option<f64>,
-    /// Level of the limit less that of the boundary elements in the last three bands that these know, lowest and highest
-    /// \[dB\]: what the limit may be off above. Zero where there is none.
+    /// Level of the limit less that of the boundary elements in their last three bands, lowest and highest \[dB\]: the
+    /// possible error of the limit above. Zero if there is none.
     pub limit_error_db: [f64; 2],
-    /// The same over the uppermost third of an octave of the boundary elements, where the limit takes over \[dB\]; null when
-    /// silent and where there is no limit.
+    /// The same over the uppermost third of an octave of the boundary elements, where the limit takes over \[dB\]; null
+    /// when silent or if there is no limit.
     pub blend_error_db: Option<f64>,
     /// A-weighted level of radiation efficiency 1 over the source's range \[dB re 1 pW s\]; null when silent.
     pub erp_lwa_db: Option<f64>,
     /// What fluid loading changes; null where its loads on the modes are not known.
     pub fluid_loading: Option<FluidLoading>,
-    /// What each mode adds; the shares sum to one. None of a rigid tool.
+    /// The contribution of each mode; the shares sum to one. None of a rigid tool.
     pub modes: Vec<ModeShare>,
     /// One-third-octave bands.
     pub bands: Vec<RadiationBand>,
 }
 
-/// What a mode adds to the A-weighted energy of its source, twice the real part of conj(V_i) (R V)_i over the range.
+/// The contribution of a mode to the A-weighted energy of its source, twice the real part of conj(V_i) (R V)_i over the
+/// range.
 #[derive(Debug, Clone, Serialize, Deserialize, JsonSchema)]
 pub struct ModeShare {
     /// `workpiece` or `worktable`.

@@ -50,11 +50,12 @@ impl Iso3744Box {
     }
 }
 
-/// Level differences below which the background correction is invalid, and from which it is zero \[dB\] (ISO 3744).
+/// Level difference below which the background correction is invalid, and that above which it is zero \[dB\] (ISO
+/// 3744).
 const BACKGROUND: [f64; 2] = [6.0, 15.0];
 
-/// Correction for background noise, K1 \[dB\], for a source with its background `difference` \[dB\] above the background
-/// alone: 0 above 15 dB, and `None` below 6 dB, where the measurement is not valid.
+/// Correction for background noise, K1 \[dB\], for a source with its background `difference` \[dB\] above the
+/// background: 0 above 15 dB, and `None` below 6 dB, where the measurement is not valid.
 ///
 /// ```text
 /// K1 = -10 lg(1 - 10^(-0.1 dL))

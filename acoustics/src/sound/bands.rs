@@ -30,7 +30,7 @@ pub struct BandSound {
     pub exposure: DMatrix<f64>,
     /// Energy per solid angle in the far field, directions x bands \[J/sr\].
     pub directivity: DMatrix<f64>,
-    /// Estimated error of what is interpolated over frequency, relative to its largest value per unit of any mode's
+    /// Estimated error of interpolation over frequency, relative to its largest value per unit of any mode's
     /// acceleration.
     pub error: f64,
     /// Frequencies at which the field was computed.
@@ -62,8 +62,8 @@ impl BandSound {
     }
 }
 
-/// Groups of neighbouring bands with one polynomial each: no wider than [`WIDEST`]; bands for which `alone` holds form
-/// groups of their own.
+/// Groups of neighbouring bands with one polynomial each: no wider than [`WIDEST`]; bands that satisfy `alone` form
+/// separate groups.
 pub(crate) fn groups(bands: &[Band], alone: impl Fn(&Band) -> bool) -> Vec<&[Band]> {
     let mut groups = Vec::new();
     let mut rest = bands;

@@ -9,9 +9,9 @@ use std::sync::Arc;
 /// x(t_n) = 2 df Re sum_k X(f_k) e^{j 2 pi f_k t_n}
 /// ```
 ///
-/// The chirp transform (Rabiner, Schafer and Rader 1969): k n = (k² + n² - (n - k)²) / 2 makes the sum a convolution,
-/// so that the distance of the bins and the number of samples are independent. The sum is periodic with 1/df; the
-/// result is set to zero after one period.
+/// The chirp transform (Rabiner, Schafer and Rader 1969): k n = (k² + n² - (n - k)²) / 2 makes the sum a convolution.
+/// The distance of the bins and the number of samples are thus independent. The sum is periodic with 1/df; the result
+/// is set to zero after one period.
 pub struct ChirpTransform {
     bins: usize,
     samples: usize,

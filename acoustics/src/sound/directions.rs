@@ -14,8 +14,9 @@ pub struct Directions {
 }
 
 impl Directions {
-    /// Gauss points in the height on `rings` rings, equal angles on each: spherical harmonics are integrated exactly up
-    /// to order `around` - 1, and up to 2 `rings` - 1, twice as high on the half sphere for functions even in the height.
+    /// Gauss points in the height on `rings` rings, equal angles on each. Spherical harmonics are integrated exactly up
+    /// to order `around` - 1, and up to 2 `rings` - 1, twice as high on the half sphere for functions even in the
+    /// height.
     pub fn new(rings: usize, around: usize, half: bool) -> Self {
         let rule = gauss_legendre(if half { 2 * rings } else { rings });
         let mut all = Self {

@@ -8,15 +8,15 @@ use serde::{Deserialize, Serialize};
 /// Radiation of a surface flush in a plane: by spherical waves, by the intensity on the surface, and pressures at
 /// points above.
 ///
-/// The radiation of the surface alone depends only on the wavelength and can be converted to another air:
+/// The radiation of the surface without sand depends only on the wavelength and can be converted to another air.
 ///
 /// ```text
 /// R(f; rho, c) = (rho c)/(rho0 c0) R0(f c0/c)        p/a (f; rho, c) = rho/rho0 (p/a)0 (f c0/c)
 /// ```
 ///
-/// Absorbing sand multiplies R by its factor g(f) and p by the square root of g. Moving sand has a wavenumber of its
-/// own: it is computed for each air, up to the frequency where its motion ends, and [continued](FlushSound::continued)
-/// by the surface alone. Only long waves matter there, for which a tenth of the surface's points is sufficient.
+/// Absorbing sand multiplies R by its factor g(f) and p by the square root of g. Moving sand has a separate wavenumber:
+/// it is computed for each air, up to the frequency where its motion ends, and [continued](FlushSound::continued) by
+/// the surface only. Only long waves matter there, for which a tenth of the surface's points is sufficient.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct FlushSound {
     /// Its resistance, by spherical waves.
@@ -58,8 +58,7 @@ impl FlushSound {
         })
     }
 
-    /// Converts from the air `computed`, in which it was computed without absorbing sand, to `air` with the sand
-    /// `absorbing`.
+    /// Converts from `computed`, the air of the computation without absorbing sand, to `air` with the sand `absorbing`.
     #[must_use]
     pub fn in_air(self, computed: &Air, air: &Air, absorbing: Option<AbsorbingSand>) -> Self {
         let (speed, density) = (air.sound_speed / computed.sound_speed, air.density / computed.density);

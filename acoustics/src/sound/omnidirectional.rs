@@ -20,14 +20,13 @@ impl OmnidirectionalTransfer {
     }
 }
 
-/// Transfer from an omnidirectional source, of which only the energy is known, to a point; the energy of the floor
-/// reflection is added.
+/// Transfer from an omnidirectional source of known energy to a point; the energy of the floor reflection is added.
 ///
 /// ```text
 /// E_p = E rho0 c0 / (4 pi) (1/r^2 + 1/r'^2)
 /// ```
 ///
-/// The result contains no directivity, so that levels at an array of microphones give no information about it.
+/// The result contains no directivity: levels at an array of microphones give no information about it.
 ///
 /// # Errors
 /// A point at the source, or below the floor.

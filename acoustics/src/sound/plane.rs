@@ -54,7 +54,7 @@ impl SoundAbovePlane {
         })
     }
 
-    /// Converts to an air in which every wavelength has its frequency times `speed`, and multiplies by `factor` at each
+    /// Converts to an air with `speed` times the frequency at every wavelength, and multiplies by `factor` at each
     /// sample.
     pub(super) fn in_air(mut self, speed: f64, factors: &[f64]) -> Self {
         self.sound_speed *= speed;

@@ -76,7 +76,7 @@ pub(super) fn in_planes(prefix: &str, planes: &[Plane], found: &BandSound, bands
     planes.iter().map(of_plane).collect()
 }
 
-/// A grid of points in a plane, some of which may be left out.
+/// A grid of points in a plane; some may be left out.
 pub(super) struct Plane {
     name: &'static str,
     /// Columns of the grid, and its points row by row.
@@ -103,7 +103,7 @@ impl Plane {
         }
     }
 
-    /// Keeps the points that pass the test.
+    /// Retains the points that pass the test.
     pub(super) fn keep(&mut self, test: impl Fn(&[Point3<f64>]) -> Vec<bool>) {
         for (shown, passes) in self.shown.iter_mut().zip(test(&self.grid)) {
             *shown &= passes;

@@ -1,4 +1,4 @@
-//! Coarser surfaces: what they keep of the finer one, and what they radiate.
+//! Coarser surfaces: their agreement with the finer one, and their radiation.
 
 use crate::common::{cuboid, octants, sphere};
 use nailnoise_acoustics::Air;
@@ -208,7 +208,7 @@ fn a_box_keeps_its_sharp_edges_and_patches() {
             assert!((a[0] - b[0]).abs() < 1e-12);
             assert!((1..4).all(|axis| (a[axis] - b[axis]).abs() < 1e-4), "{a:?} {b:?}");
         }
-        // What moves on the top alone moves nothing else.
+        // Patterns that move only the top move nothing else.
         let mut row = 0;
         for panel in &coarse.mesh().panels {
             let still = (0..3).all(|k| carried[(row + k, 1)] == 0.0);
@@ -241,7 +241,7 @@ fn a_coarsened_body_keeps_its_contact_with_the_floor() {
     }
 }
 
-/// The surface is that of its mesh alone, and so are its numbers.
+/// The surface depends only on its mesh, and so do its numbers.
 #[test]
 fn coarsening_is_reproducible() {
     let coarse = || {

@@ -155,7 +155,7 @@ fn a_sphere_radiates_its_exact_power() {
     }
 }
 
-/// Patterns that depend on one another add no directions; a pattern of zeros has no pressure.
+/// Dependent patterns add no directions; a pattern of zeros has zero pressure.
 #[test]
 fn dependent_patterns_are_solved_as_sums() {
     let boundary = Boundary::new(cuboid([0.0; 3], [0.4, 0.3, 0.3], 0.04, false), None).unwrap();

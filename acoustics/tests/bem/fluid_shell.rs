@@ -1,8 +1,8 @@
 //! A steel spherical shell in water and in air.
 //!
-//! Outer radius 1 m, wall 10 mm, 210 GPa, 0.3, 7850 kg/m³, no damping of its own. The modes are those of thin-shell theory
-//! with bending (Junger & Feit 1986, section 7.15), the fluid acts at the outer radius. The expected numbers are those of
-//! the exact theory of elasticity.
+//! Outer radius 1 m, wall 10 mm, 210 GPa, 0.3, 7850 kg/m³, no structural damping. The modes are those of thin-shell
+//! theory with bending (Junger & Feit 1986, section 7.15), the fluid acts at the outer radius. The expected numbers are
+//! those of the exact theory of elasticity.
 
 use crate::common::sphere;
 use nailnoise_acoustics::Air;
@@ -318,9 +318,9 @@ fn boundary_elements_find_the_resonances_in_water() {
     }
 }
 
-/// Power of a point force, with the reactance of the surface and the resistance of the far field, as the sum of what the
-/// structure dissipates and what is found in the far field, and on the surface where that resolves the resistance: of the
-/// orders that move at 600 Hz it is 1e-4 of the reactance.
+/// Power of a point force, with the reactance of the surface and the resistance of the far field. It is the sum of the
+/// power dissipated in the structure and the power found in the far field, and on the surface where that resolves the
+/// resistance. For the orders that move at 600 Hz the resistance is 1e-4 of the reactance.
 #[test]
 fn power_supplied_is_dissipated_or_radiated() {
     let modes = all_modes(0..=6);

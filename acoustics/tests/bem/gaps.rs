@@ -1,4 +1,4 @@
-//! Thin gaps above a floor: what is found of them, and the flow in them.
+//! Thin gaps above a floor: how they are found, and the flow in them.
 
 use crate::common::cuboid;
 use nailnoise_acoustics::Air;
@@ -48,11 +48,11 @@ fn rectangle(a: f64, b: f64) -> f64 {
 
 /// What halving the height of a gap adds to the mass of the air in it \[kg\].
 ///
-/// Below all resonances the air in a gap of the height h obeys Reynolds' equation h lap p = j omega rho v; its mass is rho/h
-/// times the integral T of psi. The flow turns at the rim as from a slit of the width 2h (the gap and its image) with a
-/// flange: by the conformal map dz/dw = (2h/pi) sqrt(w² - 1)/w it is as if the gap were wider by (2h/pi)(1 + ln(pi r/4h))
-/// with r set by the body. As T grows by T' per width, mass(h) - mass(2h) = rho (T/2h + T' (2/pi) ln 2) and terms that
-/// vanish with h.
+/// Below all resonances the air in a gap of the height h obeys Reynolds' equation h lap p = j omega rho v; its mass is
+/// rho/h times the integral T of psi. The flow turns at the rim as from a slit of the width 2h (the gap and its image)
+/// with a flange. By the conformal map dz/dw = (2h/pi) sqrt(w² - 1)/w it is as if the gap were wider by (2h/pi)(1 +
+/// ln(pi r/4h)) with r set by the body. As T grows by T' per width, mass(h) - mass(2h) = rho (T/2h + T' (2/pi) ln 2)
+/// and terms that vanish with h.
 fn difference(density: f64, [whole, slope]: [f64; 2], height: f64) -> f64 {
     density * (whole / (2.0 * height) + slope * 2.0 / PI * 2f64.ln())
 }

@@ -199,7 +199,7 @@ fn level(solids: &Solids, edge: f64, per_wavelength: f64) -> MeshRange {
     }
 }
 
-/// The radiation matrix of both solids, sampled on two meshes, beside a single mesh of the whole body.
+/// The radiation matrix of both solids, sampled on two meshes, and a single mesh of the whole body.
 struct Sampled {
     bem: ModalBem,
     /// Highest frequency of the finer mesh \[Hz\].

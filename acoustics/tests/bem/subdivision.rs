@@ -1,4 +1,4 @@
-//! Finer panels of a surface: what they keep of it, and what they radiate.
+//! Finer panels of a surface: their agreement with it, and their radiation.
 
 use crate::common::{cuboid, sphere};
 use nailnoise_acoustics::Air;

@@ -1,17 +1,17 @@
-//! Levels of steady jets against what was measured on millimetre jets, as far as it could be read.
+//! Levels of steady jets against measurements on millimetre jets, as far as they could be read.
 //!
-//! Maa Dah-You and co-workers measured the noise of cold air jets out of millimetre holes from low pressures to choking and
-//! beyond, and fitted the overall level at 1 m and 90 degrees from the jet by R = P/P_a and d in millimetres:
+//! Maa Dah-You and co-workers measured the noise of cold air jets out of millimetre holes from low pressures to choking
+//! and beyond. They fitted the overall level at 1 m and 90 degrees from the jet by R = P/P_a and d in millimetres.
 //!
 //! ```text
 //! L = 80 + 20 lg[(R - 1)^2 / (R - 0.5)] + 20 lg d          mixing noise
 //! L = 97 + 20 lg d                                         with shock noise, 3.1 < R < 8.5
 //! ```
 //!
-//! Wei Zhiyong et al., J. Applied Acoustics (Beijing) 38(3), 378 (2019), Eq. 4, who found it within about 2 dB(A) of a
-//! measurement of their own but for one nozzle with a horn. Maa, Acta Acustica 12(5), 321 (1987), derives
-//! (R - 1)^4/(R^2 - R + 0.5) for the same and states that it agrees with experiment. The points of the measurement
-//! themselves could not be read: these are the published fits to them.
+//! Wei Zhiyong et al., J. Applied Acoustics (Beijing) 38(3), 378 (2019), Eq. 4, who found it within about 2 dB(A) of
+//! their own measurement but for one nozzle with a horn. Maa, Acta Acustica 12(5), 321 (1987), derives (R - 1)^4/(R^2 -
+//! R + 0.5) for the same and states that it agrees with experiment. The points of the measurement themselves could not
+//! be read: these are the published fits to them.
 
 use nailnoise_acoustics::exhaust::{
     ExhaustSettings, FlowHistory, Jet, MixingDirectivity, Opening, Outlet, exhaust_noise, mixing_power, shock_power,
@@ -26,7 +26,7 @@ fn jet(ratio: f64, air: &Air) -> Jet {
     Jet::expand(ratio * air.pressure, air.temperature, air).unwrap()
 }
 
-/// Overall levels of mixing noise and of mixing and shock noise together, 1 m beside a hole of 1 mm.
+/// Overall levels of mixing noise and of mixing and shock noise together, 1 m from a hole of 1 mm.
 fn beside(ratio: f64) -> (f64, f64) {
     let air = Air::default();
     let jet = jet(ratio, &air);
@@ -49,7 +49,7 @@ fn derived(ratio: f64) -> f64 {
     80.0 + 10.0 * ((ratio - 1.0).powi(4) / (ratio * ratio - ratio + 0.5)).log10()
 }
 
-/// What a correlation of static jets scatters by, and the fit by the account of those who used it \[dB\].
+/// Scatter of a correlation of static jets, and the fit by the account of those who used it \[dB\].
 const SCATTER: f64 = 2.0;
 
 #[test]
@@ -77,7 +77,7 @@ fn subsonic_jets_agree_with_the_fit_to_measured_millimetre_jets() {
     }
 }
 
-/// The law of 1987 holds for the mixing noise of choked jets too. The correlation rises faster with pressure.
+/// The law of 1987 also applies to the mixing noise of choked jets. The correlation rises faster with pressure.
 #[test]
 fn mixing_noise_of_choked_jets_stays_within_twice_the_scatter() {
     for ratio in [2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 8.0] {
@@ -102,7 +102,8 @@ fn choked_jets_with_shock_noise_agree_with_the_fit_to_measured_millimetre_jets()
     for ratio in [3.2, 3.5, 4.0, 4.5] {
         assert!(excess(ratio).abs() < SCATTER, "R = {ratio}: {}", excess(ratio));
     }
-    // Beyond, the fit stays where it is and the correlation rises on: too loud by what docs/uncertainty.md states.
+    // Beyond, the fit stays constant and the correlation rises on: it is too loud by the amount that
+    // docs/uncertainty.md states.
     for (ratio, least, most) in [(5.0, 2.0, 3.0), (6.0, 3.0, 4.5), (8.0, 5.0, 7.0)] {
         assert!((least..most).contains(&excess(ratio)), "R = {ratio}: {}", excess(ratio));
     }

@@ -247,7 +247,7 @@ fn the_monopole_matches_its_closed_form() {
         back_pressure: None,
         sample_interval: dt,
         mass_flow: flow,
-        // So little above ambient that the jets are silent beside the monopole.
+        // So little above ambient that the jets are silent compared with the monopole.
         pressure: vec![air.pressure * (1.0 + 1e-12); n as usize],
         temperature: vec![t; n as usize],
     };

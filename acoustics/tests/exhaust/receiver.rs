@@ -68,7 +68,7 @@ fn directivity_redistributes_power_and_keeps_it() {
             })
             .sum();
         assert!((mean - 1.0).abs() < 1e-6, "lg V* = {lg}: {mean}");
-        // What the two decimals of the published table leave.
+        // The error that the two decimals of the published table leave.
         assert!((10.0 * directivity.table_mean().log10()).abs() < 0.25);
         // Loudest within 50 degrees of the jet, the more so the faster; least behind it.
         let at = |k: i32| directivity.at(f64::from(10 * k).to_radians());

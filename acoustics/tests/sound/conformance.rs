@@ -1,4 +1,4 @@
-//! Conformance with the standards of filters and meters: one table, checked row by row and kept in `docs/`.
+//! Conformance with the standards of filters and meters: one table, checked row by row and stored in `docs/`.
 
 use nailnoise_acoustics::levels::{
     Band, BandFilter, REFERENCE_PRESSURE, SourceSpectrum, Weighting, energy_level, exposure_level, peak_level,
@@ -9,20 +9,20 @@ use std::fmt::Write as _;
 use std::fs;
 use std::path::Path;
 
-/// What a standard asks for and what is computed.
+/// The requirement of a standard and the computed value.
 struct Row {
     clause: &'static str,
     quantity: String,
     /// Value of the standard's table.
     expected: f64,
     computed: f64,
-    /// Least and greatest value allowed; infinite where there is no limit.
+    /// Least and greatest value allowed; infinite if there is no limit.
     limits: [f64; 2],
     decimals: usize,
 }
 
 impl Row {
-    /// Part of the tolerance used, 1 at its limit. Where the standard asks for a least attenuation only, the energy
+    /// Part of the tolerance used, 1 at its limit. Where the standard requires only a least attenuation, the energy
     /// that passes over the energy that may.
     fn share(&self) -> f64 {
         let [low, high] = self.limits;
@@ -101,7 +101,7 @@ const TABLE_3: [(f64, f64, f64, f64, f64); 34] = [
     (20_000.0, -9.3, -11.2, INF, 3.0),
 ];
 
-/// The table holds for the exact frequencies 1000 x 10^{k/10} behind the nominal ones.
+/// The table applies to the exact frequencies 1000 x 10^{k/10} behind the nominal ones.
 fn weightings() -> Vec<Row> {
     let mut rows = Vec::new();
     for (i, (nominal, a, c, lower, upper)) in TABLE_3.into_iter().enumerate() {
@@ -283,7 +283,7 @@ fn filters() -> Vec<Row> {
             .flat_map(|band| [omega, 1.0 / omega].map(|o| BandFilter { band }.attenuation_db(o * band.hz)))
             .collect();
         let (low, high) = attenuations.iter().fold((INF, -INF), |(l, h), &a| (a.min(l), a.max(h)));
-        // Inside the band no attenuation is aimed at; at its edge the middle between the limits stands for the aim.
+        // Inside the band no attenuation is aimed at; at its edge the aim is the middle between the limits.
         let expected = match x {
             x if x < 0.5 => 0.0,
             0.5 => 0.5 * (least + greatest),
@@ -427,7 +427,7 @@ fn filters_find_a_pink_spectrum_as_their_bandwidth_says() {
     let density = frequency.iter().map(|f| 1.0 / f).collect();
     let pink = SourceSpectrum::new("pink", "given", frequency, density, [1.0, 60_000.0]).unwrap();
     let (filtered, exact) = (pink.filter_levels([1.0, 60_000.0]), pink.band_levels([1.0, 60_000.0]));
-    // Below 50 Hz the samples are too far apart; above 10 kHz the spectrum ends within the filters.
+    // Below 50 Hz the samples are too widely spaced; above 10 kHz the spectrum ends within the filters.
     let dense = filtered
         .iter()
         .zip(&exact)

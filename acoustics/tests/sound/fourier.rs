@@ -40,7 +40,7 @@ fn parseval_holds() {
         .collect();
     let transform = Transform::new(record.len(), dt, &settings(1e-3, 0.5 / dt, 0.0)).unwrap();
     let (df, bins) = (transform.resolution(), transform.apply(&record).unwrap());
-    // The bin of half the sampling frequency stands once in the two-sided sum, and bin 0 is not kept.
+    // The bin of half the sampling frequency occurs once in the two-sided sum, and bin 0 is not stored.
     let mean = record.iter().sum::<f64>() * dt;
     let last = bins.last().unwrap().norm_sqr();
     let spectrum = df * (2.0 * bins.iter().map(|x| x.norm_sqr()).sum::<f64>() - last + mean * mean);

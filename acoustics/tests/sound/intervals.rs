@@ -1,4 +1,5 @@
-//! Energy over time: intervals between events sum to the source's energy, and sound falls where it is made.
+//! Energy over time: intervals between events sum to the source's energy, and sound falls in the interval of its
+//! origin.
 
 use crate::common::{flat, rectangle};
 use nailnoise_acoustics::Air;
@@ -94,7 +95,7 @@ fn intervals_of_the_erp_sum_to_its_energy() {
 
 #[test]
 fn erp_over_time_is_the_impedance_times_velocity_squared() {
-    // A piston whose tone the A-weighting scales as a whole.
+    // A piston whose tone the A-weighting only scales.
     let surface = flat(rectangle([0.0, 0.2], [0.0, 0.1], 2, 2), &[&|_, _| 1.0]);
     let air = Air::default();
     let erp = Erp::new(&surface, &air);

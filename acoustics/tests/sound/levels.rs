@@ -97,7 +97,7 @@ fn bands_sum_to_the_total() {
         assert!((z / spectrum.energy(range, Weighting::Z) - 1.0).abs() < 1e-13);
         assert!((a / spectrum.energy(range, Weighting::A) - 1.0).abs() < 1e-13);
     }
-    // The 50 Hz band begins at 44.7 Hz; a range from 50 Hz keeps only its upper part.
+    // The 50 Hz band begins at 44.7 Hz; a range from 50 Hz includes only its upper part.
     let cut = spectrum.band_levels([50.0, 10_000.0])[0].energy;
     assert!((cut / spectrum.energy([50.0, Band::new(-13).high], Weighting::Z) - 1.0).abs() < 1e-13);
 }

@@ -6,7 +6,7 @@ use nailnoise_acoustics::radiation::{
 };
 use nalgebra::{Complex, DMatrix, dmatrix};
 
-/// Patches that move by themselves, of a resistance R omega^2 in which the factor keeps R / omega^2 constant.
+/// Patches that move independently, with a resistance R omega^2: the factor makes R / omega^2 constant.
 struct Patches {
     resistance: DMatrix<f64>,
     names: Vec<String>,
@@ -20,7 +20,7 @@ impl Patches {
         }
     }
 
-    /// Modes of the whole, and behind them the same with `part` alone in motion.
+    /// Modes of the whole, followed by the same with only `part` in motion.
     fn with_part(&self, part: usize) -> Self {
         let n = self.resistance.nrows();
         let basis = DMatrix::from_fn(n, 2 * n, |row, column| {
@@ -89,7 +89,7 @@ fn a_part_has_its_own_term_and_half_of_each_cross_term() {
         "{parts:?}"
     );
     assert!((parts[0] + parts[1] - whole).abs() < 1e-12 * whole);
-    // Own terms are those of the parts by themselves.
+    // Own terms are those of the separate parts.
     let own = [[1.0.into(), 0.0.into()], [0.0.into(), turned]].map(|v| books(&resistance, v).0);
     assert!((own[0] - 4.0).abs() < 1e-12 && (own[1] - 3.84).abs() < 1e-12, "{own:?}");
 }

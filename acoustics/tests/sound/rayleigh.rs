@@ -164,7 +164,7 @@ fn high_frequencies_approach_plane_waves() {
 #[test]
 fn sampling_keeps_its_tolerance() {
     let rayleigh = Rayleigh::new(&block(40, 24), &Air::default()).unwrap();
-    // The samples are kept in single precision, which the interpolation amplifies to 2e-7.
+    // The samples are stored in single precision, which the interpolation amplifies to 2e-7.
     for (tolerance, samples) in [(1e-2, 93), (1e-4, 129), (2e-7, 153)] {
         let sampled = rayleigh
             .sampled(

@@ -192,7 +192,7 @@ fn the_array_is_that_of_the_standard() {
     let around = Iso3744Box::around(0.5);
     assert_eq!(around.sides, [1.0, 1.0, 1.5]);
     assert!((around.area() - 16.0).abs() < 1e-12);
-    // The corner microphones stand sqrt(3) m from the device's centre.
+    // The corner microphones are sqrt(3) m from the device's centre.
     let centre = Vector3::new(0.0, 0.0, 0.5);
     for corner in &around.positions()[4..8] {
         assert!(((corner - centre).norm() - 3f64.sqrt()).abs() < 1e-12);
@@ -204,7 +204,7 @@ fn the_array_is_that_of_the_standard() {
         (background_correction(15.1), background_correction(5.9)),
         (Some(0.0), None)
     );
-    // A = 4 S doubles what the microphones hear.
+    // A = 4 S doubles the energy at the microphones.
     assert!((environmental_correction(16.0, 64.0).unwrap() - 10.0 * 2f64.log10()).abs() < 1e-12);
     assert!(environmental_correction(16.0, 0.0).is_err());
 }

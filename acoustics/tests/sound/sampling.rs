@@ -28,7 +28,8 @@ fn narrow_resonances_are_resolved_where_they_are() {
         Ok(vec![vec![Resistance { real, imaginary: None }]])
     };
     let found = SampledRadiation::of_parities("peaks", &[1], &["all".to_owned()], &sampling, solve).unwrap();
-    // A test sample seldom meets the top of a peak, so that the tolerance holds for the power in a band rather than for each frequency.
+    // A test sample seldom meets the top of a peak, so the tolerance applies to the power in a band rather than to each
+    // frequency.
     for [low, high] in [[1280.0, 2080.0], [2080.0, 2640.0], [2640.0, 3200.0]] {
         let hz = (0..5000).map(|step| low + (high - low) * (f64::from(step) + 0.5) / 5000.0);
         let (sum, exact) = hz.fold((0.0, 0.0), |(sum, exact), hz| {

@@ -125,8 +125,8 @@ fn moving_sand_gives_a_hermitian_resistance() {
     }
 }
 
-/// What is kept in a file gives the energies and signals of what was computed, to single precision, phase lags included;
-/// any other bytes are refused.
+/// A file gives the computed energies and signals to single precision, phase lags included; any other bytes are
+/// refused.
 #[test]
 fn a_stored_resistance_radiates_the_same_power() {
     let moving = block().with_moving_sand(sand()).unwrap();
@@ -199,7 +199,8 @@ fn lossy() -> Rayleigh {
         .unwrap()
 }
 
-/// The intensity on block and sand, pair by pair of their points, sends out what the waves in all directions carry away.
+/// The intensity on block and sand, pair by pair of their points, equals the power that the waves carry away in all
+/// directions.
 #[test]
 fn surface_and_far_field_agree_with_sand_that_moves_and_absorbs() {
     let surface = lossy();
@@ -260,7 +261,8 @@ fn a_shot_has_the_same_power_by_surface_and_by_far_field() {
     assert!(worst < 0.85, "{worst}");
 }
 
-/// Sand that moves in its own air, continued by the surface alone out of another air, is both solved in that air together.
+/// Sand that moves in its own air, continued by the surface only out of another air, equals both solved in that air
+/// together.
 #[test]
 fn moving_sand_in_another_air_agrees_with_the_surface_alone() {
     let (standard, cold) = (Air::default(), Air::at(258.15, 85_000.0).unwrap());
@@ -333,7 +335,7 @@ fn moving_sand_in_another_air_agrees_with_the_surface_alone() {
 }
 
 /// In any air the sound of block and sand, which few sources make below the sand's limit, is that of all points of the
-/// block, mode by mode: modes that bend as well as those that do not, in two parities and mixed.
+/// block, mode by mode. Modes that bend are tested as well as those that do not, in two parities and mixed.
 #[test]
 fn moving_sand_in_cold_and_hot_air_agrees_with_all_points_of_the_block() {
     let bend = |x: f64, y: f64| (7.0 * x).cos() * (20.0 * y).cos() - 0.2;
@@ -420,7 +422,7 @@ fn moving_sand_in_cold_and_hot_air_agrees_with_all_points_of_the_block() {
         let off =
             ratios.last().unwrap().unwrap() / found.surface.ratios(&found.waves, &spectra).unwrap()[9].unwrap() - 1.0;
         assert!(off.abs() < 1e-6, "{temperature} K: {off:e}");
-        // What a shot radiates.
+        // The radiated energy of a shot.
         let radiated: f64 = found
             .waves
             .energy_forms(&spectra.frequency, &spectra.accelerations)

@@ -23,7 +23,7 @@ pub(crate) struct Balance {
     released: [f64; Contact::COUNT],
     nail_impact: f64,
     nail_left: f64,
-    /// What the nail's weight adds to the fall of the bodies when it joins and leaves the rod.
+    /// Change of the fall of the bodies by the nail's weight when the nail joins and leaves the rod.
     fall_jump: f64,
     worst_mass: f64,
     worst_gas: f64,
@@ -51,7 +51,7 @@ impl Stock {
         for (body, mass) in masses(system, mode).into_iter().enumerate() {
             let velocity = y[2 * body + 1];
             kinetic += 0.5 * mass * velocity * velocity;
-            // The push of the hand is what its arm holds besides its weight.
+            // The hand's push is net of its weight, which the arm carries.
             if body != Y_M / 2 {
                 gravity += mass * p.ambient.gravity * y[2 * body];
             }

@@ -4,8 +4,8 @@
 //! I - c J = [ A 0 ]    A x = b,   q = d - B x
 //!           [ B I ]
 //! ```
-//! The integrals depend on the states and on nothing else, so their columns are those of the identity. Half the size of
-//! the full matrix is an eighth of the work.
+//! The integrals depend only on the states, so their columns are those of the identity. Half the size of the full
+//! matrix is an eighth of the work.
 
 use diffsol::matrix::dense_nalgebra_serial::NalgebraMat;
 use diffsol::{Matrix, MatrixCommon, NalgebraContext, NalgebraVec};
@@ -57,9 +57,9 @@ fn subtract(y: &mut [f64], a: f64, x: &[f64]) {
 impl Factors {
     /// Gaussian elimination of a column-major matrix's leading block.
     ///
-    /// The row of a position reads x' = v: 1 on the diagonal and one entry beside it. It is its own pivot and leaves that
-    /// one column to be changed, where partial pivoting would take the stiffest row and fill the block. What is added to
-    /// the velocities' rows is c^2 K/M beside 1 + c C/M, as in Newmark's effective mass. All other pivots are partial.
+    /// The row of a position reads x' = v: 1 on the diagonal and one other entry. It is its own pivot and leaves that
+    /// one column to be changed, where partial pivoting would take the stiffest row and fill the block. The addition to
+    /// the velocities' rows is c^2 K/M next to 1 + c C/M, like Newmark's effective mass. All other pivots are partial.
     fn factorise(&mut self, matrix: &[f64]) {
         self.below.clear();
         for (j, column) in matrix.chunks_exact(SIZE).take(STATES).enumerate() {
@@ -214,7 +214,7 @@ mod tests {
         a
     }
 
-    /// The same with the rows of positions as they are in a Newton matrix, beside a stiff contact.
+    /// The same with the rows of positions as they are in a Newton matrix, next to a stiff contact.
     fn newton_matrix() -> Vec<f64> {
         let (mut a, step) = (matrix(), 1e-5);
         for body in 0..BODIES {

@@ -5,15 +5,15 @@
 //! ```text
 //! w = w_free + C F,    F = F(w)
 //! ```
-//! with the cycle's forces F at the end of the step, on the left as the response of the structure, on the right as the
-//! cycle gives them when it is integrated through the step with the wood so moved, all its events located. The forces
-//! are found by Newton's method on F - F(w_free + C F) = 0 with
+//! with the cycle's forces F at the end of the step. The left equation is the response of the structure. The right one
+//! is the cycle, integrated through the step with the wood so moved, all its events located. The forces are found by
+//! Newton's method on F - F(w_free + C F) = 0 with
 //!
 //! ```text
 //! dF/dw = -(k_n + k_e)  and  -dE/dz,   dF/dw' = -c_n
 //! ```
-//! of the contacts closed at the end; what it leaves out, the bodies' motion within a step, is of the order of
-//! k h^2/M, a thousandth, so that two or three trials suffice however stiff the contacts are against the wood.
+//! of the contacts closed at the end. The neglected term, the bodies' motion within a step, is of the order of k h^2/M,
+//! a thousandth. Two or three trials therefore suffice however stiff the contacts are against the wood.
 
 use super::integrate::{Cycle, Problem, Run};
 use super::mode::{Contact, Mode, Penetration};
@@ -42,7 +42,7 @@ struct Answer {
     damping: [f64; 2],
 }
 
-/// What a trial changes of a cycle.
+/// The part of a cycle that a trial changes.
 struct Held {
     mode: Mode,
     t: f64,
@@ -84,7 +84,7 @@ pub(crate) fn integrate_on<W: Workpiece>(
         work.steps += 1;
     }
     if !cycle.run.landed {
-        // The window of the last sample; it has no length to speak of.
+        // The window of the last sample; its length is practically zero.
         cycle.drive(&motion, &motion, &motion, h);
         cycle.end = work.steps as f64 * h;
     }

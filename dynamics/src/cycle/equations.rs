@@ -25,7 +25,7 @@ pub(crate) struct Calls {
     pub(crate) jacobians: usize,
 }
 
-/// dy/dt = f(y) in the mode held.
+/// dy/dt = f(y) in a fixed mode.
 pub(crate) struct Equations<'s> {
     system: &'s System,
     mode: Cell<Mode>,

@@ -29,7 +29,7 @@ pub(crate) struct Outflow<S> {
     pub(crate) mass: S,
     /// P_m before the holes \[Pa\].
     pub(crate) plenum: S,
-    /// P_s behind the holes, in the muffler where there is one \[Pa\].
+    /// P_s behind the holes, in the muffler if fitted \[Pa\].
     pub(crate) behind: S,
     /// Part of the jets' thrust on the tool, down \[N\].
     pub(crate) thrust: S,
@@ -147,8 +147,9 @@ impl System {
         }
     }
 
-    /// Above zero while the exhaust holes are choked: what the seat passes up to the critical P_m less what the holes
-    /// take there, (C A P)_seat N(P_m/P_1) - A_ma P_m with P_m = P_a/P_cr \[N\], or the P_m that a muffler asks for.
+    /// Above zero while the exhaust holes are choked. It is the flow of the seat up to the critical P_m less that of
+    /// the holes there, (C A P)_seat N(P_m/P_1) - A_ma P_m with P_m = P_a/P_cr \[N\], or the P_m that a muffler
+    /// requires.
     pub(crate) fn hole_choking(&self, now: &Instant<f64>) -> f64 {
         let valve = &self.p.head_valve;
         let opening = now.valve - (valve.lift - valve.exhaust_lap);

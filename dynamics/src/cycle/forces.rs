@@ -1,4 +1,4 @@
-//! Forces between the bodies, and what they do to them.
+//! Forces between the bodies, and their effects on them.
 
 use super::mode::{Contact, Mode, NailState, Penetration};
 use super::real::Real;
@@ -10,7 +10,7 @@ pub(crate) const SPRING: [f64; 9] = [
     4.17, 79_135.7, -7.55e7, 3.56e10, -8.57e12, 1.13e15, -8.28e16, 3.14e18, -4.79e19,
 ];
 
-/// Largest compression of the closing spring the published characteristic holds for \[m\] (C-24).
+/// Largest compression of the closing spring in the range of the published characteristic \[m\] (C-24).
 pub(crate) const SPRING_LIMIT: f64 = 5e-3;
 
 /// Forces at a state \[N\], named as in [`crate::Forces`].
@@ -133,7 +133,7 @@ impl System {
         let m = &self.p.model;
         let x = v.value();
         let w = x / m.stribeck_velocity;
-        // Both functions have reached their limits, to the last digit, where they are not evaluated.
+        // Where they are not evaluated, both functions have reached their limits to the last digit.
         let stribeck = if w.abs() < 30.0 { (-w * w).exp() } else { 0.0 };
         let fall = (law.static_force - law.sliding_force) * stribeck;
         let level = law.sliding_force + fall;

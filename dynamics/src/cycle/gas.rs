@@ -84,7 +84,7 @@ impl Air {
     /// F/A = rho_e U^2 + P_e - P_a,   r = max(P_a/P_m, P_cr)
     ///     = P_m [2 gamma/(gamma-1) (r^(1/gamma) - r) + r] - P_a
     /// ```
-    /// the ideal convergent nozzle with the exit pressure P_e = r P_m (Shapiro 1953, ch. 4).
+    /// This is the ideal convergent nozzle (Shapiro 1953, ch. 4). The exit pressure is P_e = r P_m.
     pub(crate) fn thrust<S: Real>(&self, before: S, behind: S) -> S {
         let r = behind * before.recip();
         let jet = |r: f64| {
@@ -209,7 +209,7 @@ impl Air {
     /// ```
     ///
     /// The temperature is the same in all three: each restriction throttles. P_s follows from P_m as in
-    /// [`Self::intermediate_pressure`], and what the last two pass grows with P_m, so that safeguarded Newton in P_m cannot
+    /// [`Self::intermediate_pressure`]. The flow of the last two grows with P_m, so safeguarded Newton in P_m cannot
     /// fail.
     pub(crate) fn two_intermediate_pressures<S: Real>(&self, areas: [S; 3], up: S, down: S) -> [S; 2] {
         let [first, second, third] = areas;

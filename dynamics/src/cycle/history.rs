@@ -1,4 +1,4 @@
-//! Past flow of the trigger's channel, for the published form in which the flow itself is delayed (C-04).
+//! Past flow of the trigger's channel, for the published form with a delay of the flow itself (C-04).
 
 use super::real::{Dual, Real};
 use super::state::{SIZE, State};
@@ -103,7 +103,8 @@ impl History {
 fn read(nodes: &[Node], time: f64) -> Stream<f64> {
     let right = nodes.partition_point(|node| node.time <= time);
     let (Some(a), Some(b)) = (right.checked_sub(1).and_then(|left| nodes.get(left)), nodes.get(right)) else {
-        // Before the first flow there is none; after the last known one it holds, to within rounding of the time.
+        // Before the first flow there is none; after the last known one it stays constant, to within rounding of the
+        // time.
         return match nodes.last() {
             Some(last) if time >= last.time => last.flow,
             _ => nodes

@@ -1,6 +1,6 @@
 //! Segments between events, each a smooth problem given to diffsol.
 //!
-//! A step may run past an event, since the right-hand side of a mode is smooth everywhere; the event is then located on
+//! A step may run past an event, since the right-hand side of a mode is smooth everywhere. The event is then located on
 //! the solver's own interpolant, the state taken from it, and the next segment started in the new mode. Events are
 //! located here rather than by the solver's root finder because they have a direction, need arming after a restart, and
 //! must be found between steps' ends as well.
@@ -29,7 +29,7 @@ const POINTS: usize = 2;
 /// Changes of one condition within [`CHATTER_WINDOW`] that count as chatter; a contact of 200 kHz makes 400.
 const CHATTER_CHANGES: usize = 2000;
 const CHATTER_WINDOW: f64 = 1e-3;
-/// Part of a window that need not be followed: what an event leaves of it may be too short for a step \[s\].
+/// Part of a window that need not be followed: the remainder after an event may be too short for a step \[s\].
 const SHORTEST: f64 = 1e-12;
 /// Steps beyond which a run is given up.
 const STEP_LIMIT: usize = 500_000;
@@ -504,7 +504,7 @@ impl<'s> Cycle<'s> {
         Ok(())
     }
 
-    /// Keeps what the event of `slot` did to the state `before`.
+    /// Records the effect of the event of `slot` on the state `before`.
     fn note_crossing(&mut self, slot: usize, impact: bool, before: &(Mode, State)) {
         self.run
             .balance
@@ -541,7 +541,7 @@ impl<'s> Cycle<'s> {
         }
         for (i, name) in VOLUME_NAMES.iter().enumerate() {
             let (size, mass) = (now.volume[i], self.y[MASS + i]);
-            // The published gas law does not hold the gas to the mass it has taken in and given off (C-02).
+            // The published gas law does not tie the gas to the mass that it has taken in and given off (C-02).
             let massless = mass <= 0.0 && self.system.p.model.gas == Form::Corrected;
             if !(size > 0.0 && !massless && self.y[ENERGY + i] > 0.0) {
                 return Err(CycleError::Collapse {
@@ -555,7 +555,7 @@ impl<'s> Cycle<'s> {
         Ok(())
     }
 
-    /// Sets what follows from the log so far: release of the trigger, landing, end of the record.
+    /// Sets the results of the log so far: release of the trigger, landing, end of the record.
     fn schedule(&mut self) {
         let log = &self.run.log;
         if log.len() > self.read {

@@ -17,14 +17,14 @@ const FIRST_TRAVEL: f64 = 0.1e-3;
 const REST_SPEED: f64 = 0.1;
 /// Time it must rest \[s\].
 const REST_TIME: f64 = 2e-3;
-/// Speed up to which the return stroke has not begun, t14 \[m/s\].
+/// Speed below which the return stroke has not begun, t14 \[m/s\].
 const STILL_SPEED: f64 = 0.05;
 /// P_1/P_a at the end of the exhaust, t17.
 const BLOWN_RATIO: f64 = 1.02;
 /// Earliest end of the exhaust after t13 \[s\].
 const BLOW_TIME: f64 = 1e-3;
 
-/// Speed a body must have had for its reversal to be one; what is slower is the settling of a contact \[m/s\].
+/// Least speed of a body for a true reversal; a slower one is the settling of a contact \[m/s\].
 const REVERSAL_SPEED: f64 = 10e-3;
 
 /// Number of levels that are watched.
@@ -155,7 +155,7 @@ impl Log {
         }
     }
 
-    /// Notes what is not the passage of a level.
+    /// Notes events other than the passage of a level.
     pub(crate) fn push(&mut self, place: (&System, &Mode), crossing: Crossing, time: f64, rising: bool, y: &State) {
         self.add(Self::entry(place, crossing, time, rising, y));
     }
@@ -190,7 +190,7 @@ impl Log {
         self.entries
     }
 
-    /// Keeps the entries of one step in order of time.
+    /// Orders the entries of one step by time.
     pub(crate) fn sort_from(&mut self, first: usize) {
         self.entries[first..].sort_by(|a, b| a.time.total_cmp(&b.time));
     }
@@ -326,7 +326,7 @@ impl Log {
         }
     }
 
-    /// Total time within `from..to` in which a level is exceeded, the height at t = 0 being `above` or not.
+    /// Total time within `from..to` above a level, with the height at t = 0 being `above` or not.
     pub(crate) fn time_above(&self, crossing: Crossing, above: bool, from: f64, to: f64) -> f64 {
         let mut above = above;
         let mut last = from;

@@ -36,12 +36,12 @@ pub(crate) use real::Real;
 
 use crate::{CouplingWork, CycleError, CycleRecord, Parameters, Settings, Workpiece};
 
-/// Computes one nailing cycle, from the trigger pull to 5 ms after the piston has come to rest at the top, at most to
-/// `settings.end`, and never past the tool's landing.
+/// Computes one nailing cycle, from the trigger pull to 5 ms after the piston has come to rest at the top. It ends at
+/// `settings.end` or the tool's landing at the latest.
 ///
 /// # Errors
-/// [`CycleError`]: a number out of range, a design the model does not hold for (spring range, overlapping laps, tool
-/// not seated, valve not closed), a dry fire, a contact that chatters, or an integration that cannot go on.
+/// [`CycleError`]. A number out of range, a design outside the model (spring range, overlapping laps, tool not seated,
+/// valve not closed), a dry fire, a contact that chatters, or an integration that cannot go on.
 pub fn simulate(parameters: &Parameters, settings: &Settings) -> Result<CycleRecord, CycleError> {
     start::check(parameters)?;
     settings.check()?;

@@ -95,7 +95,7 @@ pub(crate) struct Mode {
     pub(crate) impact: f64,
     /// Whether the trigger is released (latched).
     pub(crate) released: bool,
-    /// How the wood moves where it is no mass of the cycle's own.
+    /// Motion of the wood if it is not a mass of the cycle.
     pub(crate) wood: Option<DrivenWood>,
 }
 
@@ -113,7 +113,7 @@ impl Mode {
         }
     }
 
-    /// Position and velocity of the wood that holds the nail.
+    /// Position and velocity of the wood that grips the nail.
     #[inline]
     pub(crate) fn nail_motion<S: Real>(&self, y: &[S]) -> (S, S) {
         match &self.wood {

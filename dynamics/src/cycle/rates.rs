@@ -132,7 +132,7 @@ impl System {
     fn polytropic_energy<S: Real>(&self, flows: &Flows<S>, work: &[S; VOLUMES]) -> [S; VOLUMES] {
         let m = &self.p.model;
         let (inward, outward) = (m.polytropic_inflow, m.polytropic_outflow);
-        // What a flow takes from where it starts and gives to where it ends, by its direction.
+        // The amounts that a flow takes from its source and gives to its destination, by its direction.
         let weigh = |flow: S, forth: f64, back: f64| {
             if flow.value() >= 0.0 {
                 (flow * forth, flow * inward)

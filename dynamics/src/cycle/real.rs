@@ -1,8 +1,8 @@
 //! Numbers the model is evaluated with: `f64`, and `f64` with exact derivatives.
 //!
 //! The right-hand side is written once over [`Real`]. With [`Dual`] it yields its Jacobian to round-off in one
-//! evaluation (forward-mode automatic differentiation; Griewank and Walther, Evaluating Derivatives, 2008, ch. 3), so
-//! the Newton matrix has exactly the linear invariants of the model and Newton steps conserve mass and energy to
+//! evaluation (forward-mode automatic differentiation; Griewank and Walther, Evaluating Derivatives, 2008, ch. 3). The
+//! Newton matrix therefore has exactly the linear invariants of the model and Newton steps conserve mass and energy to
 //! round-off.
 
 use std::ops::{Add, Mul, Neg, Sub};

@@ -71,8 +71,8 @@ impl Recorder {
             &mut v.pressure,
             &mut v.temperature,
         ];
-        // Columns of equal length would lie a whole number of pages apart, and one sample would fill one set of the
-        // cache; an offset of a cache line for each column avoids it.
+        // Columns of equal length would be at distances of whole pages, and one sample would fill one set of the cache;
+        // an offset of a cache line for each column avoids it.
         bodies
             .chain(volumes)
             .chain(others)

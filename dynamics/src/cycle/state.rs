@@ -17,7 +17,7 @@ pub(crate) const Y_G: usize = 4;
 pub(crate) const V_G: usize = 5;
 pub(crate) const Y_W: usize = 6;
 pub(crate) const V_W: usize = 7;
-/// The hand's mass; at rest and unused where the hand is a force alone.
+/// The hand's mass; at rest and unused where the hand is only a force.
 pub(crate) const Y_M: usize = 8;
 pub(crate) const V_M: usize = 9;
 /// Internal energies U_1, U_2, U_r, U_h, U_ext.
@@ -64,7 +64,7 @@ pub(crate) const MAGAZINE_FRICTION: usize = STATES + 13;
 pub(crate) const PENETRATION: usize = STATES + 14;
 /// Work of the dashpots of the six contacts, in the order of `Contact`, and of the hand's.
 pub(crate) const DASHPOTS: usize = STATES + 15;
-/// Work on the wood where it is driven from outside: the lumped support's dashpot, which then does nothing, lends its
+/// Work on the wood if it is driven from outside. The lumped support's dashpot, which then does nothing, lends its
 /// place.
 pub(crate) const WOOD_WORK: usize = DASHPOTS + 5;
 pub(crate) const HAND_DASHPOT: usize = STATES + 21;

@@ -1,7 +1,7 @@
 //! When the mode changes, and to what.
 //!
-//! Each slot watches one condition of the current mode through a margin that is positive while the condition holds; the
-//! event is its fall through zero.
+//! Each slot watches one condition of the current mode through a margin that is positive while the condition is true;
+//! the event is its fall through zero.
 
 use super::mode::{Contact, Mode, NailState, Penetration};
 use super::state::*;
@@ -19,7 +19,7 @@ const NAIL: usize = 10;
 const DEPTH_UP: usize = 11;
 const DEPTH_DOWN: usize = 12;
 
-/// What a slot watches, for messages.
+/// The object of a slot, for messages.
 pub(crate) fn slot_name(slot: usize) -> &'static str {
     match slot {
         GUARD => "the guard spring",
@@ -32,8 +32,7 @@ pub(crate) fn slot_name(slot: usize) -> &'static str {
     }
 }
 
-/// What the event of `slot` that led from one mode to another is in the log, where it is more than the passage of a
-/// level.
+/// The log entry for the event of `slot` from one mode to another, if it is more than the passage of a level.
 pub(crate) fn entry(slot: usize, before: &Mode, after: &Mode) -> Option<(Crossing, bool)> {
     let loading = |mode: &Mode| matches!(mode.penetration, Penetration::Loading { .. });
     let pressing = |mode: &Mode| !matches!(mode.penetration, Penetration::Free { .. });
@@ -93,7 +92,7 @@ pub(crate) fn margins(system: &System, mode: &Mode, y: &State) -> [f64; SLOTS] {
         NailState::Left => f64::INFINITY,
     };
     let z = system.depth(mode, y);
-    // Whether the tip touches is asked of the motion without its own force, as for the nose.
+    // The test for contact of the tip uses the motion without its own force, like that for the nose.
     let touching = mode
         .wood
         .map_or(z, |wood| y[Y_P] - wood.free_nail(y) - system.geometry.tip_gap);
@@ -129,12 +128,11 @@ pub(crate) fn margins(system: &System, mode: &Mode, y: &State) -> [f64; SLOTS] {
     margin
 }
 
-/// Margins that are no more than the rounding of what they are computed from; a condition is watched once it has held
-/// by more.
+/// Rounding of the terms of the margins; a condition is watched once its margin has exceeded it.
 ///
 /// A contact whose damping makes it let go just as it is pressed shut again grazes: its push touches zero and turns.
-/// The overlap, 1e-9 m on a cap of 1e11 N/m, is the difference of positions of centimetres, so that the last digits of
-/// these would open and close the contact thousands of times before the push has risen out of them.
+/// The overlap, 1e-9 m on a cap of 1e11 N/m, is the difference of positions of centimetres. The last digits of these
+/// would open and close the contact thousands of times before the push has risen out of them.
 pub(crate) fn noise(system: &System) -> [f64; SLOTS] {
     let mut noise = [0.0; SLOTS];
     noise[..Contact::COUNT].fill(16.0 * f64::EPSILON * system.p.piston.stroke);
@@ -164,7 +162,7 @@ pub(crate) fn cross(system: &System, slot: usize, mode: &mut Mode, y: &mut State
         NAIL => match mode.nail {
             NailState::Waiting => {
                 mode.impact = y[V_P] - mode.nail_motion(y).1;
-                // Plastic impact of the rod on the nail at rest; published, the nail comes up to speed by itself
+                // Plastic impact of the rod on the nail at rest; published, the nail comes up to speed without it
                 // (C-08).
                 if system.p.model.impact == Form::Corrected {
                     y[V_P] *= system.p.piston.mass / (system.p.piston.mass + system.geometry.nail_mass);

@@ -1,4 +1,4 @@
-//! Constants of a cycle, and what follows from a state without a force or a flow: kinematics, volumes, gas.
+//! Constants of a cycle, and the results of a state without a force or a flow: kinematics, volumes, gas.
 
 use super::gas::{Air, Gas};
 use super::mode::{Contact, Mode, NailState};
@@ -41,7 +41,7 @@ pub(crate) struct System {
     /// Sine and cosine of the seats' angles.
     pub(crate) intake_angle: (f64, f64),
     pub(crate) exhaust_angle: (f64, f64),
-    /// Whether the hand is a mass on a spring rather than a force alone.
+    /// Whether the hand is a mass on a spring rather than only a force.
     pub(crate) sprung_hand: bool,
 }
 

@@ -4,14 +4,14 @@ use super::mode::Mode;
 use super::state::*;
 use super::system::System;
 
-/// Size of what has no error weight: the integrals, the hand where it has no mass, the wood where it is driven.
+/// Size of quantities without an error weight: the integrals, the hand if it is massless, the wood if it is driven.
 const UNWEIGHTED: f64 = 1e30;
 
 /// Absolute tolerances: every state has a characteristic size, and its error is limited to the tolerance times that
 /// size.
 ///
-/// Relative weights would not do: a nose contact of 5e8 N/m needs the position of the body to 1e-10 m wherever it
-/// stands, and a gas energy of 1 kJ must not loosen that of 1 J.
+/// Relative weights would not do: a nose contact of 5e8 N/m needs the position of the body to 1e-10 m wherever it is,
+/// and a gas energy of 1 kJ must not loosen that of 1 J.
 pub(crate) fn tolerances(system: &System, mode: &Mode, relative: f64) -> Vec<f64> {
     let p = &system.p;
     let mut size = [UNWEIGHTED; SIZE];

@@ -1,8 +1,8 @@
 //! Motion of the wood that an external structure prescribes.
 //!
-//! Over one window of the coupled run the wood's surface under the nose and the nail's hold in it follow cubics in the
-//! time since the window began. That time is carried as a state, in the place of the lumped wood's position, so that
-//! every force and every margin stays a function of the state.
+//! Over one window of the coupled run the wood's surface under the nose and the wood that grips the nail follow cubics
+//! in the time since the window began. That time is a state, replacing the lumped wood's position, so that every force
+//! and every margin stays a function of the state.
 
 use super::real::Real;
 use super::state::*;
@@ -71,9 +71,9 @@ impl DrivenWood {
     /// Gap margin of an open nose and its rate.
     ///
     /// A nose that comes down on the wood with a dashpot starts with a force, which drives the wood away from it: asked
-    /// of the motion with that force, neither touch nor gap would be consistent. So touch is asked of the motion
-    /// without it, as for the contact of the bodies on their support; the difference is of the order of the window
-    /// squared.
+    /// of the motion with that force, neither touch nor gap would be consistent. So the test for touch uses the motion
+    /// without it, like that for the contact of the bodies on their support; the difference is of the order of the
+    /// window squared.
     pub(crate) fn seat_gap(&self, y: &State) -> (f64, f64) {
         let cubic = if self.open_at_start {
             &self.free_seat
@@ -84,7 +84,7 @@ impl DrivenWood {
         (y[Y_G] - position, y[V_G] - velocity)
     }
 
-    /// Position of the nail's hold without the nail's force.
+    /// Position of the wood that grips the nail, without the nail's force.
     pub(crate) fn free_nail(&self, y: &State) -> f64 {
         self.free_nail.at(y[Y_W]).0
     }
@@ -95,7 +95,7 @@ impl DrivenWood {
         self.seat.at(clock)
     }
 
-    /// Position and velocity of the wood that holds the nail.
+    /// Position and velocity of the wood that grips the nail.
     #[inline]
     pub(crate) fn nail_motion<S: Real>(&self, clock: S) -> (S, S) {
         self.nail.at(clock)

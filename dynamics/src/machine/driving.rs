@@ -3,7 +3,7 @@
 //! ```text
 //! v_1 = v_0 M/M_1,  M_1 = M + M_n,   M_1 v' = M_1 g - E(y; v),   E = F_r + k_w max(0, y - NL)
 //! ```
-//! From the deepest point the nail springs back with k_u, as in the nailing cycle; the projectile leaves it at F = 0.
+//! From the deepest point the nail springs back with k_u, as in the nailing cycle. The projectile leaves it at F = 0.
 
 use std::f64::consts::PI;
 
@@ -62,7 +62,7 @@ pub struct EnergyOfDrive {
     pub gravity: f64,
     /// Motion left when the projectile leaves the nail.
     pub rest: f64,
-    /// What these lack of zero, as a part of M v0^2/2 \[-\].
+    /// Their imbalance, as a part of M v0^2/2 \[-\].
     pub balance: f64,
 }
 
@@ -94,10 +94,10 @@ pub struct Drive {
     pub samples: Vec<Sample>,
 }
 
-/// Drives the nail of a machine; samples stand `interval` \[s\] apart.
+/// Drives the nail of a machine, with samples at intervals of `interval` \[s\].
 ///
 /// # Errors
-/// [`MachineError`] where the nail does not stop, leaves the block, or a law does not hold.
+/// [`MachineError`] where the nail does not stop, leaves the block, or a law is not valid.
 pub fn drive(machine: &Machine, fit: Option<&FittedLaw>, shot: Shot, interval: f64) -> Result<Drive, MachineError> {
     let (nail, wood, projectile) = (&machine.nail, &machine.wood, &machine.projectile);
     let gravity = machine.ambient.gravity;
@@ -156,7 +156,7 @@ pub fn drive(machine: &Machine, fit: Option<&FittedLaw>, shot: Shot, interval: f
         force: shank(0.0, v1),
         cell: to_cell * shank(0.0, v1),
     }];
-    // Samples by steps of their own: no interpolation stands between force and motion.
+    // Separate steps for samples: no interpolation between force and motion.
     let (mut t, mut y) = (0.0, [0.0, v1, 0.0, 0.0]);
     let mut head_speed = None;
     let mut stopped = false;

@@ -1,8 +1,8 @@
 //! Integration of a smooth problem to an event.
 //!
-//! Dormand and Prince (1980, J. Comp. Appl. Math. 6), order 5 with an error of order 4. The event is met by a step of
-//! its own, found by the secant method within a bracket, so that the state there has the accuracy of a step rather than
-//! of an interpolation: the energy balance of a drive closes to 1e-9. The problems are not stiff.
+//! Dormand and Prince (1980, J. Comp. Appl. Math. 6), order 5 with an error of order 4. The event is met by a separate
+//! step, found by the secant method within a bracket. The state there thus has the accuracy of a step rather than of an
+//! interpolation: the energy balance of a drive closes to 1e-9. The problems are not stiff.
 
 const C: [f64; 7] = [0.0, 0.2, 0.3, 0.8, 8.0 / 9.0, 1.0, 1.0];
 const A: [[f64; 6]; 7] = [
@@ -60,7 +60,7 @@ fn step<const N: usize>(rates: &impl Fn(&[f64; N]) -> [f64; N], y: &[f64; N], h:
         end = std::array::from_fn(|i| y[i] + h * (0..stage).map(|j| A[stage][j] * k[j][i]).sum::<f64>());
         k[stage] = rates(&end);
     }
-    // The last stage stands at the end of the step.
+    // The last stage is at the end of the step.
     let error = std::array::from_fn(|i| h * (0..7).map(|j| E[j] * k[j][i]).sum::<f64>());
     (end, error)
 }

@@ -19,7 +19,7 @@ const FRICTION_VELOCITY: f64 = 1e-3;
 /// Longest launch \[s\].
 const LONGEST: f64 = 1.0;
 
-/// What a launch gives.
+/// The results of a launch.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
 pub struct Launched {
     /// v0, speed of the projectile at the nail \[m/s\].
@@ -133,7 +133,7 @@ pub fn launch(machine: &Machine) -> Result<Launched, MachineError> {
     };
     fill(RESERVOIR, l.reservoir_pressure, l.reservoir_volume);
     if joined {
-        // The reservoir's gas alone: the valve shut off the dead volume, which is small.
+        // Only the reservoir's gas: the valve shut off the dead volume, which is small.
         fill(CYLINDER, l.reservoir_pressure, l.reservoir_volume + l.dead_volume);
     } else {
         fill(CYLINDER, ambient.pressure, l.dead_volume);

@@ -28,7 +28,7 @@ pub struct Row {
     pub energies: [f64; 3],
 }
 
-/// Why there is no plan.
+/// Why a plan is not possible.
 #[derive(Debug, Clone, PartialEq, Error)]
 #[non_exhaustive]
 pub enum PlanError {
@@ -40,7 +40,7 @@ pub enum PlanError {
         /// Its value \[SI\].
         value: f64,
     },
-    /// The lower level of a mass would stand still.
+    /// The lower level of a mass would be at rest.
     #[error(
         "a projectile of {mass} kg with {energy:.3} J flies at {speed:.3} m/s, not above the {TOOL_SPEED_STEP} m/s between levels"
     )]
@@ -87,8 +87,8 @@ pub fn plan(energy: f64, masses: &[f64]) -> Result<Vec<Row>, PlanError> {
     masses.iter().map(row).collect()
 }
 
-/// The speed of impact for which NL/time to full depth is `mean` \[m/s\] by the law of the machine's wood; none where the
-/// nail reaches its full depth at no such speed.
+/// The speed of impact for which NL/time to full depth is `mean` \[m/s\] by the law of the machine's wood. None where
+/// the nail reaches its full depth at no such speed.
 ///
 /// # Errors
 /// As [`drive`], but for a nail that goes through the block.

@@ -1,4 +1,4 @@
-//! What the sensors of the machine read: white noise, a sample rate, and a cell of second order.
+//! The readings of the machine's sensors: white noise, a sample rate, and a cell of second order.
 
 use std::f64::consts::TAU;
 

@@ -1,10 +1,10 @@
 //! Fasteners outside the sizes that were tested: a share of the force goes with the perimeter, the rest with the area.
 //!
-//! The published laws depend on the diameter through the ratio D/NL alone, because every tested length had one diameter
+//! The published laws depend on the diameter only through the ratio D/NL, because every tested length had one diameter
 //! (Nili Ahmadabadi 2016: from 2.0 mm with 32 mm to 4.1 mm with 89 mm). For a slender nail they extrapolate this
 //! correlation of the test programme: a 64 x 1.6 mm nail would need more force than a 64 x 3.3 mm one. Outside the
-//! tested sizes the force is therefore that of the nearest tested one, of diameter D* and length NL*, split as second
-//! drives into the same hole split it (sec. 2.4.3) and scaled by r = D/D*:
+//! tested sizes the force is therefore that of the nearest tested one, of diameter D* and length NL*. Its split is that
+//! of second drives into the same hole (sec. 2.4.3); it is scaled by r = D/D*.
 //!
 //! ```text
 //! F(y) = r S(y) + r^2 (F*(y) - S(y)),    S(y) = min(phi F*(NL*) y/NL*, F*(y))       y <= NL*

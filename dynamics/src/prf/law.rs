@@ -36,7 +36,7 @@ choice! {
     }
 }
 
-/// A nail in a wood: what the laws depend on besides depth and speed.
+/// A nail in a wood: the inputs of the laws besides depth and speed.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Specimen {
@@ -85,7 +85,7 @@ impl PenetrationLaw {
         Ok(self.curve(specimen, speed).force(depth))
     }
 
-    /// The law as a function of depth alone, at a fixed speed.
+    /// The law as a function of depth only, at a fixed speed.
     pub(crate) fn curve(self, specimen: &Specimen, speed: f64) -> Curve {
         Curve::new(&self.coefficients(), specimen, speed)
     }

@@ -5,7 +5,8 @@
 //! x = y/NL,  Pi3 = NL rho v^2/H_M,  Pi4 = D/NL
 //! ```
 //! Nili Ahmadabadi (2016), Eq. 2.2, Tables 2-6 and 2-8 (plywood), Eq. 4.59 (solid wood). The laws are quasi-static:
-//! they hold for penetration speeds of 20 to 500 mm/min, and a dynamic run uses the upper end, [`REFERENCE_SPEED`].
+//! they are valid for penetration speeds of 20 to 500 mm/min, and a dynamic run uses the upper end,
+//! [`REFERENCE_SPEED`].
 
 mod envelope;
 mod extension;

@@ -79,7 +79,7 @@ impl CurveError {
 /// The law behind a curve.
 #[derive(Debug, Clone)]
 pub enum CurveLaw {
-    /// A published law, with the wood it is evaluated for and what it depends on.
+    /// A published law, with its wood and its variables.
     Published {
         /// The law.
         law: PenetrationLaw,

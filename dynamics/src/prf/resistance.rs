@@ -35,7 +35,7 @@ const WORDS: [&str; PenetrationLaw::WORDS.len() + 2] = {
 };
 
 impl ResistanceLaw {
-    /// What a key of this type holds.
+    /// The value of a key of this type.
     pub const KIND: Kind = Kind::Choice(&WORDS);
 }
 
@@ -63,10 +63,10 @@ impl From<PenetrationLaw> for ResistanceLaw {
     }
 }
 
-/// What the resistance takes from the fastener beyond the dimensions of one shank.
+/// The fastener's contribution to the resistance beyond the dimensions of one shank.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Shanks {
-    /// Number of shanks: 1, or 2 for a staple. Each meets the wood as a nail alone.
+    /// Number of shanks: 1, or 2 for a staple. Each meets the wood like a single nail.
     pub(crate) legs: u32,
     /// Friction along the shank as a share of the force at full depth.
     pub(crate) friction_share: f64,
@@ -131,7 +131,7 @@ impl Resistance {
                     .map_or(Law::Published(curve), Law::Tabulated)
             }
             (None, ResistanceLaw::Constant) => Law::Constant(wood.penetration_force),
-            // Checked before a cycle starts; without a law there is no force.
+            // Checked before a cycle starts; without a law the force is zero.
             (None, ResistanceLaw::Fitted) => match fit {
                 Some(fit) => Law::Fitted(fit.of(specimen, mass)),
                 None => Law::Constant(0.0),

@@ -5,8 +5,9 @@ use thiserror::Error;
 
 /// Force over depth by points, a monotone cubic between them.
 ///
-/// The slopes at the points are those of Fritsch and Butland (1984), so that the curve is smooth to its first derivative,
-/// passes through every point, and rises or falls only where the points do. It holds from the surface to the last depth.
+/// The slopes at the points are those of Fritsch and Butland (1984), so that the curve is smooth to its first
+/// derivative, passes through every point, and rises or falls only where the points do. It is valid from the surface to
+/// the last depth.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(try_from = "Points", into = "Points")]
 pub struct ForceTable {
@@ -15,7 +16,7 @@ pub struct ForceTable {
     slopes: Vec<f64>,
 }
 
-/// The points alone, as they are stored.
+/// The points only, as they are stored.
 #[derive(Clone, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Points {
@@ -40,7 +41,7 @@ impl From<ForceTable> for Points {
     }
 }
 
-/// Why points are no penetration law.
+/// Why points are not a penetration law.
 #[derive(Debug, Clone, PartialEq, Error)]
 #[non_exhaustive]
 pub enum TableError {
@@ -148,7 +149,7 @@ impl ForceTable {
     }
 }
 
-/// Slopes that keep the cubics monotone: zero at a turn, else a weighted harmonic mean of the chords (Fritsch and
+/// Slopes that make the cubics monotone: zero at a turn, else a weighted harmonic mean of the chords (Fritsch and
 /// Butland, SIAM J. Sci. Stat. Comput. 5, 1984); at the ends of three points' parabola, limited.
 fn slopes(x: &[f64], f: &[f64]) -> Vec<f64> {
     let n = x.len();

@@ -109,7 +109,7 @@ impl Workpiece for Mass {
     }
 }
 
-/// Largest difference of the event times, all of which must occur in both or in none.
+/// Largest difference of the event times. Each must occur in both or in none.
 fn apart(a: &CycleRecord, b: &CycleRecord) -> (usize, f64) {
     let mut worst = (0, 0.0);
     for (k, (a, b)) in a.events.to_array().into_iter().zip(b.events.to_array()).enumerate() {

@@ -1,4 +1,4 @@
-//! Laws that hold for every design, and designs that are refused.
+//! Laws that are true of every design, and designs that are refused.
 
 use nailnoise_dynamics::{CycleError, CycleRecord, Geometry, Outcome, Parameters, Settings, SupportDamping, simulate};
 
@@ -50,7 +50,7 @@ fn a_shorter_and_thinner_nail_waits_with_its_head_at_the_same_height_and_is_over
     assert!((geometry.tip_gap - base.tip_gap - (0.08255 - 0.065)).abs() < 1e-12);
     let r = run(&p);
     assert_eq!(r.outcome, Outcome::Overdriven);
-    // The bumper stops the piston: the head is at most as deep as the rod stands out, and its overtravel on the bumper.
+    // The bumper stops the piston: the head is at most as deep as the rod protrudes, and its overtravel on the bumper.
     let overtravel = r.motion.piston_travel.iter().fold(0.0, |a: f64, b| a.max(*b)) - p.piston.stroke;
     assert!(r.summary.head_depth > p.nail.overdrive_limit);
     assert!(r.summary.head_depth < p.piston.rod_protrusion + overtravel);

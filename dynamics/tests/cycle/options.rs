@@ -42,7 +42,7 @@ fn a_hand_with_mass_lowers_the_rise_of_the_tool() {
 
 #[test]
 fn a_hand_on_a_stiff_spring_is_part_of_the_tool() {
-    // A mass held rigidly is a heavier tool that gravity does not pull the more.
+    // A rigidly held mass makes the tool heavier, but gravity does not act on it.
     let mut held = with_hand(0.5);
     held.hand.stiffness = 1e9;
     held.hand.damping = 2e3;

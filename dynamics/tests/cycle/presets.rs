@@ -21,7 +21,7 @@ fn with(change: impl Fn(&mut Model)) -> Parameters {
     p
 }
 
-/// Whether every balance of the run holds.
+/// Whether every balance of the run closes.
 fn balanced(r: &CycleRecord) -> bool {
     r.checks.iter().all(|c| c.ok || !c.name.contains("balance"))
 }

@@ -126,7 +126,7 @@ fn withdrawal(gravity: f64, (length, diameter, legs): Size) -> f64 {
 
 #[test]
 fn the_friction_of_a_driven_shank_is_within_a_factor_of_two_of_its_resistance_to_withdrawal() {
-    // Friction alone resists the withdrawal, so that the share of friction is compared, at the published 81 %.
+    // Only friction resists the withdrawal, so the share of friction is compared, at the published 81 %.
     for size in THIN.into_iter().chain([(31.75, 2.032, 1), (82.55, 3.81, 1)]) {
         let p = in_spruce(size, 0.81);
         let tip = full(&in_spruce(size, 0.0));
@@ -140,7 +140,7 @@ fn the_friction_of_a_driven_shank_is_within_a_factor_of_two_of_its_resistance_to
 fn the_mean_force_of_a_thin_nail_is_a_few_hundred_newtons_and_not_that_of_the_polynomial() {
     let p = in_spruce((64.0, 1.6, 1), 0.81);
     let envelope = p.penetration_envelope();
-    // Over the 35.7 mm in which the polynomial absorbs 33.6 J, 940 N in the mean.
+    // Over 35.7 mm: the polynomial absorbs 33.6 J there, 940 N in the mean.
     let depths = (0..1000).map(|i| 35.7e-3 * (f64::from(i) + 0.5) / 1000.0);
     let mean = depths.map(|depth| envelope.shank(depth)).sum::<f64>() / 1000.0;
     assert!((200.0..500.0).contains(&mean), "{mean} N");

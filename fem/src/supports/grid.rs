@@ -1,4 +1,4 @@
-//! Points that stand for a rectangular contact area.
+//! Points that represent a rectangular contact area.
 
 use nailnoise_meshes::gauss_legendre;
 
@@ -8,12 +8,12 @@ pub enum GridRule {
     /// Gauss-Legendre points and weights, the better default: area, rocking stiffness and the coupling of smooth mode
     /// shapes are exact, and the outermost points lie nearer the edge, where a rocking block lands.
     GaussLegendre,
-    /// Centres of equal cells: every point stands for the same area, but n points across lose 1/n^2 of the rocking
+    /// Centres of equal cells: every point represents the same area, but n points across lose 1/n^2 of the rocking
     /// stiffness (4 % for 5).
     CellCentred,
 }
 
-/// Points (x, y) on the rectangle |x| <= lx/2, |y| <= ly/2 with the areas they stand for.
+/// Points (x, y) on the rectangle |x| <= lx/2, |y| <= ly/2 with the areas they represent.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ContactGrid {
     /// Coordinates \[m\] from the centre, x fastest.

@@ -1,4 +1,4 @@
-//! Sand as an elastic half-space under and beside an embedded rectangular block.
+//! Sand as an elastic half-space under and around an embedded rectangular block.
 
 use std::f64::consts::PI;
 
@@ -63,8 +63,8 @@ pub fn sand_shear_modulus_round(void_ratio: f64, pressure: f64) -> Result<f64, S
     Ok(hardin_richart(6900.0, 2.17, void_ratio, pressure))
 }
 
-/// Small-strain shear modulus \[Pa\] of clean sand of angular grains, void ratio e, mean effective pressure p' \[Pa\]
-/// (Hardin & Richart, 1963):
+/// Small-strain shear modulus \[Pa\] of clean sand of angular grains (Hardin & Richart, 1963). For a void ratio e and a
+/// mean effective pressure p' \[Pa\],
 ///
 ///   G0 = 3230 (2.97 - e)^2/(1 + e) sqrt(p')   with G0 and p' in kPa
 ///

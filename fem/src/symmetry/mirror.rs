@@ -56,7 +56,7 @@ impl Mirror {
     }
 }
 
-/// Nodes sorted along a direction in which no two of a regular mesh coincide.
+/// Nodes sorted along a direction that separates all nodes of a regular mesh.
 struct Places<'a> {
     mesh: &'a Mesh,
     /// The piece of each node: where two pieces touch, both have a node at the same place.
@@ -118,8 +118,8 @@ impl<'a> Places<'a> {
     }
 }
 
-/// The number of planes through the middle of a mesh and across the axes in which it and its materials are symmetric;
-/// [`crate::modes`] uses them where constraints and attachments are symmetric too and the model is large enough.
+/// The number of symmetry planes of a mesh and its materials, through its middle and across the axes; [`crate::modes`]
+/// uses them where constraints and attachments are symmetric too and the model is large enough.
 pub fn mirror_planes(mesh: &Mesh, materials: &[Material]) -> usize {
     let mut nodes = mesh.connectivity.clone();
     nodes.sort_unstable();

@@ -1,16 +1,16 @@
 //! Mirror symmetry: the eigenproblem falls into one for each combination of even and odd.
 //!
-//! A mirror plane maps the unknowns onto each other, q -> S q, with S a permutation with signs. Where S^T K S = K and
-//! S^T M S = M for k planes, every mode can be chosen even or odd in each of them, and with the orthonormal basis T_c
-//! of the vectors of one combination c
+//! A mirror plane maps the unknowns onto each other, q -> S q, with S a permutation with signs. If S^T K S = K and S^T
+//! M S = M for k planes, every mode can be chosen even or odd in each of them. T_c is the orthonormal basis of the
+//! vectors of one combination c.
 //!
 //! ```text
 //! K_c = T_c^T K T_c,   M_c = T_c^T M T_c,   phi = T_c phi_c,   c = 1 .. 2^k
 //! ```
 //!
-//! are 2^k independent problems with 1/2^k of the unknowns each. Together the T_c are a square orthogonal matrix, so
-//! that inertia and orthogonality carry over: no mode is lost or found twice, and pairs whose frequencies coincide by
-//! symmetry fall into different sectors.
+//! These are 2^k independent problems with 1/2^k of the unknowns each. Together the T_c are a square orthogonal matrix,
+//! so that inertia and orthogonality carry over: no mode is lost or found twice, and pairs whose frequencies coincide
+//! by symmetry fall into different sectors.
 
 mod mirror;
 
@@ -94,7 +94,7 @@ impl Sector<'_> {
         Ok(a)
     }
 
-    /// The matrices by which residuals are taken: those of the sector, or those of the body where it is the whole.
+    /// The matrices for residuals: those of the sector, or of the body if the sector is the body.
     pub(crate) fn pencil<'a>(&'a self, system: &'a System) -> Pencil<'a> {
         match &self.stiffness {
             Some(stiffness) => Pencil {
@@ -156,7 +156,7 @@ impl Sector<'_> {
     }
 }
 
-/// The independent problems that the mirror planes of K and M leave; the whole alone where there are none.
+/// The independent problems that the mirror planes of K and M leave; only the whole if there are none.
 pub(crate) fn sectors(system: &System) -> Result<Vec<Sector<'_>>, FemError> {
     divided(system, &respected(system))
 }
@@ -247,7 +247,7 @@ impl Orbits {
         self.first[e] == e
     }
 
-    /// The representatives, node by node in an order of elimination of the graph in which each orbit is one node.
+    /// The representatives, node by node in an order of elimination of the graph whose nodes are the orbits.
     fn in_order_of_elimination(&self, system: &System) -> Result<Vec<Vec<usize>>, FemError> {
         let node = |e: usize| system.equations.node(e);
         // Orbits of nodes, numbered as their first unknowns come.

@@ -10,11 +10,12 @@ use realfft::{ComplexToReal, RealFftPlanner};
 
 use super::model::Motion;
 
-/// Motion beyond that of the march, given by lines at the complex frequencies s_k = sigma + j 2 pi k/(N h):
+/// Motion beyond that of the march, given by lines at the complex frequencies s_k = sigma + j 2 pi k/(N h). The motion
+/// is
 ///
 ///   d_n = e^{sigma t_n}/N sum_k D_k e^{j omega_k t_n},    d' and d'': D_k times s_k and s_k^2,
 ///
-/// over both signs of the frequency, with N the length of the transform in samples and h the step.
+/// over both signs of the frequency. N is the length of the transform in samples and h the step.
 #[derive(Clone)]
 pub struct AddedMotion {
     /// Lines k = 0, 1, ... of each body, modes x lines.

@@ -5,20 +5,20 @@ use super::kernels::{Arch, Columns, Lane, combine, lanes, pivot};
 use super::model::{Support, SupportLaw};
 use super::response::Work;
 
-/// Finds the support forces f at the end of a step, where penetrations and their rates depend on them,
+/// Finds the support forces f at the end of a step, where penetrations and their rates depend on them.
 ///
 ///   d = d_free - C_d f,  d' = v_free - C_v f,  C_d = P^T diag(c1) P,  C_v = P^T diag(c2) P,
 ///   f_i = max(0, k_i d_i + c_i d_i')  where d_free,i > 0, else 0  (bonded: always, without the maximum).
 ///
-/// With r = k d_free + c v_free and S = 1 + diag(k) C_d + diag(c) C_v this is the linear complementarity problem f >=
-/// 0, S f >= r, f^T (S f - r) = 0 on the points with d_free > 0. Asking for d_free > 0 instead of d > 0 keeps it
-/// solvable: at first touch the dashpot's force may be finite while d is still of order h, and then neither state of a
+/// With r = k d_free + c v_free and S = 1 + diag(k) C_d + diag(c) C_v this is a linear complementarity problem. On the
+/// points with d_free > 0 it reads f >= 0, S f >= r, f^T (S f - r) = 0. The condition d_free > 0 instead of d > 0 makes
+/// it solvable. At first touch the dashpot's force may be finite while d is still of order h; then neither state of a
 /// law gated by d itself is consistent. The difference in d is C_d f = O(h^2).
 ///
 /// The touching set A is found by block principal pivoting (all violating points change at once: the semismooth Newton
 /// method) with single pivots as a fallback, which ends for every P-matrix (Judice & Pires, 1994, Computers Ops. Res.
-/// 21). T, the principal pivot transform of S on A, holds inv(S_AA) and S_(not A) A inv(S_AA); it lives on from step to
-/// step, and a point that changes costs one rank-one update instead of a factorisation.
+/// 21). T, the principal pivot transform of S on A, consists of inv(S_AA) and S_(not A) A inv(S_AA). It lives on from
+/// step to step: a point that changes costs one rank-one update instead of a factorisation.
 #[derive(Debug)]
 pub(super) struct ContactSolver {
     arch: Arch,
@@ -55,7 +55,7 @@ const PIVOTS_PER_REBUILD: usize = 4096;
 const LAW_TOLERANCE: f64 = 1e-11;
 
 impl ContactSolver {
-    /// `compliance` holds C_d above C_v: each column of 2 `lanes(n)` lanes.
+    /// `compliance` stores C_d above C_v: each column of 2 `lanes(n)` lanes.
     pub(super) fn new(arch: Arch, supports: &[Support], compliance: Columns, max_iterations: usize) -> Self {
         let n = supports.len();
         let height = lanes(n);
@@ -191,7 +191,7 @@ impl ContactSolver {
             } else if trials > 0 {
                 trials -= 1;
             } else {
-                // Murty's rule: the last violating index alone; it cannot cycle.
+                // Murty's rule: only the last violating index; it cannot cycle.
                 let last = self.toggles[self.toggles.len() - 1];
                 self.toggles.clear();
                 self.toggles.push(last);

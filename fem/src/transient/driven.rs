@@ -11,11 +11,12 @@ use super::system::{add_gram, effective_zeta, validate};
 
 /// A run whose loads are not known beforehand.
 ///
-/// At the end of a step the motion u along the loads depends on their values F there and on the support forces f,
+/// At the end of a step the motion u along the loads depends on their values F there and on the support forces f. The
+/// relations are
 ///
-///   u = u_free + C_LL F - C_LS f,    d = d_free + C_SL F - C_SS f,    C = P^T diag(c1) P   (rates: c2),
+///   u = u_free + C_LL F - C_LS f,    d = d_free + C_SL F - C_SS f,    C = P^T diag(c1) P   (rates: c2).
 ///
-/// so that [`trial`](Self::trial) costs a contact solution and a few small products, whatever the number of modes. The
+/// A [`trial`](Self::trial) thus costs a contact solution and a few small products, whatever the number of modes. The
 /// driver tries loads until they agree with the motion and [`accept`](Self::accept)s them; the step is then the same as
 /// one of [`respond`](super::respond) with these loads. After the last step [`finish`](Self::finish) lets the loads go
 /// to their final values and runs on to the end.

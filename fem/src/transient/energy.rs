@@ -102,14 +102,14 @@ pub(super) fn elastic_energy(supports: &[Support], penetration: &[f64]) -> f64 {
 /// Modes up to this omega h are left to the cubic of a [`Ledger`], which errs by (omega h)^4/720 of their work: 2e-5.
 const RESOLVED: f64 = 0.35;
 
-/// Work in modes that the step resolves poorly, beyond what the cubic of a [`Ledger`] says of it. Residual vectors are such modes:
-/// their frequencies are far above those of the analysis, and they follow every kink of a force.
+/// Work in poorly resolved modes beyond that of the cubic of a [`Ledger`]. Residual vectors are such modes: their
+/// frequencies are far above those of the analysis, and they follow every kink of a force.
 ///
-/// A mode's equation of motion gives the integral of its motion over a step without a quadrature,
+/// A mode's equation of motion gives the integral of its motion over a step without a quadrature:
 ///
-///   int q dt = ((g0 + g1) h/2 - (q1' - q0') - 2 zeta omega (q1 - q0))/omega^2,
+///   int q dt = ((g0 + g1) h/2 - (q1' - q0') - 2 zeta omega (q1 - q0))/omega^2.
 ///
-/// and with it the work of a modal force f that is linear over the step, beyond that of the cubic:
+/// With it follows the work of a modal force f that is linear over the step, beyond that of the cubic:
 ///
 ///   -(f1 - f0)/h (int q dt - (q0 + q1) h/2 + (q1' - q0') h^2/12).
 #[derive(Debug, Clone)]
@@ -206,9 +206,9 @@ impl Ledger {
 
     /// Adds a step. With the motion u as the cubic through values and rates at both ends,
     ///
-    ///   int F u' dt = (F0 + F1)/2 (u1 - u0) + (F1 - F0) h/12 (u1' - u0'),
+    ///   int F u' dt = (F0 + F1)/2 (u1 - u0) + (F1 - F0) h/12 (u1' - u0').
     ///
-    /// which leaves a relative error of (omega h)^4/720 for a motion at omega; [`Unresolved`] takes it off where it is large.
+    /// This leaves a relative error of (omega h)^4/720 for a motion at omega; [`Unresolved`] removes it if it is large.
     pub(super) fn add(&mut self, force: &[f64], motion: &[f64], rate: &[f64]) {
         let h = self.step;
         let mut work = 0.0;
@@ -271,7 +271,8 @@ mod tests {
         for supported in [false, true] {
             for phase in [0.5, 1.0, 2.0, 3.1, 5.0, 40.0] {
                 let found = imbalance(phase, supported);
-                // The cubic alone leaves up to 0.01 of it open here; what the mode on its spring leaves, at omega h = 0.2, stays.
+                // The cubic alone leaves up to 0.01 of it open here; the error of the mode on its spring, at omega h =
+                // 0.2, stays.
                 assert!(found < 1e-6, "omega h = {phase}, supported {supported}: {found:e}");
             }
         }

@@ -1,4 +1,4 @@
-//! What can go wrong in a transient run.
+//! Errors of a transient run.
 
 use thiserror::Error;
 
@@ -8,14 +8,14 @@ pub enum TransientError {
     /// An array does not have the size that the others require.
     #[error("{what}: {found} given where {expected} are needed; make all arrays of a body and of the loads agree")]
     Size {
-        /// The array, with its body's name where it has one.
+        /// The array, with its body's name if it belongs to one.
         what: String,
         /// Size asked for by the rest of the input.
         expected: usize,
         /// Size found.
         found: usize,
     },
-    /// A number is not finite or outside the range in which it has a meaning.
+    /// A number is not finite or outside its meaningful range.
     #[error("{what} is {value}, but must be {range}")]
     Value {
         /// The quantity.
@@ -25,7 +25,7 @@ pub enum TransientError {
         /// The values allowed.
         range: &'static str,
     },
-    /// A constant load pushes a body in a direction in which it can move freely.
+    /// A constant load pushes a body in a direction of free motion.
     #[error(
         "no static equilibrium: {share:.1e} of the load at t = 0 acts on rigid motions that no support can hold \
          (largest on body `{body}`); add a support in that direction, balance the load, or start from rest"

@@ -1,8 +1,8 @@
-//! The loops in which a run spends its time, on lanes of four modes.
+//! The loops that take most time of a run, on lanes of four modes.
 //!
 //! They use the vector instructions that the machine has (pulp's dispatch), but no fused multiply-add and an order of
-//! summation that does not depend on the vectors' width, so that a run gives the same bits on any of them: a
-//! bouncing block amplifies rounding, and its result should still be reproducible.
+//! summation that does not depend on the vectors' width. A run therefore gives the same bits on any of them. A bouncing
+//! block amplifies rounding, and its result should still be reproducible.
 
 use std::ops::Range;
 
@@ -35,7 +35,7 @@ impl Arch {
 /// Four values side by side.
 pub(super) type Lane = [f64; 4];
 
-/// Number of lanes that hold `values`.
+/// Number of lanes for `values`.
 pub(super) fn lanes(values: usize) -> usize {
     values.div_ceil(4)
 }
@@ -206,7 +206,7 @@ pub(super) fn predict(arch: Arch, coefficients: &Coefficients, state: &mut State
     arch.dispatch(Predict(coefficients, state));
 }
 
-/// Ends the step with the contact forces found: q, v, g at its end, and what it dissipated.
+/// Ends the step with the contact forces found: q, v, g at its end, and the dissipation.
 pub(super) fn finish(arch: Arch, coefficients: &Coefficients, state: &mut State) {
     struct Finish<'a>(&'a Coefficients, &'a mut State);
     impl WithSimd for Finish<'_> {
@@ -326,9 +326,8 @@ pub(super) fn combine(
     }
 }
 
-/// out_a = sum over modes of a_j row_j and out_b likewise, on the lanes `range` of the modes; `rows` holds one column
-/// per mode. Mode by mode rather than product by product: nothing is summed across a vector, so its width does not
-/// matter.
+/// out_a = sum over modes of a_j row_j and out_b likewise, on the lanes `range` of the modes; `rows` has one column per
+/// mode. Mode by mode rather than product by product: nothing is summed across a vector, so its width does not matter.
 pub(super) fn project(
     arch: Arch,
     rows: &Columns,

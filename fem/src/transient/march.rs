@@ -20,7 +20,7 @@ use super::system::{System, any_unilateral, validate};
 /// threads.
 ///
 /// # Errors
-/// [`TransientError`]: sizes and values of the inputs, no static equilibrium at the start, supports too stiff for the
+/// [`TransientError`]. Sizes and values of the inputs, no static equilibrium at the start, supports too stiff for the
 /// step, a contact that is not found, supports that never touch.
 pub fn respond(
     bodies: &[ModalBody],
@@ -202,7 +202,7 @@ impl<'a> Run<'a> {
         let c = &self.contact;
         self.contact_ledger.add(&c.force, &c.penetration, &c.rate);
         self.load_ledger.work += of_loads;
-        // What the supports do to the bodies they do not take in.
+        // The work of the supports on the bodies they do not take in.
         self.contact_ledger.work -= of_supports;
         self.after(n);
         self.work.steps += 1;
@@ -304,7 +304,7 @@ impl<'a> Run<'a> {
         );
     }
 
-    /// Keeps the support forces of sample n, now and then its state, and sees which supports touch.
+    /// Stores the support forces of sample n, now and then its state, and records which supports touch.
     fn after(&mut self, n: usize) {
         if n.is_multiple_of(MARK) {
             self.marks.push([self.state.q.clone(), self.state.v.clone()]);
@@ -403,7 +403,7 @@ impl<'a> Run<'a> {
         })
     }
 
-    /// Energy that the supports gave out beyond what they took in, over the peak of kinetic energy or work.
+    /// Net energy from the supports, over the peak of kinetic energy or work.
     fn contact_least_lost(&self) -> f64 {
         let e = &self.energy;
         let least = e.contact_lost.iter().fold(0.0, |m: f64, x| m.min(*x));
@@ -436,7 +436,7 @@ fn starting_states(
     }
 }
 
-/// Watches the energy above the final equilibrium (or, where there is none, the kinetic energy) fall.
+/// Watches the energy above the final equilibrium (or, without an equilibrium, the kinetic energy) fall.
 pub(super) struct Watch {
     final_values: Vec<f64>,
     fall: f64,
@@ -515,7 +515,7 @@ impl Watch {
         10.0 * (energy.max(0.0) / self.largest).log10()
     }
 
-    /// Whether the energy has fallen far enough; kinetic energy alone swings, so it has to stay there for a while.
+    /// Whether the energy has fallen far enough; kinetic energy swings, so it has to stay there for a while.
     fn settled(&mut self, level: f64) -> bool {
         const STAY: usize = 20;
         let low = level <= -self.fall || self.largest == 0.0;

@@ -5,19 +5,20 @@
 //! mode follows forces that are linear over a step exactly (Duhamel's integral in closed form), so nothing but the
 //! contact limits the step:
 //!
-//! * Supports act at points, each along any one direction, and keep their own dashpot: those of sand are never folded
-//!   into modal damping.
+//! * Supports act at points, each along any one direction, with separate dashpots. Those of sand are never folded into
+//!   modal damping.
 //! * The support forces at the end of a step depend on the motion there, which depends on them: a linear
 //!   complementarity problem of the size of the supports, solved exactly in every step. Bonded supports take the same
 //!   path.
-//! * Between samples a contact force is linear. This is the linear acceleration method for the contact alone: of order
+//! * Between samples a contact force is linear. This is the linear acceleration method for the contact only: of order
 //!   two while a contact lasts and for elastic impacts, of order one where a dashpot meets a moving surface, whose
 //!   force jumps.
-//! * Every run closes an energy balance, work of the loads = change of kinetic, strain and contact energy + dissipated
-//!   + lost in contact, and a momentum balance of the rigid modes, from sums that the march itself does not use.
+//! * Every run closes two balances. The energy balance is work of the loads = change of kinetic, strain and contact
+//!   energy + dissipated + lost in contact. The momentum balance is that of the rigid modes. Both use sums that the
+//!   march itself does not use.
 //!
-//! The result keeps forces, not motions: [`ModalResponse::modal`] runs the recurrence again for the modes that are
-//! asked for. What a correction in the frequency domain adds to a linear motion ([`AddedMotion`]) counts with it.
+//! The result stores forces, not motions: [`ModalResponse::modal`] runs the recurrence again for the requested modes. A
+//! correction in the frequency domain of a linear motion ([`AddedMotion`]) is included.
 //!
 //! ```
 //! use nailnoise_fem::transient::{Loads, ModalBody, Motion, Settings, Support, SupportLaw, respond};

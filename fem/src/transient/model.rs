@@ -1,13 +1,13 @@
-//! What a transient run is made of: bodies in modal coordinates, supports, loads, start and settings.
+//! The inputs of a transient run: bodies in modal coordinates, supports, loads, start and settings.
 
 use nalgebra::DMatrix;
 use serde::Serialize;
 
-/// A linear body in mass-normalised modal coordinates q [m sqrt(kg)],
+/// A linear body in mass-normalised modal coordinates q [m sqrt(kg)].
 ///
-///   q_j'' + 2 zeta_j omega_j q_j' + omega_j^2 q_j = sum_l loads_jl F_l - sum_i supports_ji f_i,
+///   q_j'' + 2 zeta_j omega_j q_j' + omega_j^2 q_j = sum_l loads_jl F_l - sum_i supports_ji f_i.
 ///
-/// with applied forces F_l \[N\] and support forces f_i \[N\] (positive when the support pushes the body back).
+/// F_l are applied forces \[N\] and f_i support forces \[N\] (positive when the support pushes the body back).
 #[derive(Debug, Clone, PartialEq)]
 pub struct ModalBody {
     /// Name for messages and results.
@@ -17,7 +17,7 @@ pub struct ModalBody {
     /// Damping ratios zeta = eta/2 of the modes \[1\]; without effect where omega = 0.
     pub zeta: Vec<f64>,
     /// Modes x loads [1/sqrt(kg)]: mode shape at the point and in the direction of each load (for a distributed load
-    /// its virtual work per unit of F_l); a column of zeros for a load that does not act on this body.
+    /// its virtual work per unit of F_l). A load that does not act on this body has a column of zeros.
     pub loads: DMatrix<f64>,
     /// Modes x supports [1/sqrt(kg)]: mode shape at each support point along the body's OUTWARD normal, so that
     /// positive motion closes the gap. Two touching bodies have opposite normals there, hence opposite forces.
@@ -62,12 +62,13 @@ pub struct Loads {
     pub interval: f64,
     /// Loads x samples \[N\], the first column at t = 0.
     pub history: DMatrix<f64>,
-    /// Value of each load \[N\] long after the record: gravity keeps its value, forces of the shot go to theirs.
+    /// Value of each load \[N\] long after the record: gravity is constant, forces of the shot go to their final
+    /// values.
     pub final_values: Vec<f64>,
 }
 
 impl Loads {
-    /// Loads that keep their values for ever.
+    /// Loads that are constant for ever.
     pub fn constant(values: &[f64]) -> Self {
         Self {
             interval: 1.0,
@@ -86,7 +87,7 @@ impl Loads {
         self.interval * self.history.ncols().saturating_sub(1) as f64
     }
 
-    /// Loads x `samples` on the grid 0, `step`, 2 `step`, ...: linear between the record's samples, then
+    /// Loads x `samples` on the grid 0, `step`, 2 `step`, ... They are linear between the record's samples. Then
     ///
     ///   F(t) = F_final + (F_end - F_final) (1 + cos(pi (t - t_end)/taper))/2  for  t_end < t < t_end + taper,
     ///
@@ -176,7 +177,7 @@ pub struct Settings {
     pub step: f64,
     /// Longest time simulated \[s\].
     pub duration: f64,
-    /// Time \[s\] in which the loads go to their final values after the end of the record.
+    /// Time \[s\] for the loads to reach their final values after the end of the record.
     pub taper: f64,
     /// Fall \[dB\] of the energy below its maximum that ends the run after the taper; infinite to run on to `duration`.
     pub decay: f64,
@@ -189,7 +190,7 @@ pub struct Settings {
     /// Largest omega h of the bodies' vibration on their supports. The contact force is linear over a step (linear
     /// acceleration method): stable to 2 sqrt 3, period error (omega h)^2/24.
     pub contact_rate_limit: f64,
-    /// Whether a run in which no unilateral support ever touches is an error.
+    /// Whether a run without any contact of a unilateral support is an error.
     pub require_contact: bool,
 }
 

@@ -1,6 +1,6 @@
 //! Exact recurrence of one mode under a piecewise-linear force.
 
-/// Response of q'' + 2 zeta omega q' + omega^2 q = g(t) over one step h in which g is linear, exactly:
+/// Response of q'' + 2 zeta omega q' + omega^2 q = g(t) over one step h with linear g, exactly:
 ///
 ///   q1 = a11 q0 + a12 v0 + b1 g0 + c1 g1
 ///   v1 = a21 q0 + a22 v0 + b2 g0 + c2 g1
@@ -52,8 +52,8 @@ struct Impulse {
 
 impl Impulse {
     fn new(omega: f64, zeta: f64, h: f64) -> Self {
-        // Below this the Taylor series converges in about twenty terms without cancellation, in every regime; it holds
-        // the rigid mode as its first term.
+        // Below this the Taylor series converges in about twenty terms without cancellation, in every regime; its first
+        // term is the rigid mode.
         let fastest = omega * (zeta + (zeta * zeta - 1.0).max(0.0).sqrt()).max(1.0);
         if fastest * h < 1.0 {
             return Self::series(omega, zeta, h);
@@ -165,12 +165,12 @@ fn phi_2(z: f64) -> f64 {
     sum
 }
 
-/// Dissipation of one mode over a step as a quadratic form of what starts and drives the step,
+/// Dissipation of one mode over a step as a quadratic form of its start and load,
 ///
 ///   2 zeta omega int_0^h q'^2 dt = x^T D x,   x = (q0, v0, g0, g1),
 ///
-/// exact to rounding: the recurrence of partial steps gives q' at the points of a Gauss rule as linear forms of x.
-/// Kept as the ten entries 11 12 13 14 22 23 24 33 34 44, off-diagonal ones doubled.
+/// exact to rounding. The recurrence of partial steps gives q' at the points of a Gauss rule as linear forms of x.
+/// Stored as the ten entries 11 12 13 14 22 23 24 33 34 44, off-diagonal ones doubled.
 pub(super) fn dissipation(omega: f64, zeta: f64, h: f64, rule: &(Vec<f64>, Vec<f64>)) -> [f64; 10] {
     let mut form = [0.0; 10];
     if omega == 0.0 || zeta == 0.0 {

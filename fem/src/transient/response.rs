@@ -39,7 +39,7 @@ pub enum Ending {
 pub struct Work {
     /// Steps of the recurrence.
     pub steps: usize,
-    /// Steps in which at least one support touched at the end.
+    /// Steps with at least one support touching at the end.
     pub contact_steps: usize,
     /// Iterations for the set of touching supports, over all steps.
     pub contact_iterations: usize,
@@ -56,8 +56,8 @@ pub struct Work {
 /// Response of one or two bodies.
 ///
 /// The forces on the grid determine everything else, because between samples they are linear and each mode follows them
-/// exactly; so only they are kept (39 MB for 65 supports and 0.3 s at 4 us, instead of 780 MB of modal histories), and
-/// the motion of any mode is produced on demand by the same recurrence.
+/// exactly. So only they are stored (39 MB for 65 supports and 0.3 s at 4 us, instead of 780 MB of modal histories).
+/// The motion of any mode is produced on demand by the same recurrence.
 #[derive(Debug, Clone)]
 pub struct ModalResponse {
     /// Step \[s\] of the grid.
@@ -74,7 +74,7 @@ pub struct ModalResponse {
     pub energy: EnergyHistory,
     /// Share of the samples at which no unilateral support touches \[1\]; 0 without such supports.
     pub open_fraction: f64,
-    /// Share of the static load at t = 0 (and of the final one) left out because nothing can hold it \[1\]; at most
+    /// Share of the static load at t = 0 (and of the final one) left out because nothing can support it \[1\]; at most
     /// 1e-6.
     pub unsupported_load: f64,
     /// What ended the run.
@@ -84,13 +84,13 @@ pub struct ModalResponse {
     /// Work counters.
     pub work: Work,
     pub(super) bodies: Vec<ModalBody>,
-    /// State at every [`MARK`]th sample, one per body, from which [`Self::at`] continues.
+    /// State at every [`MARK`]th sample, one per body, as a start for [`Self::at`].
     pub(super) marks: Vec<Vec<ModalState>>,
     /// Motion beyond that of the march, which all methods add; forces, states and energies are those of the march.
     pub(super) added: Option<AddedMotion>,
 }
 
-/// Samples from one kept state to the next: a thousandth of the memory of all.
+/// Samples from one stored state to the next: a thousandth of the memory of all.
 pub(super) const MARK: usize = 128;
 
 impl ModalResponse {
@@ -319,7 +319,7 @@ impl<'a> Replay<'a> {
             0.0,
         );
         let contact = self.response.contact_forces.columns(first, count);
-        // What has lifted off stays off for a while.
+        // Contacts that have lifted off stay off for a while.
         if contact.iter().any(|force| *force != 0.0) {
             g.gemm(-1.0, &rows(&self.body.supports), &contact, 1.0);
         }

@@ -14,7 +14,7 @@ pub(super) struct Equilibrium {
     pub(super) potential: f64,
     /// Newton iterations.
     pub(super) iterations: usize,
-    /// Share of the load on rigid motions that no support can hold, left out.
+    /// Share of the load on rigid motions that no support can carry, left out.
     pub(super) unsupported: f64,
 }
 
@@ -27,18 +27,18 @@ const BALANCE_LIMIT: f64 = 1e-10;
 
 const MAX_ITERATIONS: usize = 100;
 
-/// Minimises the potential energy
+/// Minimises the potential energy E by Newton's method with an exact line search.
 ///
-///   E(q) = q^T Omega^2 q/2 - g^T q + sum_i k_i <d_i>^2/2,   d = P^T q - gap,  <d> = max(0, d), or d where bonded,
+///   E(q) = q^T Omega^2 q/2 - g^T q + sum_i k_i <d_i>^2/2,   d = P^T q - gap,  <d> = max(0, d), or d where bonded.
 ///
-/// which is convex with a continuous gradient, by Newton's method with an exact line search. The Newton step is reduced
-/// to the supports that touch and the rigid coordinates z (elastic modes e have a diagonal Hessian):
+/// E is convex with a continuous gradient. The Newton step is reduced to the supports that touch and the rigid
+/// coordinates z (elastic modes e have a diagonal Hessian).
 ///
 ///   [ 1/k + P_e^T Omega^-2 P_e   -P_z^T ] [ lambda ]   [ -P_e^T Omega^-2 grad_e ]
 ///   [ P_z                         eps   ] [ dz     ] = [ -grad_z                ],
 ///   dq_e = -Omega^-2 (grad_e + P_e lambda).
 ///
-/// Rigid motions that no support resists are left out; eps only keeps the step finite while too few supports touch.
+/// Rigid motions that no support resists are left out; eps only bounds the step while too few supports touch.
 pub(super) fn equilibrium(
     bodies: &[ModalBody],
     supports: &[Support],
@@ -138,7 +138,7 @@ impl<'a> Problem<'a> {
         self.g.select_rows(&self.rigid)
     }
 
-    /// Part of the rigid load that no support can hold.
+    /// Part of the rigid load that no support can carry.
     fn unsupported_load(&self) -> DVector<f64> {
         let rigid = self.rigid_load();
         &rigid - &self.held * self.held.tr_mul(&rigid)
@@ -193,7 +193,7 @@ impl<'a> Problem<'a> {
         0.5 * self.omega2.component_mul(q).dot(q) - self.g.dot(q) + 0.5 * self.push(&d).dot(&d)
     }
 
-    /// Gradient without the rigid motions that nothing holds.
+    /// Gradient without the unsupported rigid motions.
     fn held_gradient(&self, s: &Solution) -> (DVector<f64>, DVector<f64>) {
         let gradient = self.gradient(s);
         (
@@ -213,8 +213,7 @@ impl<'a> Problem<'a> {
             let (elastic, rigid) = self.held_gradient(s);
             (elastic.norm_squared() + rigid.norm_squared()).sqrt()
         };
-        // With no load and open gaps the start is the solution; a glued or pre-stressed support sets a scale of its
-        // own.
+        // With no load and open gaps the start is the solution; a glued or pre-stressed support sets another scale.
         let mut residual = unbalanced(&solution);
         let scale = scale.max(residual);
         for iteration in 0..MAX_ITERATIONS {
@@ -343,8 +342,8 @@ fn range(matrix: &DMatrix<f64>) -> DMatrix<f64> {
     if matrix.nrows() == 0 || matrix.ncols() == 0 {
         return DMatrix::zeros(matrix.nrows(), 0);
     }
-    // Eigenvectors of A A^T, a few rigid modes a side. Rounding leaves squares of 1e-16; motions held a million times
-    // more weakly than the others do not count as held.
+    // Eigenvectors of A A^T, a few rigid modes a side. Rounding leaves squares of 1e-16; motions supported a million
+    // times more weakly than the others count as unsupported.
     let eigen = (matrix * matrix.transpose()).symmetric_eigen();
     let limit = 1e-12 * eigen.eigenvalues.max();
     let kept: Vec<usize> = (0..matrix.nrows()).filter(|&k| eigen.eigenvalues[k] > limit).collect();

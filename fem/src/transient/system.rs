@@ -107,7 +107,8 @@ impl System {
         system
     }
 
-    /// C_d above C_v: what a unit force at a support at the end of a step takes from all penetrations and their rates.
+    /// C_d above C_v: the reduction of all penetrations and their rates by a unit force at a support at the end of a
+    /// step.
     pub(super) fn compliance(&self, bodies: &[ModalBody], supports: usize, step: f64) -> Columns {
         let mut joined = Columns::zeros(2 * lanes(supports), supports);
         let (mut c_d, mut c_v) = (DMatrix::zeros(supports, supports), DMatrix::zeros(supports, supports));
@@ -349,11 +350,11 @@ pub(super) fn validate(
     contact_rate(bodies, supports, settings)
 }
 
-/// Refuses supports on which the bodies vibrate too fast for the step: the largest eigenvalue of
+/// Refuses supports on which the bodies vibrate too fast for the step. The largest eigenvalue of
 ///
 ///   K^(1/2) P^T P K^(1/2),  P over the modes that the step can follow,
 ///
-/// is the square of the highest angular frequency that the supports alone would give the modes' inertia.
+/// is the square of the highest angular frequency that only the supports would give the modes' inertia.
 fn contact_rate(bodies: &[ModalBody], supports: &[Support], settings: &Settings) -> Result<(), TransientError> {
     let n = supports.len();
     if n == 0 {

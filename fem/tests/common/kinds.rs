@@ -139,7 +139,7 @@ pub fn fine_rule(kind: ElementKind) -> Vec<([f64; 3], f64)> {
     points
 }
 
-/// A x of a symmetric matrix of which the lower triangle is stored.
+/// A x of a symmetric matrix stored as its lower triangle.
 pub fn times(a: &CscMatrix<f64>, x: &DMatrix<f64>) -> DMatrix<f64> {
     let mut y = DMatrix::zeros(x.nrows(), x.ncols());
     for (j, column) in a.col_iter().enumerate() {

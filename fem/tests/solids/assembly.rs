@@ -7,7 +7,7 @@ use nailnoise_meshes::{Block, Mesh, block};
 use nalgebra::{DMatrix, Matrix3, Point3, Vector3};
 use nalgebra_sparse::CscMatrix;
 
-/// A X of a symmetric matrix of which the lower triangle is stored.
+/// A X of a symmetric matrix stored as its lower triangle.
 fn times(a: &CscMatrix<f64>, x: &DMatrix<f64>) -> DMatrix<f64> {
     let mut y = DMatrix::zeros(x.nrows(), x.ncols());
     for (i, j, value) in a.triplet_iter() {
@@ -194,7 +194,7 @@ fn held_degrees_of_freedom_are_eliminated() {
     let held = assemble(&mesh, &[pine_block()], &constraints).unwrap();
     assert_eq!(held.equations.len(), free.equations.len() - 3 * clamped - 1);
     assert_eq!(held.equations.equation(other, 1), None);
-    // On fields that vanish where the body is held, both models agree.
+    // On fields that vanish where the body is fixed, both models agree.
     let u = field(&mesh, |p| Vector3::new(p.x.sin(), 0.0, p.x * p.y));
     let energy = |s: &System, a: &CscMatrix<f64>| {
         let u = s.equations.restrict(&u).unwrap();

@@ -1,4 +1,4 @@
-//! The modal assurance criterion does not depend on the axes in which a mode is measured.
+//! The modal assurance criterion does not depend on the axes of the measurement.
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use nailnoise_fem::{Correlation, Pairing, correlate};

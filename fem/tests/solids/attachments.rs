@@ -1,4 +1,5 @@
-//! Bodies meshed apart, lumped masses and springs: rigid motions stay free, and the elastic modes are those of one body.
+//! Bodies meshed separately, lumped masses and springs: rigid motions stay free, and the elastic modes are those of one
+//! body.
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use nailnoise_fem::{

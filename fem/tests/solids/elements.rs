@@ -18,7 +18,7 @@ fn on_boundary(p: Point3<f64>) -> bool {
     p.coords.iter().any(|&x| x.min(1.0 - x).abs() < 1e-9)
 }
 
-/// A field of constant strain given on the boundary alone is found exactly inside.
+/// A field of constant strain that is given only on the boundary is found exactly inside.
 #[test]
 fn every_kind_passes_the_patch_test() {
     let material = crate::bodies::pine_block();
@@ -102,8 +102,8 @@ fn a_single_element_of_every_kind_has_six_zero_energy_modes() {
 
 const AMPLITUDE: [f64; 3] = [1.0, -0.6, 0.8];
 
-/// u = a sin(pi x) sin(pi y) sin(pi z), zero on the boundary, its gradient du_i/dx_j, and the force that holds it,
-/// f = -(mu lap u + (lambda + mu) grad div u).
+/// u = a sin(pi x) sin(pi y) sin(pi z), zero on the boundary, its gradient du_i/dx_j, and the force that balances it, f
+/// = -(mu lap u + (lambda + mu) grad div u).
 fn manufactured(p: Point3<f64>, lame: [f64; 2]) -> (Vector3<f64>, Matrix3<f64>, Vector3<f64>) {
     let s = p.coords.map(|x| (PI * x).sin());
     let c = p.coords.map(|x| (PI * x).cos());

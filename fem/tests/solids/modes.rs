@@ -158,7 +158,7 @@ fn rod_without_poisson_has_the_exact_longitudinal_mode() {
 
 #[test]
 fn cube_has_the_lame_mode_as_a_pair() {
-    // f = c_s / (sqrt(2) L) whatever nu; one in each of the three planes, of which two are independent.
+    // f = c_s / (sqrt(2) L) whatever nu; one in each of the three planes; two of them are independent.
     let (l, e, nu, rho) = (0.1, 200e9, 0.3, 8000.0);
     let basis = modes(
         &isotropic([l; 3], [4; 3], e, nu, rho),
@@ -246,7 +246,7 @@ fn basis_does_not_depend_on_the_threads() {
 
 #[test]
 fn work_is_as_frozen() {
-    // At 5 kHz no error stands so close to the tolerance that rounding decides on a step.
+    // At 5 kHz no error is so close to the tolerance that rounding decides on a step.
     let basis = modes(&free_workpiece([10, 4, 3]), &ModalSettings::below(5e3), &|_, _| ()).unwrap();
     insta::assert_json_snapshot!(basis.work);
 }

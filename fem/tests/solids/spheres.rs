@@ -89,7 +89,7 @@ fn outward(shapes: &nalgebra::DMatrix<f64>, mesh: &Mesh, mode: usize) -> f64 {
 }
 
 /// NAFEMS FV42: thick hollow sphere, 1.8 m to 6 m, uniform radial vibration; here an eighth with its planes of symmetry
-/// held, against the roots of the exact radial equation.
+/// fixed, against the roots of the exact radial equation.
 #[test]
 fn a_thick_hollow_sphere_meets_nafems_fv42() {
     let exact = [369.943_416_9, 838.033_458_0, 1_451.191_527_7];

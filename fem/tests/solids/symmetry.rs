@@ -1,4 +1,4 @@
-//! Mirror planes change what a solution costs and nothing else.
+//! Mirror planes change only the cost of a solution.
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use crate::bodies::{PINE, clamped_table, free_workpiece, pine_block, workpiece};

@@ -380,7 +380,7 @@ fn a_run_ends_at_its_duration_if_its_energy_has_not_decayed() {
     assert!(matches!(r.ending, Ending::Duration { .. }) && (r.duration() - 0.01).abs() < 1e-12);
 }
 
-/// A mode far above the sampling rate contributes its static compliance alone.
+/// A mode far above the sampling rate contributes only its static compliance.
 #[test]
 fn a_mode_beyond_the_step_follows_statically() {
     let body = ModalBody {

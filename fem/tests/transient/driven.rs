@@ -13,7 +13,7 @@ fn settings(duration: f64) -> Settings {
     }
 }
 
-/// A run with known loads, once as a whole and once step by step.
+/// A run with known loads, once in one call and once step by step.
 struct Comparison {
     expected: ModalResponse,
     found: ModalResponse,

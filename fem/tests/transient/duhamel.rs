@@ -108,7 +108,8 @@ fn a_rigid_mode_follows_newton() {
     assert!(a.iter().all(|a| *a == 3.0));
 }
 
-/// The recurrence is exact for what is linear between samples, so a half-sine converges with the square of the step.
+/// The recurrence is exact for loads that are linear between samples, so a half-sine converges with the square of the
+/// step.
 #[test]
 fn a_half_sine_converges_with_order_two() {
     let (omega, zeta, length) = (9e3f64, 0.05, 4e-4);
@@ -120,7 +121,7 @@ fn a_half_sine_converges_with_order_two() {
         let [w, _, _] = impulse(omega, zeta, t);
         let wd = omega * (1.0f64 - zeta * zeta).sqrt();
         let slope = (-zeta * omega * t).exp() * (wd * t).cos() - zeta * omega * w;
-        // q(0) = q'(0) = 0 asks for -b and -a p of free vibration.
+        // q(0) = q'(0) = 0 requires -b and -a p of free vibration.
         a * (p * t).sin() + b * (p * t).cos() - b * (slope + 2.0 * zeta * omega * w) - a * p * w
     };
     let mut errors = Vec::new();

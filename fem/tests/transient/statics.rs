@@ -93,7 +93,7 @@ fn a_block_on_a_flexible_table_starts_at_rest_and_stays() {
     case.loads = Loads::constant(first.as_slice());
     let r = respond(&case.bodies, &case.supports, &case.loads, &short()).unwrap();
     let sum = r.contact_forces.column(0).sum();
-    // The push is load 2; it sits beside the centre, so a few points may be open.
+    // The push is load 2; it acts off the centre, so a few points may be open.
     assert!((sum / (2.534 * 9.81 + first[2]) - 1.0).abs() < 1e-11, "{sum}");
     let drift = (0..r.samples()).map(|n| (r.contact_forces.column(n) - r.contact_forces.column(0)).amax());
     assert!(drift.fold(0.0, f64::max) < 1e-9 * sum);

@@ -165,8 +165,8 @@ fn serendipity(xi: [f64; 2], n: &mut [f64], dn: &mut [[f64; 2]]) {
     }
 }
 
-/// The nodes of one face, at most nine, held in place: corners outward by the right-hand rule, then mid-sides, then the
-/// centre.
+/// The nodes of one face, at most nine, without allocation: corners outward by the right-hand rule, then mid-sides,
+/// then the centre.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
 pub struct FaceNodes {
     // Unused entries are zero, so that equality may be derived.

@@ -27,7 +27,7 @@ pub enum ElementKind {
     Wedge15,
 }
 
-/// What a kind has in common with others of its shape.
+/// The common properties of the kinds of a shape.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Family {
     Hex,
@@ -75,7 +75,7 @@ impl ElementKind {
         }
     }
 
-    /// Degree of the complete polynomials the shape functions hold: 1 or 2.
+    /// Degree of the complete polynomials in the shape functions: 1 or 2.
     pub const fn order(self) -> usize {
         match self {
             Self::Hex8 | Self::Tet4 => 1,
@@ -159,10 +159,10 @@ impl ElementKind {
         }
     }
 
-    /// Natural coordinates taken back into the element where they lie outside, each by itself.
+    /// Natural coordinates moved back into the element if they lie outside, each separately.
     pub fn clamped(self, xi: [f64; 3]) -> [f64; 3] {
         let square = |v: f64| v.clamp(-1.0, 1.0);
-        // What is over the sum of 1 is taken off all by the same factor.
+        // An excess over the sum of 1 is taken off all by the same factor.
         let simplex = |v: &mut [f64]| {
             v.iter_mut().for_each(|v| *v = v.max(0.0));
             let sum = v.iter().sum::<f64>().max(1.0);

@@ -48,8 +48,8 @@ impl ElementKind {
 
 impl FaceKind {
     /// Points and weights that integrate polynomials of degree 2n - 1 exactly: n x n Gauss points on quadrilaterals, of
-    /// that degree in each direction; on triangles 1 point for n = 1, 6 for n = 2 (degree 4) and 7 for n = 3 (degree 5,
-    /// both Dunavant 1985), and the product rule of n x (n + 1) Gauss points on the collapsed square beyond. All weights
+    /// that degree in each direction. On triangles 1 point for n = 1, 6 for n = 2 (degree 4) and 7 for n = 3 (degree 5,
+    /// both Dunavant 1985). Beyond, the product rule of n x (n + 1) Gauss points on the collapsed square. All weights
     /// are positive and sum to the area of the natural domain.
     ///
     /// # Errors

@@ -45,7 +45,7 @@ pub struct Imported {
     pub comment: String,
     /// Whether the file states that its lengths are in metres, so that no unit is asked for.
     pub states_metres: bool,
-    /// What the user should know of how the mesh was made.
+    /// Remarks for the user on the making of the mesh.
     pub notes: Vec<String>,
 }
 
@@ -72,8 +72,8 @@ impl Imported {
         self.mesh.validate(number)
     }
 
-    /// Adds the image of the mesh in the plane y = 0, see [`Mesh::add_image`]; elements and nodes keep the numbers of those
-    /// that they are images of.
+    /// Adds the image of the mesh in the plane y = 0, see [`Mesh::add_image`]; elements and nodes take the numbers of
+    /// their originals.
     pub(crate) fn add_image(&mut self) {
         let images = self.mesh.add_image();
         self.element_numbers = images.elements.iter().map(|&of| self.element_numbers[of]).collect();

@@ -12,7 +12,7 @@ pub(super) enum Encoding {
     Text,
     /// Binary of the file's own byte order.
     Binary {
-        /// Whether the bytes of a number stand in the order opposite to this reader's, which is little-endian.
+        /// Whether the bytes of a number are in the order opposite to this reader's, which is little-endian.
         swapped: bool,
         /// Bytes of a `size_t`.
         size: usize,
@@ -123,7 +123,7 @@ impl<'a> Cursor<'a> {
         word.parse().map_err(|_| self.number(word, "a whole number"))
     }
 
-    /// The rest of a name in double quotes; quotes within it are kept.
+    /// The rest of a name in double quotes; quotes within it are retained.
     pub(super) fn quoted(&mut self) -> Result<String, MshError> {
         self.skip_space();
         let rest = &self.bytes[self.at..];
@@ -172,8 +172,8 @@ impl<'a> Cursor<'a> {
         }
     }
 
-    /// `count` as a number of items that each take at least `bytes` bytes; refused where the file has no room for them,
-    /// so that nothing is allocated for a count that is damaged.
+    /// `count` as a number of items that each take at least `bytes` bytes; refused if the file is too short for them,
+    /// so that nothing is allocated for a damaged count.
     pub(super) fn count(&self, what: &'static str, count: u64, bytes: usize) -> Result<usize, MshError> {
         let left = self.bytes.len() - self.at;
         usize::try_from(count)
@@ -210,7 +210,7 @@ impl<'a> Cursor<'a> {
         String::from_utf8_lossy(&rest[..length]).trim().to_owned()
     }
 
-    /// Four bytes as they stand.
+    /// Four bytes as stored.
     pub(super) fn raw_four(&mut self) -> Result<[u8; 4], MshError> {
         self.take::<4>(false)
     }

@@ -1,6 +1,6 @@
-//! What can be wrong with a `.msh` file.
+//! Faults of a `.msh` file.
 
-/// What is wrong with a `.msh` file; numbers of nodes and elements are those of the file.
+/// Faults of a `.msh` file; numbers of nodes and elements are those of the file.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum MshError {
@@ -37,7 +37,7 @@ pub enum MshError {
     /// A word that should be a number is none.
     #[error("line {line}, in ${section}: found \"{found}\", expected {expected}")]
     Number {
-        /// Line in the file, from 1; counts lines before it also where they are binary.
+        /// Line in the file, from 1; counts lines before it even if they are binary.
         line: usize,
         /// The section.
         section: String,
@@ -46,7 +46,7 @@ pub enum MshError {
         /// What was expected.
         expected: &'static str,
     },
-    /// A count is larger than what the rest of the file can hold.
+    /// A count is too large for the rest of the file.
     #[error("${section} announces {count} {what}, the rest of the file ({bytes} bytes) cannot hold them")]
     Count {
         /// The section.
@@ -146,7 +146,7 @@ pub enum MshError {
         /// Its name.
         name: &'static str,
     },
-    /// There is no volume element.
+    /// Volume elements are missing.
     #[error("it has no volume element ({surfaces} surface elements); mesh in three dimensions (gmsh -3)")]
     NoVolume {
         /// Surface elements found.

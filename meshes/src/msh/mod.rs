@@ -1,9 +1,9 @@
 //! `.msh` files of gmsh, versions 1, 2, 4.0 and 4.1, text and binary.
 //!
 //! Named volumes (`Physical Volume("housing")`) become the parts of the mesh, named surfaces its face groups; other
-//! groups are left out. In a file without any name, the parts are its volume groups by number, or where it has none
-//! its volumes. Numbers in messages are those of the file. The formats are described in the gmsh reference
-//! manual (C. Geuzaine and J.-F. Remacle, version 4.8, chapters 9 and 10).
+//! groups are left out. In a file without any name, the parts are its volume groups by number, or, without groups, its
+//! volumes. Numbers in messages are those of the file. The formats are described in the gmsh reference manual (C.
+//! Geuzaine and J.-F. Remacle, version 4.8, chapters 9 and 10).
 
 mod build;
 mod cursor;
@@ -32,8 +32,8 @@ pub const LARGEST: u64 = 4 << 30;
 /// Comment that gives the unit in files written here; the format has no other place for it.
 const IN_METRES: &str = "lengths in m";
 
-/// Reads a `.msh` file, also one compressed by gzip; `unit` is the length of one unit of the file \[m\], unless the
-/// file's comments say that its lengths are in metres, as those of [`to_bytes`] do.
+/// Reads a `.msh` file, also one compressed by gzip. `unit` is the length of one unit of the file \[m\]. It is not used
+/// if the file's comments state lengths in metres, as those of [`to_bytes`] do.
 ///
 /// # Errors
 /// [`MeshError::Read`] or [`MeshError::Msh`].

@@ -17,7 +17,7 @@ pub(super) struct Raw {
     pub(super) kinds: Vec<&'static Kind>,
     /// Index into `groups` of each element.
     pub(super) group: Vec<usize>,
-    /// Number of the geometric entity of each element; 0 where there is none.
+    /// Number of the geometric entity of each element; 0 if there is none.
     pub(super) entity: Vec<i64>,
     /// Sets of physical groups of the elements, each set once; `groups[0]` is the empty set.
     pub(super) groups: Vec<Vec<i64>>,

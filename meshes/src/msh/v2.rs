@@ -19,8 +19,8 @@ pub(super) fn nodes(cursor: &mut Cursor<'_>, raw: &mut Raw) -> Result<(), MshErr
     Ok(())
 }
 
-/// Nodes that gmsh saved with `Mesh.SaveParametric`: behind the coordinates stand dimension and number of the entity that the
-/// node is on, and its parameters there, one on a curve and two on a surface.
+/// Nodes that gmsh saved with `Mesh.SaveParametric`. The coordinates are followed by dimension and number of the entity
+/// that the node is on, and its parameters there, one on a curve and two on a surface.
 pub(super) fn parametric_nodes(cursor: &mut Cursor<'_>, raw: &mut Raw) -> Result<(), MshError> {
     let count = announced(cursor)?;
     let count = cursor.count("nodes", count, 4 * cursor.least(7))?;

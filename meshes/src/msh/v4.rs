@@ -63,7 +63,7 @@ impl Entities {
         self.of_all_dimensions(cursor, layout, |_, _| Ok(None))
     }
 
-    /// Reads `$PartitionedEntities`: pieces of the entities, each with its parent and with groups of its own. A piece without
+    /// Reads `$PartitionedEntities`: pieces of the entities, each with its parent and its own groups. A piece without
     /// groups has those of its parent.
     pub(super) fn read_partitioned(&mut self, cursor: &mut Cursor<'_>, layout: Layout) -> Result<(), MshError> {
         cursor.size()?; // partitions
@@ -101,7 +101,8 @@ impl Entities {
                 if dimension > 0 {
                     list(cursor, "bounding entities")?;
                 }
-                // The interface of two volumes is a surface whose parent is a volume: it has no part in the volume's groups.
+                // The interface of two volumes is a surface whose parent is a volume: it does not belong to the
+                // volume's groups.
                 if let Some(parent) = parent.filter(|(own, _)| groups.is_empty() && *own == dimension) {
                     groups = self.0.get(&parent).cloned().unwrap_or_default();
                 }

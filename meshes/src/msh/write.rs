@@ -20,8 +20,9 @@ pub enum Format {
 
 /// A `.msh` file of a mesh: its parts as named volumes, its face groups as named surfaces; lengths in metres.
 ///
-/// Nodes and elements are numbered from 1 in the order of the mesh, the faces of groups after the elements. The comments
-/// hold `comment`, on one line, and that the lengths are in metres. See [`compressed`](super::compressed) for `.msh.gz`.
+/// Nodes and elements are numbered from 1 in the order of the mesh, the faces of groups after the elements. The
+/// comments contain `comment`, on one line, and state that the lengths are in metres. See
+/// [`compressed`](super::compressed) for `.msh.gz`.
 pub fn to_bytes(mesh: &Mesh, format: Format, comment: &str) -> Vec<u8> {
     let mut out = Out {
         bytes: Vec::new(),
@@ -101,7 +102,7 @@ fn blocks(mesh: &Mesh) -> Vec<Block> {
     }
     for (group, faces) in mesh.groups.iter().enumerate() {
         for &face in &faces.faces {
-            // Nodes of surface elements stand in the same order in VTK and gmsh.
+            // Nodes of surface elements have the same order in VTK and gmsh.
             let code = match mesh.face_kind(face) {
                 FaceKind::Tri3 => 2,
                 FaceKind::Quad4 => 3,

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-/// What is wrong with a universal file.
+/// Faults of a universal file.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum UffError {
@@ -28,7 +28,7 @@ pub enum UffError {
         /// The text found.
         found: String,
     },
-    /// A dataset has no end.
+    /// The end of a dataset is missing.
     #[error("{}: dataset {dataset} of line {line} has no end (-1); the file is cut off", path.display())]
     Truncated {
         /// The file.
@@ -52,7 +52,7 @@ pub enum UffError {
         /// What is read.
         expected: &'static str,
     },
-    /// A binary dataset holds a number that is not finite.
+    /// A binary dataset contains a number that is not finite.
     #[error("{}, line {line}, dataset {dataset}: sample {sample} is {value}, which is not finite", path.display())]
     NotFinite {
         /// The file.
@@ -94,7 +94,7 @@ pub enum UffError {
         /// The label of the system.
         system: u64,
     },
-    /// There is no mode in it.
+    /// It contains no modes.
     #[error("{} has no mode shapes: no dataset 55 with normal modes (2) or complex ones (3, 7)", path.display())]
     NoModes {
         /// The file.
@@ -117,16 +117,16 @@ pub(super) struct Dataset<'a> {
     /// Number of its first line in the file, from 1.
     first: usize,
     text: &'a [u8],
-    /// What follows the lines of a binary dataset.
+    /// The bytes after the lines of a binary dataset.
     pub(super) binary: Option<Binary<'a>>,
     /// Why it cannot be read; another dataset of the file may be.
     damage: Option<Damage>,
 }
 
-/// What keeps a dataset from being read.
+/// Why a dataset cannot be read.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) enum Damage {
-    /// It has no end.
+    /// Its end is missing.
     CutOff,
     /// A binary dataset whose header does not state its length.
     Length,
@@ -222,7 +222,7 @@ fn is_end(line: &[u8]) -> bool {
     line.trim_ascii() == b"-1"
 }
 
-/// The datasets of a file, in their order. One that cannot be read is an error where it is read, not here.
+/// The datasets of a file, in their order. A faulty one is an error on reading, not here.
 pub(super) fn datasets(bytes: &[u8]) -> Vec<Dataset<'_>> {
     let mut walk = Walk { bytes, at: 0, line: 1 };
     let mut datasets = Vec::new();
@@ -306,7 +306,7 @@ impl Block<'_> {
         }
     }
 
-    /// Numbers of one line, with `D` as an exponent; fields of 13 that have run together are taken apart.
+    /// Numbers of one line, with `D` as an exponent; fields of 13 that have run together are separated.
     pub(super) fn numbers(&self, line: usize, expected: &'static str) -> Result<Vec<f64>, UffError> {
         let text = self.lines.get(line).ok_or_else(|| self.error(line, expected))?;
         let number = |word: &str| {

@@ -15,7 +15,7 @@ pub struct Function {
     /// Specific data types of abscissa and ordinate: 17 time, 8 displacement, 9 reaction force, 12 acceleration, 13 excitation
     /// force, 0 unknown.
     pub kinds: [i64; 2],
-    /// Labels of their units; empty where there is none.
+    /// Labels of their units; empty if there are none.
     pub units: [String; 2],
     /// Line of the file where it begins, from 1.
     pub line: usize,
@@ -23,7 +23,7 @@ pub struct Function {
     pub abscissa: Vec<f64>,
     /// The ordinate, in its unit.
     pub ordinate: Vec<f64>,
-    /// Line of the file that holds each sample, from 1; of binary samples that where their bytes begin.
+    /// Line of the file with each sample, from 1; for binary samples, the line where their bytes begin.
     pub lines: Vec<usize>,
 }
 
@@ -140,7 +140,7 @@ impl Block<'_> {
 
     /// Samples in text.
     fn words(&self, layout: &Layout, function: &mut Function) -> Result<(), UffError> {
-        // Fields of abscissa and ordinate in a row, from which run-together numbers are taken.
+        // Widths of the fields of abscissa and ordinate in a row, for separating run-together numbers.
         let widths: &[usize] = match (layout.even, layout.double) {
             (true, false) | (false, false) => &[13],
             (true, true) => &[20],

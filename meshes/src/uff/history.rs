@@ -7,7 +7,7 @@ use super::write::fortran;
 /// Lines of a dataset before its values.
 const HEADER_LINES: usize = 11;
 
-/// What a time history is of: its specific data type, name and unit.
+/// The quantity of a time history: its specific data type, name and unit.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Ordinate {
     /// An acceleration, data type 12 \[m/s²\].
@@ -28,17 +28,17 @@ impl Ordinate {
 /// Samples of a quantity at even intervals, to be written.
 #[derive(Debug, Clone, Copy)]
 pub struct History<'a> {
-    /// What was recorded: the first line of description, of which 80 characters are kept.
+    /// The recorded quantity: the first line of description, cut to 80 characters.
     pub title: &'a str,
     /// Where it comes from: the second line.
     pub origin: &'a str,
-    /// Name of the sensor, of which ten characters are kept.
+    /// Name of the sensor, cut to ten characters.
     pub sensor: &'a str,
     /// Node number of the sensor.
     pub node: usize,
     /// The quantity.
     pub ordinate: Ordinate,
-    /// Time between samples \[s\]; the format keeps six digits of it.
+    /// Time between samples \[s\]; the format stores six digits of it.
     pub interval: f64,
     /// The samples, in the unit of the quantity.
     pub values: &'a [f64],

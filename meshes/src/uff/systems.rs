@@ -24,7 +24,7 @@ enum Kind {
 #[derive(Debug, Clone, Copy)]
 struct System {
     kind: Kind,
-    /// Label of the system in which the others are given; 0 is the global one.
+    /// Label of the reference system of the others; 0 is the global one.
     reference: u64,
     /// Row i is axis i.
     axes: Matrix3<f64>,
@@ -208,7 +208,8 @@ impl Systems {
         }
     }
 
-    /// Position of a node in the global system \[m\], and the axes of its displacements; none where they are the global ones.
+    /// Position of a node in the global system \[m\], and the axes of its displacements; none if they are the global
+    /// ones.
     pub(super) fn resolve(&self, node: &LocalNode, path: &Path) -> Result<(Point3<f64>, Option<Axes>), UffError> {
         let position = match self.global(node.definition, node, path)? {
             None => node.position,
@@ -228,7 +229,8 @@ impl Systems {
             .map(|system| match system.kind {
                 Kind::Cartesian => system.axes,
                 Kind::Cylindrical => {
-                    // Radius, angle and axis at the node; on the axis itself, where the radius has no direction, those of x.
+                    // Radius, angle and axis at the node; on the axis itself, where the radius has no direction, those
+                    // of x.
                     let local = system.axes * (position - system.origin);
                     let angle = local.y.atan2(local.x);
                     let (s, c) = angle.sin_cos();

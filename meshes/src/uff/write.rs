@@ -19,7 +19,7 @@ pub struct Mode<'a> {
 /// A universal file of the skin of a body and its modes: datasets 2411 and 15 (nodes), 2412 (faces), 55 (a mode each).
 ///
 /// The label of a node is its index in the volume mesh plus 1. Dataset 15 repeats 2411 in single precision for software
-/// that knows no other.
+/// that cannot read the latter.
 ///
 /// # Errors
 /// [`MeshError::FieldLength`] for a shape that does not reach to the last node of the surface.
@@ -111,7 +111,7 @@ pub fn text(name: &str, surface: &Surface, modes: &[Mode<'_>]) -> Result<String,
     Ok(text)
 }
 
-/// Descriptor of a thin shell of this shape, and its nodes in order: corners and mid-sides in turn where it is parabolic.
+/// Descriptor of a thin shell of this shape, and its nodes in order: corners and mid-sides in turn for a parabolic one.
 fn shell(kind: FaceKind) -> (usize, &'static [usize]) {
     match kind {
         FaceKind::Tri3 => (91, &[0, 1, 2]),

@@ -2,7 +2,7 @@
 //!
 //! vtkio writes the grid, once for all frames; the fields are put into its file here, because vtkio compresses every
 //! file anew, number by number. Processor time and size of sixty frames of the velocity on 45 602 points: 0.13 s and 73
-//! MB here (0.1 s of it is the grid); with vtkio 8 s and 69 MB compressed, 0.7 s and 176 MB uncompressed.
+//! MB here (0.1 s of it is the grid). With vtkio they are 8 s and 69 MB compressed, 0.7 s and 176 MB uncompressed.
 //!
 //! With `compressor="vtkZLibDataCompressor"` and 64-bit headers an array of n bytes in blocks of B is
 //!
@@ -22,7 +22,7 @@ use super::{Grid, check, escaped};
 use crate::MeshError;
 
 /// Bytes of a block: VTK's own choice, a multiple of the size of a number, and no more than a stored block of DEFLATE
-/// holds.
+/// can contain.
 const BLOCK: usize = 1 << 15;
 
 /// What precedes the bytes of a stored block: zlib's header (DEFLATE in a window of 32 KiB, fastest) and the mark of a
@@ -124,7 +124,7 @@ fn append(text: &mut Vec<u8>, bytes: &[u8]) {
     text.truncate(start + length);
 }
 
-/// The numbers before the streams, and the streams, which hold the bytes as they are.
+/// The numbers before the streams, and the streams, which store the bytes as they are.
 fn stored(bytes: &[u8]) -> [Vec<u8>; 2] {
     let blocks = bytes.chunks(BLOCK);
     let last = blocks.clone().last().map_or(0, <[u8]>::len);

@@ -72,7 +72,7 @@ fn every_version_and_encoding_gives_the_same_mesh() {
     let first = read("tet10-41-text.msh");
     for name in ["tet10-41-binary.msh", "tet10-22-text.msh", "tet10-22-binary.msh"] {
         let other = read(name).mesh;
-        // Text holds 16 digits.
+        // Text has 16 digits.
         let off = other.nodes.iter().zip(&first.mesh.nodes).map(|(a, b)| (a - b).norm());
         assert!(off.fold(0.0, f64::max) < 1e-15, "{name}");
         assert!(other.connectivity == first.mesh.connectivity, "{name}");

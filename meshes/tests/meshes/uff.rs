@@ -1,4 +1,4 @@
-//! Universal files: what is written is read back, and damage is an error that names it.
+//! Universal files: written files are read back, and damage is an error that names it.
 #![allow(clippy::unwrap_used)] // a test may panic, in its helpers too
 
 use std::path::PathBuf;

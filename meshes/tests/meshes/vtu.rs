@@ -1,4 +1,4 @@
-//! Files are read back by vtkio and hold what was written: meshes to the last bit, surfaces to single precision.
+//! Files are read back by vtkio and equal the written data: meshes to the last bit, surfaces to single precision.
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use nailnoise_meshes::vtu::{Array, Field, Frames, Grid, series};
@@ -106,7 +106,7 @@ fn a_surface_is_read_back_in_single_precision() {
 
 #[test]
 fn polygons_of_many_blocks_are_read_back() {
-    // A block holds 8192 numbers in single precision, three of them a point: none, less than one, some, some and a bit.
+    // A block has 8192 numbers in single precision, three of them a point: none, less than one, some, some and a bit.
     for corners in [0, 2731, 8192, 8193] {
         let xyz = |i: usize| [i as f64, (i as f64).sin(), 1.0 / (i as f64 + 1.0)];
         let points: Vec<[f64; 3]> = (0..corners).map(xyz).collect();

@@ -1,4 +1,4 @@
-//! Clusters of neighbouring pressure unknowns, and the pairs of clusters in which a matrix is divided.
+//! Clusters of neighbouring pressure unknowns; pairs of clusters divide a matrix into blocks.
 
 use crate::bem::mesh::boundary::Boundary;
 use crate::bem::operators::near::{FAR_RATIO, sphere};

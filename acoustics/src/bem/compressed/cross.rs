@@ -5,9 +5,9 @@
 //!                                         u_l: residual column j_l;   i_l+1: largest entry of u_l
 //! ```
 //!
-//! (Bebendorf & Rjasanow 2003.) Rows that lie apart sample the residual: their norm ends the approximation, and where it
-//! is still large although the last cross was small, the largest of them is the next row. This finds parts of a block
-//! that the first crosses do not touch, such as those between faces at right angles.
+//! (Bebendorf & Rjasanow 2003.) Spaced rows sample the residual. Their norm ends the approximation. If it is still
+//! large although the last cross was small, the largest of these rows is the next row. This finds parts of a block that
+//! the first crosses do not touch, such as those between faces at right angles.
 //!
 //! Pressure and velocity share the crosses: the left factors of both operators are sound fields of the same sources.
 
@@ -19,7 +19,7 @@ use pulp::{Simd, WithSimd};
 /// Rows that sample the residual.
 const SAMPLES: usize = 4;
 
-/// A product of two thin matrices; a vector holds real parts before imaginary parts.
+/// A product of two thin matrices; a vector stores real parts before imaginary parts.
 #[derive(Debug, Default)]
 pub(super) struct Crosses {
     pub(super) rank: usize,
@@ -52,7 +52,7 @@ fn norm_squared(v: &[f32]) -> f64 {
 fn largest(v: &[f32], count: usize) -> (usize, f32) {
     let (re, im) = v.split_at(v.len() / 2);
     let mut best = (0, -1.0);
-    // Most chunks hold no new largest number.
+    // Most chunks do not contain a new maximum.
     for start in (0..count).step_by(LANES) {
         let size = |i: usize| re[i] * re[i] + im[i] * im[i];
         let chunk = start..(start + LANES).min(count);
@@ -183,7 +183,7 @@ struct Pivot {
     places: [usize; 2],
 }
 
-/// Rows of the residual that lie apart.
+/// Spaced rows of the residual.
 struct Samples {
     rows: Vec<usize>,
     residuals: Vec<f32>,

@@ -10,7 +10,7 @@ use faer::linalg::matmul::matmul;
 use faer::{Accum, Mat, MatRef, Par};
 use nalgebra::Complex;
 
-/// Blocks whose shares of the right-hand sides are held at a time.
+/// Number of blocks whose shares of the right-hand sides are in memory at a time.
 const BATCH: usize = 256;
 
 /// The points around all clusters.

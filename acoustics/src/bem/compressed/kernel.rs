@@ -8,9 +8,9 @@
 //! b(x, y) =  (1 + alpha d/dn_x) G            dG/dn_x = -h d.n_x
 //! ```
 //!
-//! On distant panels the derivative of the double layer needs no integration by parts: integrated over all panels that
+//! On distant panels the derivative of the double layer needs no integration by parts. Integrated over all panels that
 //! carry an unknown, both forms are the same operator. Without it a row of the block is a sound field and its normal
-//! derivative, so that the rank is that of G alone.
+//! derivative, so the rank is that of G.
 #![allow(clippy::needless_range_loop)] // indices are those of the equations, several arrays at once
 
 use super::points::{ClusterPoints, FIELDS};
@@ -51,7 +51,7 @@ impl Images {
     }
 }
 
-/// Which of the two points is the single one.
+/// Identifies the single point of the two.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Single {
     /// x: a row of the block.

@@ -5,8 +5,8 @@
 //! R <- R - Q Q^H R                                                                X = Z T^-1 Q^H B
 //! ```
 //!
-//! All right-hand sides share one space. Directions in which no residual above the tolerance points are left out, so
-//! that patterns that depend on one another, or converge early, cost nothing. The residual is computed anew at the end.
+//! All right-hand sides share one space. Directions without a residual above the tolerance are left out, so dependent
+//! patterns and those that converge early cost nothing. The residual is computed anew at the end.
 
 use super::operator::Compressed;
 use super::schwarz::Schwarz;
@@ -59,7 +59,7 @@ impl<'a> Krylov<'a> {
         }
     }
 
-    /// D^-1/2 A D^-1/2 x for x that is zero where unknowns are held.
+    /// D^-1/2 A D^-1/2 x for x that is zero at the fixed unknowns.
     fn apply(&self, x: &Mat<C32>) -> Mat<C32> {
         let mut y = x.clone();
         self.scale(&mut y);
@@ -68,7 +68,7 @@ impl<'a> Krylov<'a> {
         y
     }
 
-    /// D^-1/2 x, zero where unknowns are held.
+    /// D^-1/2 x, zero at the fixed unknowns.
     fn scale(&self, x: &mut Mat<C32>) {
         for column in 0..x.ncols() {
             let values = x.col_as_slice_mut(column).iter_mut();

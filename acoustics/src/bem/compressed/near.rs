@@ -11,7 +11,7 @@ use crate::bem::operators::wave::{Buffer, Operators};
 use faer::Mat;
 use nalgebra::{Complex, DMatrix};
 
-/// Blocks of panels whose contributions are held at a time.
+/// Number of blocks of panels whose contributions are in memory at a time.
 const BATCH: usize = 64;
 
 /// Which pairs of leaves are close, and where the blocks of the matrix are.
@@ -52,7 +52,7 @@ struct Contribution {
 }
 
 impl NearPairs {
-    /// `owners` holds the leaf that owns each panel: that of one of its unknowns.
+    /// `owners` gives the leaf that owns each panel: that of one of its unknowns.
     pub(super) fn new(tree: &ClusterTree, partition: &Partition, blocks: &[Block], owners: Vec<usize>) -> Self {
         let leaves = tree.leaves.len();
         let mut leaf_number = vec![0; tree.clusters.len()];
@@ -139,7 +139,7 @@ impl NearPairs {
         sums
     }
 
-    /// Contributions of a block of panels and those close to it; `patterns` holds those of every parity at the points of
+    /// Contributions of a block of panels and those close to it; `patterns` are those of every parity at the points of
     /// each block.
     fn row(
         &self,

@@ -205,8 +205,8 @@ impl ClusterPoints {
         self.data[(FIELDS - 1) * self.padded + i]
     }
 
-    /// Tests with the functions of the unknowns: from vectors of values at the points, `length` apart, with imaginary
-    /// parts `padded` after the real parts, to unknowns x vectors.
+    /// Tests with the functions of the unknowns: from vectors of values at the points, with stride `length` and
+    /// imaginary parts `padded` after the real parts, to unknowns x vectors.
     pub(super) fn test(&self, vectors: &[f32], length: usize) -> Mat<Complex<f32>> {
         let mut tested = Mat::zeros(self.unknowns, vectors.len() / length);
         for (column, vector) in vectors.chunks_exact(length).enumerate() {

@@ -88,7 +88,7 @@ impl CompositeRadiation {
         self.limit.hz()[0]
     }
 
-    /// Energy forms of the limit alone, where boundary elements are known too.
+    /// Energy forms of the limit only, where boundary elements are known too.
     pub(crate) fn limit_alone(&self, frequency: &[f64], accelerations: &DMatrix<Complex<f64>>) -> DMatrix<f64> {
         let mut forms = DMatrix::zeros(self.patches().len(), frequency.len());
         let all = vec![1.0; frequency.len()];
@@ -201,8 +201,8 @@ impl ModalRadiation for CompositeRadiation {
     }
 
     /// Signals of all parts, weighted by the roots of their shares, so that the energies add exactly. The first half of
-    /// the rows holds single frequencies and every second node above, the second half the other nodes; two parts in the
-    /// same row never overlap in frequency.
+    /// the rows contains single frequencies and every second node above, the second half the other nodes; two parts in
+    /// the same row never overlap in frequency.
     fn root_signals(&self, frequency: &[f64], accelerations: &DMatrix<Complex<f64>>) -> DMatrix<Complex<f64>> {
         let modes = self.modes();
         let shares = self.shares(frequency);

@@ -1,4 +1,4 @@
-//! Frequencies at which the high-frequency limit is evaluated: above boundary elements, and beside them for comparison.
+//! Frequencies for the high-frequency limit: above boundary elements, and within their range for comparison.
 
 use crate::bem::high_frequencies::faces::Faces;
 use crate::bem::high_frequencies::mean_bands::MeanBands;
@@ -10,15 +10,15 @@ use nalgebra::DMatrix;
 /// Octaves between neighbouring evaluations of the high-frequency limit; each is averaged over the same width.
 const LIMIT_OCTAVES: f64 = 1.0 / 3.0;
 
-/// Number of evaluations of the limit at and below the top of single frequencies, where it is compared with boundary
+/// Number of evaluations of the limit at and below the top of single frequencies, for comparison with boundary
 /// elements.
 const COMPARED: i32 = 2;
 
 /// Highest frequency at which the limit is evaluated \[Hz\]; it is constant above.
 const FARTHEST: f64 = 10e3;
 
-/// Frequencies at which the limit is compared with boundary elements \[Hz\]: the last is the centre of the last
-/// averaging band, the others are no closer to it than half their distance.
+/// Frequencies for the comparison of the limit with boundary elements \[Hz\]: the last is the centre of the last
+/// averaging band, the others are at least half their spacing below it.
 fn compared(bands: &MeanBands) -> Vec<f64> {
     let last = bands.last_octaves();
     let octaves = (-COMPARED..).map(|i| f64::from(i) * LIMIT_OCTAVES);

@@ -4,14 +4,14 @@
 const WIDTH: f64 = 1.0 / 6.0;
 const SAMPLES: usize = 3;
 
-/// Octaves above the top of single frequencies up to which the mesh of that top also serves averages. Single
-/// frequencies scatter more than a band with that mesh's four panels per wavelength.
+/// Octaves above the top of single frequencies whose averages still use the mesh of that top. Single frequencies
+/// scatter more than a band with that mesh's four panels per wavelength.
 const ON_SAME_MESH: f64 = 0.5;
 
 /// Most bands of one finer mesh: half an octave.
 const ON_FINER_MESH: usize = 3;
 
-/// Keeps rounding from adding a band.
+/// Prevents rounding from adding a band.
 const SLACK: f64 = 1e-9;
 
 /// Adjacent bands of equal width, at most a sixth of an octave, from the top of single frequencies up. The mesh of

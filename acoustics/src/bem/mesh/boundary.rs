@@ -16,7 +16,7 @@ pub struct Boundary {
     planes: [Option<f64>; 3],
     original: Vec<usize>,
     node: Vec<usize>,
-    /// Planes in which each unknown lies, a bit an axis, and [`FREE_EDGE`].
+    /// Planes that contain each unknown, a bit an axis, and [`FREE_EDGE`].
     in_planes: Vec<u8>,
     nodes: usize,
     repairs: Repairs,
@@ -240,7 +240,7 @@ impl Boundary {
         (self.node[point] != usize::MAX).then(|| self.node[point])
     }
 
-    /// Numbers the pressure unknowns in the order in which `panels`, which must be all panels, first use them.
+    /// Numbers the pressure unknowns in order of first use by `panels`, which must be all panels.
     pub(crate) fn number_nodes<'a>(&mut self, panels: impl Iterator<Item = &'a usize>) {
         let (mut number, mut in_planes) = (vec![usize::MAX; self.node.len()], Vec::with_capacity(self.nodes));
         for &panel in panels {
@@ -259,7 +259,7 @@ impl Boundary {
         self.in_planes.iter().any(|mask| mask & 4 != 0)
     }
 
-    /// Planes in which an unknown lies, a bit an axis.
+    /// Planes that contain an unknown, a bit an axis.
     pub(crate) fn in_planes(&self, node: usize) -> u8 {
         self.in_planes[node]
     }

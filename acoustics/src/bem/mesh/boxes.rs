@@ -159,7 +159,7 @@ fn grid_line(
     }
 }
 
-/// Width of the rectangles beside a grid line \[m\]: half the height of the lowest gap that has its rim there.
+/// Width of the rectangles next to a grid line \[m\]: half the height of the lowest gap that has its rim there.
 fn width_at(rims: &[Rim], axis: usize, at: f64, tolerance: f64) -> f64 {
     let there = |rim: &&Rim| rim.ends.iter().all(|end| (end[axis] - at).abs() <= tolerance);
     let widths = rims

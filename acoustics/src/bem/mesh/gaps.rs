@@ -1,12 +1,12 @@
 //! Thin gaps of air between a surface and the floor below it, and panels that resolve the flow at their rims.
 //!
-//! Between a surface and a floor at the height h below it the pressure obeys Reynolds' equation and varies over the extent
-//! of the gap, not over its height: panels may be many heights wide there. At the rim, where the gap opens, the flow
-//! turns within a distance of about h. Wide panels put the rim in the wrong place: they change the end correction of the gap
-//! by about 0.04 of their width w, however high the gap is. As the mass of the air in it is proportional to the cube of
-//! its extent, that mass and the radiated power are off by about 3 0.04 w P/A, where A is the area of the gap and P the
-//! length of its rim. Therefore panels are small at the rim, half as wide as the gap is high, and grow with their distance
-//! from it.
+//! Between a surface and a floor at the height h below it the pressure obeys Reynolds' equation and varies over the
+//! extent of the gap, not over its height: panels may be many heights wide there. At the rim, where the gap opens, the
+//! flow turns within a distance of about h. Wide panels put the rim in the wrong place: they change the end correction
+//! of the gap by about 0.04 of their width w, however high the gap is. The mass of the air in it is proportional to the
+//! cube of its extent. That mass and the radiated power are therefore off by about 3 0.04 w P/A, where A is the area of
+//! the gap and P the length of its rim. Therefore panels are small at the rim, half as wide as the gap is high, and
+//! grow with their distance from it.
 //!
 //! Source of the constants: blocks that heave 2 to 20 mm above a floor, `docs/verification.md`.
 
@@ -23,33 +23,33 @@ pub(crate) const RIM_WIDTH: f64 = 0.5;
 /// By how much panels may be wider per distance from the rim: each twice as wide as its neighbour.
 pub(crate) const GROWTH: f64 = 1.0;
 
-/// Height below which a gap is resolved as if it had this height \[m\]: below it the equations, which lack viscosity, do not
-/// merit finer panels.
+/// Height below which a gap is resolved as if it had this height \[m\]: below it the equations, which neglect
+/// viscosity, do not merit finer panels.
 pub(crate) const LEAST_HEIGHT: f64 = 1e-3;
 
 /// Largest height of a thin gap over its area per length of rim: a strip is at least four times as wide as high, a square eight
 /// times. At the edges of higher gaps panels need not be finer than at other edges.
 const THIN: f64 = 0.5;
 
-/// Factor that keeps panels of exactly the wanted width from counting as too wide because of rounding.
+/// Tolerance factor: rounding must not make panels of exactly the wanted width too wide.
 const SLACK: f64 = 1.001;
 
-/// Least cosine of the angle at which a panel faces the floor: between its normal and the vertical. The same holds for a panel
-/// that hides the floor.
+/// Least cosine of the angle at which a panel faces the floor: between its normal and the vertical. The same applies to
+/// a panel that hides the floor.
 const FACING: f64 = 0.5;
 
 /// Cosine of the angle between two panels above which the surface is not sharp.
 const SHARP: f64 = 0.866;
 
 /// Error of the mass of the air in a gap over w P/A: three times the change of the end correction over the width of
-/// panels, 0.04, with a quarter more for what the study does not cover.
+/// panels, 0.04, with a quarter more for cases outside the study.
 const MASS_ERROR: f64 = 0.15;
 
-/// Error of the power in third octaves over w P/A, of panels at the rim that are narrower than the gap is high and of wider
-/// ones: near resonances of the gap the power depends strongly on its extent, the more the thinner the gap is.
+/// Error of the power in third octaves over w P/A: for panels at the rim that are narrower than the gap is high, and
+/// for wider ones. Near resonances of the gap the power depends strongly on its extent, more so in thinner gaps.
 const BAND_ERROR: [f64; 2] = [1.0, 1.5];
 
-/// Error of the power in wide bands over w P/A, in which shifts of resonances cancel.
+/// Error of the power in wide bands over w P/A. In such bands, shifts of resonances cancel.
 const LEVEL_ERROR: f64 = 0.5;
 
 /// A thin gap: a connected part of the surface that is closer to the floor than half its area divided by the length of its
@@ -140,7 +140,7 @@ impl Gaps {
         let mesh = boundary.mesh();
         let normals: Vec<Vector3<f64>> = (0..mesh.panels.len()).map(|p| normal(mesh, p)).collect();
         let edges = edges(mesh);
-        // A panel above the floor belongs together with those beside it that are at a similar height.
+        // A panel above the floor is grouped with its neighbours at a similar height.
         let similar = |p: usize, q: usize| match (heights[p], heights[q]) {
             (Some(a), Some(b)) => a.max(b) <= 2.0 * a.min(b) || normals[p].dot(&normals[q]) > SHARP,
             _ => false,

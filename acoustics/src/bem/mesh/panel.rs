@@ -116,7 +116,7 @@ impl PanelPoint {
 }
 
 impl BoundaryMesh {
-    /// The skin of a volume mesh; points and patches keep their numbers.
+    /// The skin of a volume mesh; points and patches retain their numbers.
     pub fn of_skin(skin: &Surface) -> Self {
         let panel = |f: &nailnoise_meshes::SurfaceFace| {
             let mut nodes = [0; MOST_NODES];

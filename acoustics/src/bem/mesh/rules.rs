@@ -14,8 +14,8 @@ fn unit_gauss(n: usize) -> Vec<(f64, f64)> {
         .collect()
 }
 
-/// By hand, as the Gauss-Jacobi rules of gauss-quad 0.3 put the middle one of an odd number of points at zero, which holds
-/// for symmetric weights only.
+/// Not taken from gauss-quad 0.3: its Gauss-Jacobi rules put the middle one of an odd number of points at zero, which
+/// is correct for symmetric weights only.
 ///
 /// Points and weights on \[0, 1\] for integrals of s f(s), exact for f of degree 2n - 1: the eigenvalues of the Jacobi
 /// matrix of the polynomials orthogonal with respect to s (Golub & Welsch, *Math. Comp.* 23, 1969).

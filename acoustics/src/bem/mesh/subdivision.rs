@@ -13,7 +13,7 @@ use nailnoise_meshes::FaceKind;
 use nalgebra::{DMatrix, Point3, Vector3};
 use std::collections::{BTreeSet, HashMap};
 
-/// Keeps edges of just the wanted length from being cut because of rounding.
+/// Prevents rounding from cutting edges of exactly the wanted length.
 const SLACK: f64 = 1e-10;
 
 /// A finer mesh of a surface.
@@ -23,7 +23,7 @@ pub struct Subdivision {
     pub mesh: BoundaryMesh,
     /// The given panel that each panel is part of.
     pub parents: Vec<usize>,
-    /// Of each new point the nodes of the given panel on which it lies, and the shape functions there.
+    /// For each new point, the nodes of the given panel that contains it, and the shape functions there.
     added: Vec<([usize; MOST_NODES], [f64; MOST_NODES])>,
 }
 
@@ -189,7 +189,7 @@ impl Bisection<'_> {
         (0..3).max_by(longer).unwrap_or(0)
     }
 
-    /// Edges to be cut: those that are too long, and the longest edge of every triangle of which an edge is cut.
+    /// Edges to be cut: those that are too long, and the longest edge of every triangle with a cut edge.
     fn marked(&self, limit: Limit<'_>) -> BTreeSet<(usize, usize)> {
         let all = self.triangles.iter().flat_map(Triangle::edges);
         let mut marked: BTreeSet<(usize, usize)> = all.filter(|&edge| self.is_long(edge, limit)).collect();
@@ -207,8 +207,8 @@ impl Bisection<'_> {
         }
     }
 
-    /// Makes two triangles, along the shorter diagonal, of every quadrilateral of which an edge is cut or too long;
-    /// returns whether there was one.
+    /// Splits every quadrilateral with a cut or overlong edge into two triangles, along its shorter diagonal. Returns
+    /// whether there was one.
     fn cut_quadrilaterals(&mut self, marked: &BTreeSet<(usize, usize)>, limit: Limit<'_>) -> bool {
         let before = self.quadrilaterals.len();
         for number in std::mem::take(&mut self.quadrilaterals) {

@@ -1,5 +1,5 @@
-//! The part of a symmetric surface that stands for the whole: even and odd motions are solved
-//! separately, each on that part alone.
+//! The part of a symmetric surface that represents the whole surface. Even and odd motions are solved separately, each
+//! only on that part.
 
 use crate::bem::mesh::panel::{BoundaryMesh, Panel};
 use crate::bem::mesh::symmetry::Parity;
@@ -10,7 +10,7 @@ use std::collections::{HashMap, HashSet};
 /// Distance along an axis within which a point and the image of another are one, relative to the surface's largest extent.
 const SAME_POINT: f64 = 1e-8;
 
-/// A surface, or the part of it above the planes of constant x and y in which it is symmetric.
+/// A surface, or the part of it above its symmetry planes of constant x and y.
 #[derive(Clone, Debug)]
 pub struct SymmetricPart {
     /// All points of the surface, and the panels of the part.
@@ -203,7 +203,7 @@ mod tests {
         }
     }
 
-    /// Panels of a box as triangles, cut so that they are symmetric about its plane of constant y alone.
+    /// Panels of a box as triangles, cut so that they are symmetric only about its plane of constant y.
     fn triangles(quadrilaterals: BoundaryMesh, plane: f64) -> BoundaryMesh {
         let mut mesh = quadrilaterals;
         let cut = |panel: &Panel| {

@@ -1,9 +1,9 @@
 //! The mass of fluid that moves along with modes, X/omega, over frequency.
 //!
-//! It is finite at zero frequency and varies on the scale of ka alone, so that a few of the frequencies at which R is solved
-//! are sufficient: linear interpolation over the logarithm of frequency, between nodes a quarter of an octave apart, has an
-//! error of some 2 %. Beyond the lowest and the highest node the value is constant. Above the highest node this is an upper
-//! bound, because the mass falls there.
+//! It is finite at zero frequency and varies only on the scale of ka. A few of the frequencies of R are therefore
+//! sufficient: linear interpolation over the logarithm of frequency, between nodes a quarter of an octave apart, has an
+//! error of some 2 %. Beyond the lowest and the highest node the value is constant. Above the highest node this is an
+//! upper bound, because the mass falls there.
 
 use crate::matrix::real_product;
 use nalgebra::{Complex, DMatrix, DVector};

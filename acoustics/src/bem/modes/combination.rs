@@ -2,8 +2,7 @@ use crate::matrix::real_product;
 use nalgebra::{Complex, DMatrix};
 use serde::{Deserialize, Serialize};
 
-/// Matrix T of a parity: amplitudes of the independent modes of which the radiation is known, for the amplitudes of all
-/// modes.
+/// Matrix T of a parity: amplitudes of the independent modes with known radiation, for the amplitudes of all modes.
 ///
 /// Of the same body the column of an independent mode is a unit vector, and most other modes have another parity, so that
 /// few columns have more than one entry. The modes of another body on the same surface are all combinations.

@@ -17,7 +17,7 @@ pub(crate) struct Independent {
 }
 
 impl Independent {
-    /// The patterns of these modes alone.
+    /// The patterns of these modes only.
     pub(crate) fn of(&self, patterns: &Patterns) -> Patterns {
         Patterns {
             parity: patterns.parity,

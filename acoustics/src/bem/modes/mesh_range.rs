@@ -1,7 +1,7 @@
 use crate::bem::solver::neumann::Patterns;
 use crate::bem::solver::problem::Exterior;
 
-/// A mesh of the body and the frequency up to which it is used.
+/// A mesh of the body and the highest frequency of its use.
 #[derive(Debug)]
 pub struct MeshRange {
     /// The exterior problem.

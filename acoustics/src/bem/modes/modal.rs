@@ -75,7 +75,7 @@ pub struct ModalBem {
 }
 
 /// Conversion to another air than that of the computation. At the same wavenumber k = omega/c the boundary conditions
-/// are the same:
+/// are the same.
 ///
 /// ```text
 /// R(f; rho, c) = (rho c)/(rho0 c0) R0(f c0/c)        p/a (f; rho, c) = rho/rho0 (p/a)0 (f c0/c)
@@ -137,8 +137,8 @@ impl ModalBem {
         Self::solve(levels, MeanRanges::default(), sampling, progress).map(|(radiation, _)| radiation)
     }
 
-    /// The same with averages up to another frequency, of which those above half an octave have finer meshes, and beside it
-    /// the pressures on the surface at the frequencies sampled.
+    /// The same with averages up to another frequency, with finer meshes above half an octave. Also returns the
+    /// pressures on the surface at the sampled frequencies.
     ///
     /// # Errors
     /// As [`ModalBem::new`], and [`BemError::TooCoarse`](crate::bem::BemError) where the meshes of the averages end
@@ -303,8 +303,8 @@ impl ModalBem {
         Ok((radiation, surface))
     }
 
-    /// The same radiation with pressures at receivers, as [`SurfacePressures::at`] gives them; none where they are of another
-    /// solution.
+    /// The same radiation with pressures at receivers, as [`SurfacePressures::at`] gives them; none if they belong to
+    /// another solution.
     pub fn with_pressures(&self, pressures: Arc<ModalPressures>) -> Option<Self> {
         (pressures.solution() == self.solution).then(|| Self {
             pressures,
@@ -334,7 +334,7 @@ impl ModalBem {
         })
     }
 
-    /// Energy spectrum of the motion that the known modes do not hold, if it radiated with efficiency 1; none where the
+    /// Energy spectrum of the motion not covered by the known modes, if it radiated with efficiency 1; none where the
     /// radiation was solved for these modes.
     pub(crate) fn rest_energy(&self, spectra: &ModalSpectra) -> Option<Vec<f64>> {
         let fit = self.fit.as_ref()?;
@@ -426,7 +426,7 @@ impl ModalBem {
         computed.map(|hz| hz * self.air.speed)
     }
 
-    /// Range in which both boundary elements and the limit are available for comparison \[Hz\].
+    /// Common range of boundary elements and the limit, for comparison \[Hz\].
     pub fn compared_hz(&self) -> [f64; 2] {
         let from = self.parities.first().map_or(0.0, CompositeRadiation::limit_from_hz);
         [
@@ -435,7 +435,7 @@ impl ModalBem {
         ]
     }
 
-    /// The limit alone in the units of [`ModalRadiation::energy_forms`], all patches together, at frequencies within
+    /// The limit only, in the units of [`ModalRadiation::energy_forms`], all patches together, at frequencies within
     /// [`ModalBem::compared_hz`].
     pub fn limit_forms(&self, frequency: &[f64], accelerations: &DMatrix<Complex<f64>>) -> Vec<f64> {
         let hz = self.air.all_computed(frequency);
@@ -556,7 +556,7 @@ impl Impedance for ModalBem {
         self.modes
     }
 
-    /// The end of [`ModalBem::solved_hz`]: above there are averages of R alone.
+    /// The end of [`ModalBem::solved_hz`]: only averages of R exist above.
     fn top_hz(&self) -> f64 {
         self.solved_hz()[1]
     }

@@ -7,7 +7,8 @@ use serde::{Deserialize, Serialize};
 const NEAREST: f64 = 6_755_399_441_055_744.0;
 
 /// The pressure of one parity on a surface, unknowns x modes, in 16 bits a number, because hundreds of frequencies are
-/// held and kept. The rounding, 1.5e-5 of the mode's largest part, is comparable with the error of the equations.
+/// stored in memory and in files. The rounding, 1.5e-5 of the mode's largest part, is comparable with the error of the
+/// equations.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub(crate) struct PackedPressure {
     unknowns: usize,

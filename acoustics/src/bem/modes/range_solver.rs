@@ -13,8 +13,8 @@ use rayon::prelude::*;
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, PoisonError};
 
-/// Solution at one frequency: R of every patch, added mass and pressure on the surface of every parity. They are packed,
-/// because hundreds of solutions are held at the same time.
+/// Solution at one frequency: R of every patch, added mass and pressure on the surface of every parity. They are
+/// packed, because hundreds of solutions are in memory at the same time.
 pub(crate) struct Solved {
     resistances: Vec<PackedHermitian>,
     masses: Vec<PackedMass>,
@@ -80,15 +80,15 @@ impl<'a> RangeSolver<'a> {
         Self { problem, ..self }
     }
 
-    /// Keeps the equations of some frequencies and interpolates those of others. This pays off if a range is sampled with this
-    /// mesh. A compressed matrix is not interpolated.
+    /// Stores the equations of some frequencies and interpolates those of others. This pays off if a range is sampled
+    /// with this mesh. A compressed matrix is not interpolated.
     #[must_use]
     pub(crate) fn with_interpolated_equations(self) -> Self {
         let sweep = (!self.problem.is_compressed()).then(|| Mutex::new(EquationSweep::new(&self.problem)));
         Self { sweep, ..self }
     }
 
-    /// Keeps the pressure on the surface at all frequencies solved, for [`Self::pressures`].
+    /// Stores the pressure on the surface at all solved frequencies, for [`Self::pressures`].
     #[must_use]
     pub(crate) fn keeping_pressures(self) -> Self {
         Self {
@@ -97,7 +97,7 @@ impl<'a> RangeSolver<'a> {
         }
     }
 
-    /// Keeps no more pressures.
+    /// Stores no more pressures.
     #[must_use]
     pub(crate) fn without_pressures(self) -> Self {
         Self {
@@ -272,7 +272,7 @@ impl<'a> RangeSolver<'a> {
         self.report_errors(summary);
     }
 
-    /// Adds the errors alone.
+    /// Adds only the errors.
     pub(crate) fn report_errors(&self, summary: &mut Summary) {
         let worst = *self.worst.lock().unwrap_or_else(PoisonError::into_inner);
         summary.difference_db = summary.difference_db.max(worst.0);

@@ -1,13 +1,13 @@
 //! Modes of one body as combinations of the modes of another with the same outer surface.
 //!
-//! Radiation depends on the normal velocity of the outer surface alone. With the velocities B of modes whose radiation
-//! matrix R is known, and V of the modes of interest, in every parity
+//! Radiation depends only on the normal velocity of the outer surface. B is the velocities of modes whose radiation
+//! matrix R is known, and V those of the modes of interest. In every parity
 //!
 //! ```text
 //! V = B T + rest,   T = (B^T W B + ridge)^-1 B^T W V      =>      R' = T^T R T
 //! ```
 //!
-//! where W holds the areas of the panels. The rest is stated; it is orthogonal to all that B holds.
+//! where W contains the areas of the panels. The rest is stated; it is orthogonal to the span of B.
 
 use crate::bem::mesh::boundary::Boundary;
 use crate::bem::modes::combination::Combination;
@@ -20,11 +20,12 @@ use serde::{Deserialize, Serialize};
 use std::borrow::Cow;
 use std::f64::consts::TAU;
 
-/// Ridge of the normal equations, relative to the square of each known mode's own velocity: it keeps the amplitudes of
-/// nearly dependent modes, which would cancel in R, below some hundreds. What it adds to the rest is stated with it.
+/// Ridge of the normal equations, relative to the square of each known mode's own velocity: it limits the amplitudes of
+/// nearly dependent modes, which would cancel in R, to some hundreds. Its contribution to the rest is stated with the
+/// rest.
 const RIDGE: f64 = 1e-8;
 
-/// Relative amplitude below which a mode has no component of a parity.
+/// Relative amplitude below which a mode's component of a parity counts as zero.
 const ABSENT: f64 = 1e-6;
 
 /// Modes of a body as combinations of modes on the same surface whose radiation is known.
@@ -32,12 +33,12 @@ const ABSENT: f64 = 1e-6;
 pub struct SurfaceFit {
     /// Numbers of the independent known modes of each parity, and T.
     parities: Vec<(Vec<usize>, Combination)>,
-    /// V^T W V of all parities together, and the same of the rest, with what is lost between different meshes.
+    /// V^T W V of all parities together, and the same of the rest, with the loss between different meshes.
     #[serde(with = "crate::blocks")]
     whole: DMatrix<f64>,
     #[serde(with = "crate::blocks")]
     rest: DMatrix<f64>,
-    /// rho c of the air in which the radiation is known \[Pa s/m\].
+    /// rho c of the air of the known radiation \[Pa s/m\].
     impedance: f64,
 }
 
@@ -100,7 +101,7 @@ impl SurfaceFit {
         self.whole.nrows()
     }
 
-    /// Velocity of each mode that no combination holds over the velocity of the mode, root mean squares over the
+    /// Velocity of each mode that no combination covers over the velocity of the mode, root mean squares over the
     /// surface \[-\]; 0 for a mode that does not move the surface.
     pub fn residuals(&self) -> Vec<f64> {
         let ratio = |(rest, whole): (&f64, &f64)| {
@@ -118,8 +119,8 @@ impl SurfaceFit {
             .collect()
     }
 
-    /// Integral over the surface of the squared velocity of motions, and of what no combination holds of them, summed over
-    /// the columns of `amplitudes`: those of the modes from number `first` on.
+    /// Integral over the surface of the squared velocity of motions, and of the part that no combination covers, summed
+    /// over the columns of `amplitudes`: those of the modes from number `first` on.
     pub fn squares(&self, first: usize, amplitudes: &DMatrix<Complex<f64>>) -> [f64; 2] {
         let n = amplitudes.nrows();
         [&self.whole, &self.rest].map(|gram| {
@@ -129,8 +130,8 @@ impl SurfaceFit {
         })
     }
 
-    /// Energy spectrum that what no combination holds would radiate with radiation efficiency 1,
-    /// 2 rho c a^H rest a / omega^2, for transforms of the modal accelerations at frequencies \[Hz\].
+    /// Energy spectrum of the motion that no combination covers with radiation efficiency 1, 2 rho c a^H rest a /
+    /// omega^2, for transforms of the modal accelerations at frequencies \[Hz\].
     pub(crate) fn rest_energy(&self, frequency: &[f64], accelerations: &DMatrix<Complex<f64>>) -> Vec<f64> {
         let moved = real_product(&self.rest, accelerations);
         let columns = moved.column_iter().zip(accelerations.column_iter());
@@ -161,7 +162,7 @@ impl SurfaceFit {
 /// Velocities of a body on the mesh of the known modes.
 struct Carried<'a> {
     velocities: Cow<'a, DMatrix<f64>>,
-    /// Gram matrix of what the way to that mesh and back changes, weighted with areas; none on the same mesh.
+    /// Gram matrix of the change on the way to that mesh and back, weighted with areas; none on the same mesh.
     lost: Option<DMatrix<f64>>,
 }
 
@@ -231,7 +232,7 @@ mod tests {
     /// Highest frequency of the tests \[Hz\].
     const TOP_HZ: f64 = 300.0;
 
-    /// A quarter of a box in free space, 0.4 x 0.3 x 0.2 m, in which panels move by each of these functions.
+    /// A quarter of a box in free space, 0.4 x 0.3 x 0.2 m. Its panels move by each of these functions.
     fn moving(shapes: &[&dyn Fn([f64; 3]) -> f64]) -> MeshRange {
         let whole = [SolidBox {
             low: [-0.2, -0.15, 0.0],

@@ -1,4 +1,5 @@
-//! Pressures on the surface of a body at all frequencies of its radiation matrix, from which those at any receivers follow.
+//! Pressures on the surface of a body at all frequencies of its radiation matrix. They determine those at any
+//! receivers.
 
 use crate::bem::mesh::symmetry::Parity;
 use crate::bem::modes::mesh_range::MeshRange;
@@ -115,7 +116,7 @@ impl SurfacePressures {
         self.solution
     }
 
-    /// Adds the next range: the solver of the mesh that predicts it, and that of its own mesh.
+    /// Adds the next range: the solver of the mesh that predicts it, and that of the range's mesh.
     pub(crate) fn add(
         &mut self,
         grid: &Grid,
@@ -144,8 +145,8 @@ impl SurfacePressures {
     }
 
     /// The pressures at receivers, by the surface integral of
-    /// [`Exterior::pressure_at`](crate::bem::Exterior::pressure_at) over the meshes `levels` on which the surface was solved;
-    /// their patterns are not read.
+    /// [`Exterior::pressure_at`](crate::bem::Exterior::pressure_at) over the meshes `levels` of the solution. Their
+    /// patterns are not read.
     ///
     /// # Errors
     /// Other meshes than those; receivers below the floor or too close to the surface.

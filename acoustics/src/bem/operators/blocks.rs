@@ -17,7 +17,7 @@ pub(crate) const W: usize = 6;
 pub(crate) const C: usize = 7;
 
 /// Number of fields of a quadrature point of panels with so many corners. The curls of all corner functions but the
-/// last are kept; the last is minus their sum.
+/// last are stored; the last is minus their sum.
 pub(crate) const fn fields(corners: usize) -> usize {
     C + 3 * (corners - 1)
 }
@@ -86,7 +86,7 @@ fn bisect(mut panels: Vec<usize>, centres: &[Vector3<f64>], groups: &mut Vec<Vec
     }
     let axis = (high - low).imax();
     panels.sort_by(|&a, &b| centres[a][axis].total_cmp(&centres[b][axis]).then(a.cmp(&b)));
-    // Full blocks on the left keep the padding to the last one.
+    // Full blocks on the left confine the padding to the last one.
     let rest = panels.split_off(panels.len().div_ceil(MOST).div_ceil(2) * MOST);
     bisect(panels, centres, groups);
     bisect(rest, centres, groups);

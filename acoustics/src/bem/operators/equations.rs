@@ -54,7 +54,7 @@ impl Sums {
         values
     }
 
-    /// From the array of [`Sums::flat`], of which `fill` writes the values from a number on.
+    /// From the array of [`Sums::flat`]; `fill` writes the values from a number on.
     pub(crate) fn from_flat([n, patterns]: [usize; 2], fill: impl Fn(usize, &mut [f32])) -> Self {
         let mut sums = Self {
             matrix: Mat::zeros(n, n),

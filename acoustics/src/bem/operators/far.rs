@@ -2,17 +2,16 @@
 //!
 //! The image q of a point is its reflection along a set of axes; the normal is reflected too, n' = M_q n, and the
 //! surface curl is multiplied by the determinant of M_q. With the signs s_pq of a parity p, the operators need sums
-//! over the images,
+//! over the images. In these, p^c is the parity with the opposite sign across the plane of axis c.
 //!
 //! ```text
 //! S:  sum_q s_pq G_q      K:  sum_q s_pq dG_q/dn'_y      K':  sum_q s_pq dG_q/dn_x      n_x . n'_y G: sum_q s_pq ...
 //! curl . curl' G: sum_c curl_c curl_c sum_q s_{p^abc^c,q} G_q
 //! ```
 //!
-//! where p^c is the parity with the opposite sign across the plane of axis c. The inputs of A, B and their transposes
-//! are combined image by image, and one Walsh transform over the images gives all parities, so that a kernel is
-//! evaluated once for all parities and operators. Sums over the points of two panels then give the values at the
-//! corners.
+//! The inputs of A, B and their transposes are combined image by image, and one Walsh transform over the images gives
+//! all parities, so that a kernel is evaluated once for all parities and operators. Sums over the points of two panels
+//! then give the values at the corners.
 //!
 //! In single precision, with positions relative to the middle of a block: a kernel's error is 1e-6, a hundredth of the
 //! rule's.
@@ -150,7 +149,7 @@ fn even<S: Simd>(simd: S, x: &[Pair<S::f32s>; 8], axes: usize) -> [Pair<S::f32s>
     sums
 }
 
-/// Sum over the axes of what each contributes for an image.
+/// Sum over the axes of their contributions for an image.
 #[inline(always)]
 fn of_image<S: Simd>(simd: S, x: &[[S::f32s; 2]; 3], bits: [usize; 3]) -> S::f32s {
     simd.add_f32s(simd.add_f32s(x[0][bits[0]], x[1][bits[1]]), x[2][bits[2]])

@@ -44,7 +44,7 @@ pub(crate) fn load<S: Simd>(values: &[f32], start: usize) -> S::f32s {
     S::as_simd_f32s(&values[start..start + S::F32_LANES]).0[0]
 }
 
-/// Three vectors of values, `step` apart.
+/// Three vectors of values, with stride `step`.
 #[inline(always)]
 pub(crate) fn load3<S: Simd>(values: &[f32], start: usize, step: usize) -> [S::f32s; 3] {
     [
@@ -63,7 +63,7 @@ pub(crate) fn load3<S: Simd>(values: &[f32], start: usize, step: usize) -> [S::f
 /// x = t + 2 pi n      x cos x - sin x = (x - t) + t² (x C(t²) - t S(t²))
 /// ```
 ///
-/// so that the resistance stays accurate at low frequencies.
+/// so the resistance stays accurate at low frequencies.
 #[inline(always)]
 pub(crate) fn green<S: Simd>(simd: S, r2: S::f32s, k: S::f32s, scale: S::f32s) -> [S::f32s; 4] {
     let one = simd.splat_f32s(1.0);

@@ -17,8 +17,8 @@ impl Wave {
     }
 }
 
-/// Values between the corners of the panels e and f, with f running fastest so that vectors hold neighbouring panels:
-/// `data[((part * rows + row) * corners_f + j) * width_f + f]`, part 0 real and 1 imaginary.
+/// Values between the corners of the panels e and f, with f running fastest so that vectors contain neighbouring
+/// panels: `data[((part * rows + row) * corners_f + j) * width_f + f]`, part 0 real and 1 imaginary.
 #[derive(Debug, Default)]
 pub(crate) struct Buffer {
     pub(crate) data: Vec<f32>,

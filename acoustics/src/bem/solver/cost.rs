@@ -1,4 +1,4 @@
-//! Memory and time of the equations of one frequency, from the size of a surface alone.
+//! Memory and time of the equations of one frequency, from the size of a surface only.
 
 use crate::bem::solver::problem::EquationSolver;
 
@@ -14,7 +14,7 @@ pub struct SurfaceSize {
     pub panels: f64,
     /// Velocity values: corners of all panels.
     pub values: f64,
-    /// Symmetric parts of the body, each parity of which has its own equations.
+    /// Symmetric parts of the body; each parity has its own equations.
     pub copies: f64,
     /// Images in floor and mirror planes, the surface itself among them.
     pub images: f64,
@@ -48,8 +48,8 @@ impl FrequencyCost {
 }
 
 impl SurfaceSize {
-    /// Cost of a frequency. The matrix is compressed by itself if that takes less than half the time of the dense one
-    /// with a hundred patterns, as surfaces with deep recesses may take twice the usual number of steps.
+    /// Cost of a frequency. The matrix is compressed automatically if that takes less than half the time of the dense
+    /// one with a hundred patterns, because surfaces with deep recesses may take twice the usual number of steps.
     pub fn cost(&self, solver: EquationSolver) -> FrequencyCost {
         let [dense, compressed] = [self.dense(), self.compressed()];
         let compress = match solver {
@@ -78,9 +78,9 @@ impl SurfaceSize {
         }
     }
 
-    /// At the highest frequency, as measured by `benches/bem_compressed.rs`: 1 300 close panels each; 750 entries an
-    /// unknown in near blocks and 24 sqrt(N) in others; of an entry of the latter, 100 ns and 17 ns an image for its
-    /// approximation and 0.5 ns a pattern; eight products a pattern at 0.15 ns an entry.
+    /// At the highest frequency, `benches/bem_compressed.rs` measured 1 300 close panels each, 750 entries an unknown
+    /// in near blocks and 24 sqrt(N) in others. An entry of the latter takes 100 ns and 17 ns an image for its
+    /// approximation, and 0.5 ns a pattern. Each pattern takes eight products at 0.15 ns an entry.
     fn compressed(&self) -> FrequencyCost {
         let (n, values, parities) = (self.unknowns, self.values, self.copies);
         let corners = values / self.panels.max(1.0);

@@ -40,15 +40,16 @@ pub(crate) struct Source {
 pub(crate) type Radiated<'a> = (&'a DMatrix<f64>, &'a SurfacePressure);
 
 impl Exterior {
-    /// Radiation resistance R (patterns x patterns) from the far field of the surface's pressure and velocity:
+    /// Radiation resistance R (patterns x patterns) from the far field of the surface's pressure and velocity, with the
+    /// images in floor and mirror planes and the half space above the floor.
     ///
     /// ```text
     /// p -> e^{-jkr}/(4 pi r) F(d)     F(d) = int e^{jk d.y} (jk d.n p + j omega rho v_n) dS
     /// R = 1/(16 pi² rho c) Re int F^H F dOmega
     /// ```
     ///
-    /// with the images in floor and mirror planes and the half space above the floor. Symmetric and positive
-    /// semidefinite by construction, and independent of [`Exterior::impedance`], which integrates the intensity on the surface.
+    /// Symmetric and positive semidefinite by construction, and independent of [`Exterior::impedance`], which
+    /// integrates the intensity on the surface.
     ///
     /// # Errors
     /// Patterns or pressures of another length.
@@ -161,7 +162,7 @@ impl Exterior {
     }
 
     /// All quadrature points relative to an origin (the body's centre, or its foot on the floor), the origin, and the
-    /// radius around it that holds them.
+    /// radius around it that encloses them.
     pub(crate) fn quadrature(&self) -> (Vec<Source>, Vector3<f64>, f64) {
         let mut sources = Vec::new();
         for block in self.blocks() {
@@ -369,8 +370,8 @@ type Factor<T> = [T; 2];
 
 /// A factor of e^{jk d.y}, with its image along one axis: f(t) and its derivative times `along`, t = k d_a y_a.
 ///
-/// e^{jt} alone, 2 cos t with the image of a field that continues evenly across the plane t = 0, 2j sin t with that of
-/// one that changes its sign.
+/// It is e^{jt} without an image, 2 cos t with the image of a field that continues evenly across the plane t = 0, and
+/// 2j sin t with that of one that changes its sign.
 #[inline(always)]
 fn standing<S: Simd>(simd: S, [sine, cosine, along]: [S::f32s; 3], plane: bool, odd: bool) -> Factor<Pair<S>> {
     let zero = simd.splat_f32s(0.0);
@@ -452,8 +453,8 @@ struct Point<'a> {
 }
 
 impl Point<'_> {
-    /// Stores the value of a wave, and adds its derivative along the normal at the unknowns, for as many directions of the chunk as a
-    /// vector holds.
+    /// Stores the value of a wave, and adds its derivative along the normal at the unknowns, for as many directions of
+    /// the chunk as fit a vector.
     #[inline(always)]
     fn add_to<S: Simd>(&self, simd: S, [on_p, on_v]: [&mut [f32]; 2], row: usize, wave: Factor<S::f32s>, factor: f32) {
         let start = self.number * CHUNK + row;
@@ -489,7 +490,7 @@ impl Waves<'_, '_> {
         }
     }
 
-    /// All parities at a point, in as many directions from `row` as a vector holds.
+    /// All parities at a point, in as many directions from `row` as fit a vector.
     #[inline(always)]
     fn at_point<S: Simd>(&mut self, simd: S, point: &Point<'_>, row: usize) {
         let zero = simd.splat_f32s(0.0);
@@ -543,10 +544,10 @@ fn order(x: f64) -> usize {
     (x + 4.0 * x.cbrt() + 4.0).ceil() as usize
 }
 
-/// Directions and weights that integrate the squared far field of a body over the unit sphere, or over its half above the
-/// floor. k times its largest distance from the origin, `ka`, limits the spherical harmonics; that from the vertical axis,
-/// `across`, times the sine of the polar angle limits those around the axis (Jacobi & Anger's expansion). With mirror
-/// planes only the directions above them are listed, the others contribute as much.
+/// Directions and weights that integrate the squared far field of a body over the unit sphere, or over its half above
+/// the floor. The product of k and its largest distance from the origin, `ka`, limits the spherical harmonics. That
+/// from the vertical axis, `across`, times the sine of the polar angle limits those around the axis (Jacobi & Anger's
+/// expansion). With mirror planes only the directions above them are listed, the others contribute as much.
 fn directions([ka, across]: [f64; 2], planes: [bool; 3]) -> Vec<(Vector3<f64>, f64)> {
     let copies: f64 = planes[..2]
         .iter()

@@ -13,8 +13,8 @@ impl Exterior {
     /// p(x) = int (dG/dn_y p + j omega rho G v_n) dS_y        G = e^{-jkr} / (4 pi r)
     /// ```
     ///
-    /// with the images in mirror planes and floor. The rule is that of distant panels, so a point must keep a distance
-    /// from the surface.
+    /// with the images in mirror planes and floor. The rule is that of distant panels, so points must not be close to
+    /// the surface.
     ///
     /// # Errors
     /// [`ReceiverError::BelowFloor`], [`ReceiverError::NearSurface`] for a point closer to the surface than the

@@ -28,7 +28,7 @@ impl Patterns {
     }
 }
 
-/// The velocity patterns of one parity, and what follows from them without a frequency.
+/// The velocity patterns of one parity, and the quantities that follow from them at every frequency.
 #[derive(Debug)]
 pub(crate) struct NeumannData {
     patterns: Patterns,
@@ -193,7 +193,7 @@ pub(crate) fn at_points(blocks: &[Block], velocities: &DMatrix<f64>) -> Mat<f32>
     side_by_side(&on_blocks, velocities.ncols())
 }
 
-/// Matrices of `rows` rows beside each other.
+/// Matrices of `rows` rows side by side.
 fn side_by_side(all: &[Mat<f32>], rows: usize) -> Mat<f32> {
     let mut joined = Mat::zeros(rows, all.iter().map(Mat::ncols).sum());
     let mut first = 0;

@@ -1,16 +1,17 @@
 //! Thin flat plates: one side in a rigid baffle, or both sides wet.
 //!
-//! A plate without thickness moves with v along its normal n. With G = e^{-jkr} / (4 pi r), W the hypersingular operator of
-//! [`Exterior`] and the operators K, K' zero in a plane, the pressure on the wet side of a plate in a rigid baffle is
-//! Rayleigh's integral, and the difference of the pressures on both sides of a plate in free fluid is the solution of
+//! A plate without thickness moves with v along its normal n. With G = e^{-jkr} / (4 pi r), W is the hypersingular
+//! operator of [`Exterior`]; the operators K, K' are zero in a plane. The pressure on the wet side of a plate in a
+//! rigid baffle is Rayleigh's integral. The difference of the pressures on both sides of a plate in free fluid is the
+//! solution of the second equation (Maue 1949; Stephan 1987 for open surfaces).
 //!
 //! ```text
 //! p = 2 j omega rho S v                                   one side
 //! W [p] = j omega rho v,  [p] = 0 at the free edges       both sides; [p] = pressure on the side of n less that behind
 //! ```
 //!
-//! (Maue 1949; Stephan 1987 for open surfaces). [p] rises from the edge with the root of the distance, so that panels should
-//! become narrow there: with them of equal width the added mass is too small by a term of the first order in the width.
+//! The difference [p] rises from the edge with the root of the distance, so that panels should become narrow there.
+//! With panels of equal width the added mass is too small by a term of the first order in the width.
 
 use crate::air::Air;
 use crate::bem::error::BemError;
@@ -52,9 +53,9 @@ impl Plate {
         self.surface.boundary()
     }
 
-    /// Modal radiation impedance Z_ij = int v_i p_j dS \[kg/s\] at `hz` for normal velocities of one parity (corner values
-    /// of every panel x patterns, see [`Boundary::project`]), symmetric: its real part is R, its imaginary part omega times
-    /// the added mass.
+    /// Modal radiation impedance Z_ij = int v_i p_j dS \[kg/s\] at `hz` for normal velocities of one parity (corner
+    /// values of every panel x patterns, see [`Boundary::project`]). It is symmetric: its real part is R, its imaginary
+    /// part omega times the added mass.
     ///
     /// # Errors
     /// Those of [`Exterior::solve_parities`].

@@ -27,34 +27,34 @@ const ACCURACY: Accuracy = Accuracy {
 
 /// The exterior problem of a surface, set up once for all frequencies.
 ///
-/// With G = e^{-jkr} / (4 pi r), plus that of the image in a rigid floor, and n into the air, the pressure p and its
-/// normal derivative dp/dn = -j omega rho v_n satisfy (Burton & Miller 1971)
+/// G is e^{-jkr} / (4 pi r), plus that of the image in a rigid floor; n points into the air. The pressure p and its
+/// normal derivative dp/dn = -j omega rho v_n satisfy the equation of Burton & Miller (1971).
 ///
 /// ```text
 /// (1/2 - K - alpha H) p = -(S + alpha (1/2 + K')) dp/dn        alpha = -j s(f) min(1/k, L_c)
 /// ```
 ///
-/// This equation has a unique solution at every frequency, while each half fails at resonances of the interior problem.
-/// Well below the lowest of these the correction is not needed, and the derivative equation would reduce the accuracy
-/// of the small surface resistance of rigid-body motion (by a factor of 2 at 100 Hz for a block of 0.4 m; 2e-4 without
-/// it). Therefore s rises as sin² from 0 at half of f_box to 1 at 0.9 f_box, where f_box is the lowest resonance of the
+/// This equation has a unique solution at every frequency. Each half fails at resonances of the interior problem. Well
+/// below the lowest of these the correction is not needed. The derivative equation would reduce the accuracy of the
+/// small surface resistance of rigid-body motion (by a factor of 2 at 100 Hz for a block of 0.4 m; 2e-4 without it).
+/// Therefore s rises as sin² from 0 at half of f_box to 1 at 0.9 f_box, where f_box is the lowest resonance of the
 /// bounding box; no body inside it has a lower one. The method is Galerkin's with continuous linear (bilinear)
 /// pressure; the normal velocity is linear on each panel and discontinuous between panels. The hypersingular operator
-/// is integrated by parts (Maue 1949, Nedelec 2001 section 3.3.4),
+/// is integrated by parts (Maue 1949, Nedelec 2001 section 3.3.4).
 ///
 /// ```text
 /// <phi, H psi> = -int int G (curl phi . curl psi - k² n_x . n_y phi psi)        curl phi = n x grad phi
 /// ```
 ///
-/// On a body that stands on the floor, the surface and its image form a closed surface: with test functions that are
-/// even in the height above the floor, the contour terms of the two cancel. Mirror planes work likewise; where a field
-/// is odd about a plane, its functions vanish in the plane.
+/// A body on the floor and its image form a closed surface. With test functions that are even in the height above the
+/// floor, the contour terms of the two cancel. Mirror planes work likewise; where a field is odd about a plane, its
+/// functions vanish in the plane.
 #[derive(Debug)]
 pub struct Exterior {
     boundary: Boundary,
     air: Air,
     blocks: Vec<Block>,
-    /// Found when it is first read: a surface that is only described has no use for it.
+    /// Computed on first access: a surface that is only described does not need it.
     near: OnceLock<NearField>,
     coupling: f64,
     per_wavelength: f64,
@@ -89,10 +89,10 @@ impl EquationSolver {
 /// How many threads may work on one frequency. With two the kernels are summed in two halves: the equations differ by rounding.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Threads {
-    /// Where every thread has a frequency of its own. A thread that waited for a part of one would begin another one, with its own
-    /// matrices.
+    /// Where every thread solves a different frequency. A thread that waited for a part of one would begin another one,
+    /// with its own matrices.
     One,
-    /// For a frequency that is solved alone.
+    /// For a single frequency at a time.
     Two,
 }
 
@@ -276,11 +276,11 @@ impl Exterior {
         self.near().shapes()
     }
 
-    /// Pressure on the surface at the frequency `hz` for normal velocities (corner values of every panel x patterns,
-    /// see [`Boundary::project`]) that continue evenly across the mirror planes, if there are any.
+    /// Pressure on the surface at the frequency `hz` for normal velocities that continue evenly across any mirror
+    /// planes. The velocities are corner values of every panel x patterns, see [`Boundary::project`].
     ///
     /// # Errors
-    /// A frequency that is not positive or above what the mesh resolves, patterns of another length.
+    /// A frequency that is not positive or above the limit of the mesh, patterns of another length.
     pub fn solve(&self, hz: f64, velocities: &DMatrix<f64>) -> Result<SurfacePressure, BemError> {
         only(self.solve_parities(hz, &[Patterns::even(velocities)])?)
     }
@@ -318,7 +318,7 @@ impl Exterior {
     /// 1/2 - K + alpha W, and (S + alpha (1/2 + K')) v, for every parity at the frequency `hz`.
     ///
     /// # Errors
-    /// A frequency above what the mesh resolves.
+    /// A frequency above the limit of the mesh.
     pub(crate) fn equations(&self, hz: f64, all: &[NeumannData], threads: Threads) -> Result<Vec<Sums>, BemError> {
         self.check_resolution(hz)?;
         Ok(self.assemble(self.wave(hz), all, threads))

@@ -171,7 +171,7 @@ impl Exterior {
     }
 
     /// Memory, time and limits, before any is spent. Times are those of one core at about 3 GHz with AVX-512; with AVX2
-    /// they are up to twice as long. A shape of close pairs takes 7 us, or 1 us once it is kept, which takes 110 us.
+    /// they are up to twice as long. A shape of close pairs takes 7 us, or 1 us once it is cached, which takes 110 us.
     pub fn estimate(&self) -> Estimate {
         let cost = self.frequency_cost();
         let boundary = self.boundary();

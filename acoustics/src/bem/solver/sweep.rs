@@ -9,8 +9,8 @@
 //! prod_i |k - k_i| (D/2)^n / n!
 //! ```
 //!
-//! Each power of k beside it raises the derivatives by a factor of about 1 + n / (k D/2): one power in K, and two in W or, with
-//! the equations times k, in K.
+//! Each additional power of k raises the derivatives by a factor of about 1 + n / (k D/2): one power in K, and two in W
+//! or, with the equations times k, in K.
 //!
 //! Resonances of the air do not slow the convergence: they arise in the inverse of the matrix. A common factor on both
 //! sides does not change the solution. The phase is therefore divided out; where the coupling parameter is -j/k, the
@@ -28,7 +28,7 @@ const TOLERANCE: f64 = 1e-5;
 const LEBESGUE: f64 = 30.0;
 /// Most memory of the equations of a surface \[bytes\].
 const MEMORY: usize = 450_000_000;
-/// Usual number of frequencies whose equations are kept.
+/// Usual number of frequencies whose equations are cached.
 const USUAL_FREQUENCIES: f64 = 25.0;
 
 /// Equations of a surface at several frequencies.
@@ -52,9 +52,9 @@ struct Kept {
 /// How the equations of a frequency are found.
 #[derive(Debug)]
 pub(crate) enum Origin {
-    /// From the kernels, to be kept under a number.
+    /// From the kernels, to be cached under a number.
     Assemble(Option<usize>),
-    /// From kept equations and their weights.
+    /// From cached equations and their weights.
     Interpolate(Vec<(usize, f32)>),
 }
 
@@ -117,7 +117,7 @@ impl EquationSweep {
         }
     }
 
-    /// The equations of a frequency without their phase, to be kept.
+    /// The equations of a frequency without their phase, for the cache.
     pub(crate) fn without_phase(&self, problem: &Exterior, hz: f64, sums: &[Sums]) -> Vec<Vec<f32>> {
         let k = problem.wavenumber(hz);
         let size = if problem.coupling(hz) == Coupling::Inverse {
@@ -129,7 +129,7 @@ impl EquationSweep {
         sums.iter().map(|sums| sums.flat(factor)).collect()
     }
 
-    /// Keeps equations under a number that [`Self::plan`] gave.
+    /// Caches equations under a number from [`Self::plan`].
     pub(crate) fn keep(&mut self, number: usize, values: Vec<Vec<f32>>) {
         self.kept[number].values = values;
     }
@@ -151,8 +151,8 @@ impl EquationSweep {
         threads.map((0..parities).collect(), of_parity)
     }
 
-    /// Estimated error of the equations of a wavenumber by interpolation, and weights of those kept: of the nearest ones,
-    /// as many as are needed.
+    /// Estimated error of the equations of a wavenumber by interpolation, and weights of those cached: of the nearest
+    /// ones, as many as are needed.
     fn weights(&self, k: f64, coupling: Coupling) -> (f64, Vec<(usize, f32)>) {
         let alike = |(_, kept): &(usize, &Kept)| kept.coupling == coupling && coupling != Coupling::Transition;
         let mut nodes: Vec<(usize, f64)> = self
@@ -195,7 +195,7 @@ fn combine(known: &[(&[f32], f32)], start: usize, to: &mut [f32]) {
 }
 
 impl Exterior {
-    /// Memory of the equations that are kept where those of many frequencies are interpolated \[bytes\], about, with so many
+    /// Memory of the cached equations where those of many frequencies are interpolated \[bytes\], about, with so many
     /// patterns in every parity; none with a compressed matrix.
     pub fn bytes_of_kept_equations(&self, patterns: usize) -> f64 {
         let (n, copies) = (self.boundary().nodes() as f64, self.boundary().copies() as f64);

@@ -30,7 +30,7 @@ impl Boundary {
     /// planes.
     ///
     /// On every panel this is the least-squares fit to the polynomials of the faces, integrated exactly on every
-    /// intersection of a face with the panel: the volume flow of each panel equals that of the faces, for meshes of any
+    /// intersection of a face with the panel. The volume flow of each panel equals that of the faces, for meshes of any
     /// size.
     ///
     /// # Errors

@@ -121,7 +121,7 @@ impl Spheres {
         march(&a, &by_force, force, n)
     }
 
-    /// Displacement and velocity by the correction, with what it adds.
+    /// Displacement and velocity by the correction, with the correction itself.
     fn corrected(&self, force: &[f64]) -> ([DMatrix<f64>; 2], DMatrix<f64>, ImpedanceCorrection) {
         let wet = self.wet();
         let [u, v] = self.with_frozen(&wet, force);

@@ -198,7 +198,7 @@ impl SampledRadiation {
     }
 
     /// omega^power times M / omega^power interpolated between rows of matrices, in a column for each bin of a run. This
-    /// factor keeps them within the range of single precision.
+    /// factor brings them within the range of single precision.
     fn matrices<T: RealField + Copy>(&self, rows: &Rows<'_, T>, power: i32, run: &Run, frequency: &[f64]) -> Mat<T> {
         let hz = &frequency[run.bins.clone()];
         let nodes = self.grid.nodes(run.interval);

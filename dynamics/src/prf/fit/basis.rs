@@ -16,7 +16,7 @@ struct Column {
     shift: f64,
     /// Degree of the polynomial.
     degree: usize,
-    /// Whether the polynomial is zero at x = 0: the powers begin with x^1, so that the span holds no constant.
+    /// Whether the polynomial is zero at x = 0: the powers begin with x^1, so that the span excludes constants.
     anchored: bool,
 }
 
@@ -65,7 +65,7 @@ impl Basis {
     pub(super) fn row(&self, values: &Values) -> impl Iterator<Item = f64> + '_ {
         let values = *values;
         let x = values[Variable::X as usize];
-        // The last cofactor is kept, because those of a family of polynomials are the same.
+        // The last cofactor is cached, because those of a family of polynomials are the same.
         let mut last: Option<(&Term, f64)> = None;
         self.columns.iter().map(move |column| {
             let cofactor = match last {

@@ -75,18 +75,18 @@ pub struct Masses {
     pub ahead: f64,
 }
 
-/// Points of a drive, and what is to be said of them.
+/// Points of a drive, and the flags on them.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Cleaned {
     /// Means in bins of 1 % of the nail's length.
     pub points: Vec<Point>,
     /// sigma_v, standard error of the speed \[m/s\]; after an impact only.
     pub speed_error: Option<f64>,
-    /// What the user should look at.
+    /// Points for the user to check.
     pub flags: Vec<Flag>,
 }
 
-/// Something about a drive that the user should look at.
+/// A point of a drive for the user to check.
 #[derive(Debug, Clone, Copy, PartialEq, Error)]
 #[non_exhaustive]
 pub enum Flag {
@@ -470,7 +470,7 @@ struct Impact<'a> {
 }
 
 impl Impact<'_> {
-    /// Samples with the force on the wood and the speed, without the time in which waves run in the nail.
+    /// Samples with the force on the wood and the speed, without the travel time of waves in the nail.
     fn samples(
         &self,
         trace: &Trace,
@@ -532,7 +532,7 @@ fn deviation(values: &[f64], mean: f64) -> f64 {
     (values.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / (values.len() - 1) as f64).sqrt()
 }
 
-/// Intercept and slope of the line of least squares; none where it has none.
+/// Intercept and slope of the line of least squares; none if it is not determined.
 fn line(points: &[(f64, f64)]) -> Option<(f64, f64)> {
     let n = points.len() as f64;
     let [mx, my] = [0, 1].map(|i| points.iter().map(|p| if i == 0 { p.0 } else { p.1 }).sum::<f64>() / n);

@@ -10,7 +10,7 @@ pub fn student_t(confidence: f64, degrees_of_freedom: f64) -> f64 {
 
 /// The number of N(0, 1) below which lies this share (0..1).
 pub fn standard_normal(share: f64) -> f64 {
-    // A share of 0 has no finite number; 2^-54 is less than half of the smallest other one.
+    // A share of 0 would give an infinite number; 2^-54 is less than half of the smallest other one.
     let share = share.max(0.5 * f64::EPSILON * 0.25);
     -f64::sqrt(2.0) * statrs::function::erf::erfc_inv(2.0 * share)
 }

@@ -30,7 +30,7 @@ impl Driving {
     }
 }
 
-/// What a drive was made with.
+/// The conditions of a drive.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Conditions {
     /// Nail and wood.
@@ -93,7 +93,7 @@ pub struct Drive {
     pub nail: String,
     /// Name of the wood.
     pub wood: String,
-    /// What it was made with.
+    /// Its conditions.
     pub conditions: Conditions,
     /// Its points.
     pub points: Vec<Point>,

@@ -18,7 +18,7 @@ pub struct LawOfDrive {
     terms: Vec<Monomial>,
     length: f64,
     scale: f64,
-    /// Range of v/v0 in the data, to which the speed is held; none for a law without speed.
+    /// Range of v/v0 in the data, as the limits of the speed; none for a law without speed.
     decay: Option<[f64; 2]>,
     /// Speed of impact in the middle of the data \[m/s\].
     usual_impact: f64,
@@ -119,8 +119,8 @@ impl LawOfDrive {
         self.usual_impact
     }
 
-    /// The force at `depth` \[m\] and speed \[m/s\] after an impact at `impact` \[m/s\]. v/v0 is held to the range of the
-    /// data: the gas behind a piston pushes on, which the similarity of Eq. 3.1 lacks.
+    /// The force at `depth` \[m\] and speed \[m/s\] after an impact at `impact` \[m/s\]. The ratio v/v0 is limited to
+    /// the range of the data: the gas behind a piston pushes on, which the similarity of Eq. 3.1 does not include.
     #[inline]
     pub fn evaluate(&self, depth: f64, speed: f64, impact: f64) -> Resisting {
         let x = depth / self.length;

@@ -20,7 +20,7 @@ pub enum FitError {
         what: &'static str,
         /// Its value \[SI\].
         value: f64,
-        /// What it must be.
+        /// The requirement.
         rule: &'static str,
     },
     /// A term that the drives have no value of.
@@ -57,12 +57,12 @@ pub enum FitError {
         /// Number of terms.
         terms: usize,
     },
-    /// The data cannot tell a term from others.
+    /// The data cannot separate a term from others.
     #[error("the data do not tell the term {term} from {}", if partners.is_empty() { "0".to_owned() } else { partners.join(", ") })]
     NotIdentifiable {
         /// The term.
         term: String,
-        /// The terms it is a combination of in these data; none where it is zero everywhere.
+        /// The terms whose combination it is in these data; none if it is zero everywhere.
         partners: Vec<String>,
     },
     /// A fit whose numbers no law may have.
@@ -74,7 +74,7 @@ pub enum FitError {
     /// A group to leave out that is the only one.
     #[error("all drives belong to one {what}, so that none can be left out")]
     OneFold {
-        /// What was to be left out.
+        /// The item to be left out.
         what: &'static str,
     },
 }

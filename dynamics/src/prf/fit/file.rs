@@ -1,4 +1,4 @@
-//! The file of a fit: what it holds, and the domains of its numbers.
+//! The file of a fit: its contents, and the domains of its numbers.
 
 use serde::{Deserialize, Serialize};
 
@@ -6,7 +6,7 @@ use super::form::{Form, VARIABLES, Values, Variable};
 use super::law_error::LawError;
 use super::regression::Method;
 
-/// What is known of a term.
+/// The results for a term.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct TermFit {
@@ -24,11 +24,11 @@ pub struct TermFit {
     pub p: f64,
     /// Factor by which dependence on other terms raises its variance; 0 for a constant.
     pub vif: f64,
-    /// F of the classical test that drops the term alone.
+    /// F of the classical test that drops only the term.
     pub f_dropped: f64,
 }
 
-/// Quality of a fit, of s = sqrt(F_r/(H_M NL)) where it has no other unit.
+/// Quality of a fit, of s = sqrt(F_r/(H_M NL)) unless another unit is stated.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Quality {

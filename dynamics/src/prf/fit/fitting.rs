@@ -206,11 +206,12 @@ pub struct Reduction {
     pub chosen: bool,
 }
 
-/// Growth of SEE up to which a term is dropped \[%\].
+/// Largest growth of SEE for dropping a term \[%\].
 pub const DROP_BELOW: f64 = 5.0;
 
-/// Drops terms from the end of a form, refits, and chooses the shortest form on the way down to which no term raised
-/// SEE by more than [`DROP_BELOW`]. Each form is fitted by `method`, or by the one that it needs. Published choice for plywood: "reduced 5" (Table 2-8), by judgement.
+/// Drops terms from the end of a form, refits, and chooses the shortest form before a term raised SEE by more than
+/// [`DROP_BELOW`]. Each form is fitted by `method`, or by the one that it needs. Published choice for plywood: "reduced
+/// 5" (Table 2-8), by judgement.
 ///
 /// # Errors
 /// As [`fit`].
@@ -282,14 +283,14 @@ impl Leave {
     }
 }
 
-/// Errors of prediction by a law that has not seen what it predicts.
+/// Errors of prediction by a law that has not seen the predicted data.
 #[derive(Debug, Clone, Serialize)]
 pub struct Validation {
-    /// What was left out.
+    /// The data left out.
     pub left_out: Leave,
     /// Root mean square error of s.
     pub root_mean_square: f64,
-    /// Root mean square error of s by what was left out; none where the rest does not determine the law.
+    /// Root mean square error of s in each fold left out; none if the rest does not determine the law.
     pub folds: Vec<(String, Option<f64>)>,
 }
 
@@ -304,7 +305,7 @@ fn distinct(drives: &[Drive], key: impl Fn(&Drive) -> &String) -> BTreeMap<&Stri
 /// Cross-validation: each fold is predicted by the law of all the others, fitted by `method`.
 ///
 /// # Errors
-/// [`FitError::OneFold`] where there is nothing else to fit.
+/// [`FitError::OneFold`] if there are no other folds to fit.
 pub fn validate(form: &Form, drives: &[Drive], method: Method, leave: Leave) -> Result<Validation, FitError> {
     let folds = distinct(drives, |drive| leave.key(drive));
     if folds.len() < 2 {

@@ -151,7 +151,7 @@ impl fmt::Display for Term {
     }
 }
 
-/// Why a text is no form of a law.
+/// Why a text is not a form of a law.
 #[derive(Debug, Clone, PartialEq, Error)]
 #[error("\"{text}\" is no form of a penetration law: {problem}")]
 pub struct FormError {
@@ -263,7 +263,7 @@ impl FromStr for Form {
     }
 }
 
-/// Parts between separators that stand outside brackets.
+/// Parts between separators outside brackets.
 fn split(text: &str, separator: char) -> Vec<&str> {
     let (mut parts, mut depth, mut start) = (Vec::new(), 0_i32, 0);
     for (at, letter) in text.char_indices() {

@@ -92,10 +92,10 @@ impl From<FittedLaw> for FitFile {
     }
 }
 
-/// Which scatter a band holds.
+/// The scatter that a band includes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Scatter {
-    /// Uncertainty of the law alone.
+    /// Uncertainty of the law only.
     Law,
     /// One shot into a specimen: and sigma_b.
     Shot,
@@ -167,11 +167,11 @@ impl FittedLaw {
         self.coefficients.len() + 1
     }
 
-    /// A law drawn with the uncertainty of this one, by [`draw_size`](Self::draw_size) numbers of N(0, 1): the first gives the
-    /// specimen's deviation b from N(0, sigma_b^2), the others C from N(C, V), along the principal components of the
-    /// correlations of C, the largest first. Numbers that are missing are 0.
+    /// A law drawn with the uncertainty of this one, by [`draw_size`](Self::draw_size) numbers of N(0, 1). The first
+    /// gives the specimen's deviation b from N(0, sigma_b^2), the others C from N(C, V), along the principal components
+    /// of the correlations of C, the largest first. Numbers that are missing are 0.
     ///
-    /// sigma_b includes the scatter of the specimens' hardness: H_M drawn beside it would count it twice.
+    /// sigma_b includes the scatter of the specimens' hardness: drawing H_M too would count it twice.
     #[must_use]
     pub fn drawn(&self, normal: &[f64]) -> Self {
         let terms = self.coefficients.len();
@@ -265,7 +265,7 @@ impl FittedLaw {
         let mut found = Vec::new();
         for variable in Variable::ALL {
             let value = values[variable as usize];
-            // Depth and speeds run through their ranges; what counts of the depth is how deep the data go.
+            // Depth and speeds run through their ranges; for the depth, only how deep the data go counts.
             if matches!(variable, Variable::Decay) || value.is_nan() || !self.form.uses(variable) {
                 continue;
             }

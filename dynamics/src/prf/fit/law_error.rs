@@ -37,7 +37,7 @@ pub enum LawError {
         what: String,
         /// The number.
         value: f64,
-        /// What it must be.
+        /// The requirement.
         rule: &'static str,
     },
     /// A covariance of another size, not symmetric, or with a negative eigenvalue.

@@ -7,7 +7,7 @@ use super::error::FitError;
 /// Size of a pivot, as a part of the largest, below which a column is a combination of others.
 const RANK_TOLERANCE: f64 = 1e-10;
 
-/// Part of a partner in a dependent column from which it is named.
+/// Least part of a partner in a dependent column for naming it.
 const PARTNER: f64 = 1e-6;
 
 /// min |X c - s|, X of full rank, without normal equations (Golub and Van Loan, Matrix Computations, 2013, sec. 5.4).

@@ -1,11 +1,11 @@
 //! Regression of s = sqrt(F_r/(H_M NL)) on the terms of a law.
 //!
-//! Ordinary least squares serves laws of quasi-static tests. The group `decay` = v/v0 depends on the
-//! drive itself: in harder wood the nail is slower, so that the specimen's deviation biases the coefficient of least squares. A law
-//! with `decay` is therefore fitted in two steps: the terms that change while a nail is driven, within drives (every
-//! drive less its mean); then the means of the drives, equally weighted, on the terms that are constant in a drive. The
-//! covariance of the first step enters the second (Mundlak 1978, Econometrica 46; Hausman and Taylor 1981, Econometrica
-//! 49).
+//! Ordinary least squares serves laws of quasi-static tests. The group `decay` = v/v0 depends on the drive itself: in
+//! harder wood the nail is slower, so that the specimen's deviation biases the coefficient of least squares. A law with
+//! `decay` is therefore fitted in two steps. The terms that change while a nail is driven are fitted within drives
+//! (every drive less its mean). Then the means of the drives, equally weighted, are fitted on the terms that are
+//! constant in a drive. The covariance of the first step enters the second (Mundlak 1978, Econometrica 46; Hausman and
+//! Taylor 1981, Econometrica 49).
 
 use std::ops::Range;
 
@@ -73,7 +73,7 @@ enum Steps {
 pub struct Solution {
     /// C, one a term.
     pub coefficients: DVector<f64>,
-    /// Covariance that allows for deviations common to a drive; the classical one where there is only one drive.
+    /// Covariance that allows for deviations common to a drive; the classical one for a single drive.
     pub covariance: DMatrix<f64>,
     /// Covariance as if all points were independent.
     pub classical: DMatrix<f64>,
@@ -110,7 +110,8 @@ impl Regression {
         let constant_speed = drives.iter().all(|drive| drive.conditions.driving.is_constant());
         let varying: Vec<bool> = terms.iter().map(|term| term.varies(constant_speed)).collect();
         let constants = varying.iter().filter(|varies| !**varies).count();
-        // Means of drives are the data of what is constant in a drive, whatever the method; a lone polynomial fits one drive.
+        // Means of drives are the data of the terms that are constant in a drive, whatever the method; a lone
+        // polynomial fits one drive.
         if constants > 1 && drives.len() <= constants {
             return Err(FitError::TooFewDrives {
                 drives: drives.len(),

@@ -1,6 +1,6 @@
 //! Friction and deformation-fracture parts of the resistance.
 //!
-//! A second drive of the nail into its own hole measures friction alone; the first less the second is the
+//! A second drive of the nail into its own hole measures only friction; the first less the second is the
 //! deformation-fracture part (Nili Ahmadabadi 2016, sec. 2.4.3). Helical nails turn, so that the second drive does not
 //! follow the first one's thread. The shapes fitted are ours: friction f x, deformation D min(1, x/x_k).
 
@@ -13,7 +13,7 @@ pub struct Split {
     pub friction: f64,
     /// D, deformation-fracture part beyond x_k \[N\].
     pub deformation: f64,
-    /// x_k, depth from which the deformation-fracture part is constant, y/NL.
+    /// x_k, depth y/NL beyond which the deformation-fracture part is constant.
     pub knee: f64,
     /// f/(f + D), `wood.friction_share`.
     pub friction_share: f64,

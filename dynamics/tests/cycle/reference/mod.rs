@@ -12,7 +12,7 @@ type Y = [f64; N];
 /// Events that are the first passage of a level, and the passage of the full depth.
 const LEVELS: usize = 16;
 
-/// What the reference found of a shot up to `end`.
+/// The reference's results for a shot up to `end`.
 #[derive(Debug, Default)]
 #[allow(dead_code)] // each test that includes this reads what it needs
 pub(crate) struct Shot {

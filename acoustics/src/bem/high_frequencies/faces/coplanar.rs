@@ -1,4 +1,4 @@
-//! Coplanar panels, and the walls on which such a face stands.
+//! Coplanar panels, and the walls that such a face adjoins.
 
 use crate::bem::mesh::boundary::Boundary;
 use crate::bem::mesh::symmetry::Image;
@@ -67,7 +67,7 @@ impl<'a> CoplanarPanels<'a> {
         }
     }
 
-    /// Panels that share a plane, group by group; a curved panel is a group of its own.
+    /// Panels that share a plane, group by group; a curved panel forms a separate group.
     pub(super) fn groups(&self) -> Vec<Vec<usize>> {
         let mut known = vec![false; self.normals.len()];
         let mut groups = Vec::new();
@@ -126,7 +126,7 @@ impl<'a> CoplanarPanels<'a> {
         }
     }
 
-    /// The perpendicular face on which this one stands, if it stands on it with its whole length on one side.
+    /// The perpendicular face that this one adjoins, if all of this one is on its outer side.
     fn wall(&self, panels: &[usize], normal: Vector3<f64>, across: [bool; 2]) -> Option<Wall> {
         let mesh = self.boundary.mesh();
         let centre = |p: usize| mesh.point_at(p, mesh.panels[p].kind().centre()).position.coords;

@@ -1,4 +1,4 @@
-//! The flat faces of a body, each of which radiates at high frequencies as if flush in a plane.
+//! The flat faces of a body. Each radiates at high frequencies as if flush in a plane.
 
 mod coplanar;
 mod points;
@@ -17,16 +17,16 @@ use std::f64::consts::PI;
 
 /// Flat faces of a boundary that are wide compared with the wavelength, and the panels that belong to none.
 ///
-/// A face radiates by Rayleigh's integral, as if flush in a plane; the rest of the body is ignored:
+/// A face radiates by Rayleigh's integral, as if flush in a plane. The rest of the body is ignored.
 ///
 /// ```text
 /// R = rho0 c0 k^2/(2 pi) Phi_n^T S K S Phi_n       K_ab = sin(k r_ab)/(k r_ab)
 /// ```
 ///
-/// It tends to the equivalent radiated power for k -> infinity, but includes the ratio of the wavelength on the face to
-/// that in air. A perpendicular wall (the floor, or the larger face on which this one stands) reflects: images of the
-/// points are summed. Different faces radiate independently. Panels outside all faces, for example curved ones, radiate
-/// the equivalent radiated power.
+/// It tends to the equivalent radiated power for k -> infinity. Unlike that power, it includes the ratio of the
+/// wavelength on the face to that in air. A perpendicular wall (the floor, or the larger face that this one adjoins)
+/// reflects: images of the points are summed. Different faces radiate independently. Panels outside all faces, for
+/// example curved ones, radiate the equivalent radiated power.
 #[derive(Clone, Debug)]
 pub(crate) struct Faces<'a> {
     boundary: &'a Boundary,
@@ -61,7 +61,7 @@ impl<'a> Faces<'a> {
         }
     }
 
-    /// Whether there is no such face.
+    /// Whether there are none.
     pub(crate) fn is_empty(&self) -> bool {
         self.faces.is_empty()
     }
@@ -307,7 +307,7 @@ mod tests {
         }
     }
 
-    /// A block on a slab: the block's sides stand on the slab, which stands on nothing.
+    /// A block on a slab: the block's sides adjoin the slab, whose faces adjoin none.
     #[test]
     fn faces_are_found_with_their_walls() {
         let box_of = |[x, y]: [f64; 2], [low, high]: [f64; 2], part| SolidBox {

@@ -8,10 +8,10 @@ use std::collections::{BTreeMap, BTreeSet, BinaryHeap};
 /// Cosine of the angle that a triangle may differ from the surface's normals at its corners: 40 degrees.
 const TILT: f64 = 0.766;
 
-/// Quality of a triangle, 1 where it is equilateral, below which none is made that is worse than what it replaces.
+/// Least quality of new triangles, 1 for equilateral ones, unless they are at least as good as those they replace.
 const QUALITY: f64 = 0.4;
 
-/// Length of a straight edge over that of the line it stands for, at least: 70 degrees of a circle.
+/// Least length of a straight edge over that of the line it replaces: 70 degrees of a circle.
 const STRAIGHT: f64 = 0.94;
 
 /// Rounds of collapses and flips.
@@ -112,9 +112,9 @@ impl<'a> Collapse<'a> {
         all
     }
 
-    /// The surface with the vertex `u` moved to its neighbour `v`, if that is allowed: the surface stays closed (the ends'
-    /// common neighbours are those of their common triangles; Dey et al. 1999), lines stay where they are, no triangle
-    /// turns away from the surface or grows too long or too slender.
+    /// The surface with the vertex `u` moved to its neighbour `v`, if that is allowed. The surface must stay closed
+    /// (the ends' common neighbours are those of their common triangles; Dey et al. 1999), lines must stay in place,
+    /// and no triangle may turn away from the surface or become too long or too slender.
     fn without(&self, u: usize, v: usize) -> Option<Left> {
         let on_line = self.lines.contains_key(&key(u, v));
         match self.kinds[u] {
@@ -237,7 +237,7 @@ impl<'a> Collapse<'a> {
         if c == d || self.neighbours(c).contains(&d) || (self.points[c] - self.points[d]).norm() > self.longest {
             return None;
         }
-        // Each keeps one end of the old side and gets the other's third corner in place of the other end.
+        // Each retains one end of the old side and gets the other's third corner in place of the other end.
         let swapped = |of: &Triangle, end: usize, from: &Triangle, to: usize| {
             let mut new = *of;
             let k = new.corners.iter().position(|&corner| corner == end)?;

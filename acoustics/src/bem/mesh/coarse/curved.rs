@@ -68,7 +68,7 @@ impl Curved {
         4.0 / 3.0 * (0..3).map(off).fold(0.0, f64::max)
     }
 
-    /// Centre and radius of a sphere that holds it.
+    /// Centre and radius of a sphere that encloses it.
     fn sphere(&self) -> (Vector3<f64>, f64) {
         let [a, b, c, ..] = self.nodes;
         let centre = (a + b + c) / 3.0;
@@ -90,7 +90,7 @@ impl Curved {
             } else if to[1] < 0.0 {
                 to = [xi[0] + (f + xi[1] * b) / a, 0.0];
             } else if to[0] + to[1] > 1.0 {
-                // Along the third side from where it is nearest in these coordinates.
+                // Along the third side from the nearest point in these coordinates.
                 let over = 0.5 * (1.0 - xi[0] - xi[1]);
                 let (start, along) = ([xi[0] + over, xi[1] + over], u - t);
                 let step = along.dot(&(rest - (t + u) * over)) / along.norm_squared();

@@ -22,9 +22,10 @@ const SAME_CORNER: f64 = 1e-6;
 type Place = (usize, [f64; 3]);
 
 impl Boundary {
-    /// Normal velocities of `other`, another mesh of triangles of the same surface (corner values of its panels x patterns,
-    /// see [`Boundary::project`]), on this one. Each point takes the velocity at the nearest point of a panel with a similar
-    /// normal; panels that both meshes have keep their values. None where the surfaces differ, or panels are no triangles.
+    /// Normal velocities of `other`, another mesh of triangles of the same surface (corner values of its panels x
+    /// patterns, see [`Boundary::project`]), on this one. Each point takes the velocity at the nearest point of a panel
+    /// with a similar normal; panels common to both meshes retain their values. None if the surfaces differ, or if
+    /// panels are not triangles.
     pub fn interpolate_from(&self, other: &Self, velocities: &DMatrix<f64>) -> Option<DMatrix<f64>> {
         let triangles = |boundary: &Self| boundary.velocity_values() == 3 * boundary.mesh().panels.len();
         let area = |boundary: &Self| {
@@ -74,7 +75,7 @@ impl Boundary {
         same.then_some(on_this)
     }
 
-    /// The place on another mesh nearest to a point of a panel with this normal; none where it is too far.
+    /// The place on another mesh nearest to a point of a panel with this normal; none if it is too far away.
     fn place_on(&self, surface: &Nearest, panel: usize, (at, normal): (Vector3<f64>, Vector3<f64>)) -> Option<Place> {
         let found = surface.find(&at, |n| n.dot(&normal) > ALIKE)?;
         let n = FaceKind::Tri3.at(found.xi).n;
@@ -93,8 +94,8 @@ impl Boundary {
         [0, 1, 2].map(|k| self.mesh().points[corners[k]].coords)
     }
 
-    /// The corners of a triangle in cells of this size, in an order of their own, and the number of the corner in each place
-    /// of that order.
+    /// The corners of a triangle in cells of this size, in sorted order, and the number of the corner at each place of
+    /// that order.
     fn corner_cells(&self, panel: usize, unit: f64) -> ([[i64; 3]; 3], [usize; 3]) {
         let cell = |x: &Vector3<f64>| [0, 1, 2].map(|axis| (x[axis] / unit).round() as i64);
         let cells = self.corners_of(panel).map(|x| cell(&x));

@@ -1,13 +1,13 @@
-//! Lines that a coarser surface must keep: sharp edges, borders of patches, and where the surface ends.
+//! Lines that a coarser surface must preserve: sharp edges, borders of patches, and the ends of the surface.
 
 use super::curved::Curved;
 use nalgebra::Vector3;
 use std::collections::BTreeMap;
 
-/// Cosine of the angle between normals across an edge from which it is sharp: 30 degrees.
+/// Cosine of the least angle between normals across a sharp edge: 30 degrees.
 const SHARP: f64 = 0.866;
 
-/// Cosine of the turn of a line from which its vertex is kept: 45 degrees.
+/// Cosine of the turn of a line at which its vertex becomes fixed: 45 degrees.
 const TURN: f64 = 0.707;
 
 /// Pieces into which a curved edge is cut to follow a line.
@@ -36,7 +36,7 @@ pub(super) enum Kind {
 /// Edges on lines, by their ends, the lower number first: the points along them from there.
 pub(super) type Lines = BTreeMap<(usize, usize), Vec<Vector3<f64>>>;
 
-/// The triangles of a surface with normals at their corners, its lines, and what each vertex may do.
+/// The triangles of a surface with normals at their corners, its lines, and the freedom of each vertex.
 pub(super) fn lines(
     points: &[Vector3<f64>],
     of: &[([usize; 3], Curved)],
@@ -87,7 +87,7 @@ pub(super) fn lines(
     for (t, triangle) in triangles.iter().enumerate() {
         for (k, &vertex) in triangle.corners.iter().enumerate() {
             let own = root(&mut fans, 3 * t + k);
-            // Two parts of the surface meet in this point alone.
+            // Two parts of the surface meet only in this point.
             if *fan[vertex].get_or_insert(own) != own {
                 kinds[vertex] = Kind::Fixed;
             }

@@ -30,9 +30,9 @@ impl Boundary {
     ///
     /// Vertices are some of this surface's: its edges are collapsed to one of their ends, the shortest first, while
     /// triangles stay well shaped and within 40 degrees of the surface's own normals (after Botsch & Kobbelt, *Proc.
-    /// Eurographics SGP*, 2004, with half-edges). Sharp edges, borders of patches and where the surface ends in floor and
-    /// mirror planes stay where they are. Middles of sides are put on this surface, so that the triangles are curved as it
-    /// is and the volume inside, the mass of air that it displaces, is kept.
+    /// Eurographics SGP*, 2004, with half-edges). Sharp edges, borders of patches and the ends of the surface in floor
+    /// and mirror planes stay in place. Midpoints of sides are moved to this surface. The triangles are then as curved
+    /// as it is, and the enclosed volume, the mass of air that it displaces, is preserved.
     ///
     /// # Errors
     /// A length that is not positive, and those of [`Boundary::symmetric`].

@@ -29,11 +29,11 @@ impl Boundary {
     /// int N_i v dS = sum_x N_i(xi(x)) v(x) dS(x)
     /// ```
     ///
-    /// so that the total volume flow equals that of the finer surface, and its first moments agree to within the size
-    /// of a panel.
+    /// so that the total volume flow equals that of the finer surface. Its first moments agree to within the size of a
+    /// panel.
     ///
     /// # Errors
-    /// Velocities of another length; [`InputError::Length`](crate::InputError) for panels that are no triangles.
+    /// Velocities of another length; [`InputError::Length`](crate::InputError) for panels that are not triangles.
     pub fn project_from(&self, finer: &Self, velocities: &DMatrix<f64>) -> Result<DMatrix<f64>, BemError> {
         same_length(
             "rows of the normal velocities",

@@ -19,13 +19,13 @@ const STRAIGHT: f64 = 1e-9;
 /// Least area factor of a curved triangle over that of the flat one.
 const SQUEEZED: f64 = 0.3;
 
-/// Cosine of the angle between normals up to which two surfaces are the same sheet.
+/// Cosine of the largest angle between normals of the same sheet.
 const SHEET: f64 = 0.5;
 
 /// Middles of the sides of curved edges, by their ends.
 type Middles = BTreeMap<(usize, usize), Vector3<f64>>;
 
-/// What is left of a surface as curved triangles; those whose sides are straight as flat ones.
+/// The remaining surface as curved triangles, or as flat ones if their sides are straight.
 pub(super) fn curved_panels(fewer: &Collapse<'_>, surface: &Nearest, patches: &[String]) -> BoundaryMesh {
     let triangles: Vec<Triangle> = fewer.triangles.iter().flatten().copied().collect();
     let mut middles = middles(fewer, &triangles, surface);

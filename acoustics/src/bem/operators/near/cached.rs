@@ -13,8 +13,8 @@ pub(super) const KEPT: usize = 5;
 /// M(k) = e^{-jkr_0} sum_n l_n(k) e^{jk_n r_0} M(k_n)        r_0: distance of the panels' centres
 /// ```
 ///
-/// Without the phase of r_0 the kernels vary as e^{-jk(r - r_0)} with |r - r_0| below the sum s of the panels' radii,
-/// so that the error is below 2 (k_max s / 4)^N / N!: 1e-4 at six panels per wavelength; the measured error is a
+/// Without the phase of r_0 the kernels vary as e^{-jk(r - r_0)} with |r - r_0| below the sum s of the panels' radii.
+/// The error is therefore below 2 (k_max s / 4)^N / N!: 1e-4 at six panels per wavelength. The measured error is a
 /// hundredth of that.
 #[derive(Debug)]
 pub(super) struct CachedPairs {

@@ -9,8 +9,8 @@ use std::collections::HashMap;
 
 /// Gauss points per direction for touching pairs, but one less away from the singularity.
 const SINGULAR_ORDER: usize = 4;
-/// Distance of two panels' centres, as a multiple of the sum of their radii, above which the rules of 3, 7, 12 and 16
-/// points (2 x 2, 3 x 3, 4 x 4 and 5 x 5 on quadrilaterals) are taken; closer panels are divided.
+/// Distance of two panels' centres over the sum of their radii, above which the rules of 3, 7, 12 and 16 points (2 x 2,
+/// 3 x 3, 4 x 4 and 5 x 5 on quadrilaterals) are taken. Closer panels are divided.
 pub(super) const RATIOS: [f64; 4] = [2.1, 1.6, 1.2, 0.8];
 
 /// A rule for two panels or their halves.

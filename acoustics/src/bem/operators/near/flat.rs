@@ -39,7 +39,7 @@ impl Integrate<'_> {
         }
         let k = simd.splat_f64s(self.k);
         let unit = simd.splat_f64s(0.25 / PI);
-        // G, (x - y) . n_y h and (x - y) . n_x h, times corner functions; and the sum of G alone.
+        // G, (x - y) . n_y h and (x - y) . n_x h, times corner functions; and the sum of G.
         let mut sums = [[[[zero; 3]; 3]; 2]; 3];
         let mut whole = [zero; 2];
         for at in 0..self.weights.len() / S::F64_LANES {

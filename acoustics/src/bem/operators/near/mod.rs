@@ -34,7 +34,7 @@ use rayon::prelude::*;
 use std::collections::HashMap;
 use tables::Sampled;
 
-/// Distance of two panels' centres, as a multiple of the sum of their radii, from which the far rule suffices.
+/// Least distance of two panels' centres for the far rule, as a multiple of the sum of their radii.
 pub(crate) const FAR_RATIO: f64 = RATIOS[0];
 
 /// A pair of panels that the far rule must leave out.
@@ -266,7 +266,7 @@ impl NearAt<'_> {
         self.field.pairs(e_block, f_block)
     }
 
-    /// The matrices of one pair; `own` holds them if no other pair has the same.
+    /// The matrices of one pair; `own` stores them if no other pair has the same.
     pub(crate) fn matrices<'b>(&'b self, pair: &NearPair, own: &'b mut PairMatrices) -> &'b PairMatrices {
         if let Some(known) = &self.shared[pair.shape as usize] {
             return known;
@@ -285,7 +285,7 @@ impl NearAt<'_> {
     }
 }
 
-/// Centre of a panel's nodes, and the radius around it that holds them.
+/// Centre of a panel's nodes, and the radius around it that encloses them.
 pub(crate) fn sphere(mesh: &crate::bem::BoundaryMesh, p: usize) -> (Vector3<f64>, f64) {
     let nodes = mesh.panels[p].nodes();
     let corners = mesh.panels[p].corners();
