@@ -52,10 +52,7 @@ pub fn read(path: &Path) -> Result<Measurement, UffError> {
 /// # Errors
 /// [`UffError::Line`] for factors that cannot be read; [`UffError::Truncated`].
 pub fn units(bytes: &[u8], path: &Path) -> Result<Option<[f64; 2]>, UffError> {
-    let last = datasets(bytes)
-        .into_iter()
-        .filter(|dataset| dataset.number == 164)
-        .last();
+    let last = datasets(bytes).into_iter().rfind(|dataset| dataset.number == 164);
     last.map(|dataset| dataset.read(path, |block| block.units()))
         .transpose()
 }

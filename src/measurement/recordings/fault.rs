@@ -9,7 +9,7 @@ use super::{Foreign, LOWEST_RATE, RUN, SHOT};
 #[non_exhaustive]
 pub enum Fault {
     /// Bytes that are no recording of a known format.
-    #[error("the file is no recording that can be read: {problem}")]
+    #[error("the file cannot be read as a recording: {problem}")]
     Format {
         /// What is wrong.
         problem: String,

@@ -274,4 +274,86 @@ mod tests {
         };
         assert!(reserve(usize::MAX, 1, open).is_err());
     }
+
+    /// A file of so many bytes that begins with a header and ends with a tail; all between is zero.
+    struct Sparse {
+        head: Vec<u8>,
+        tail: Vec<u8>,
+        length: u64,
+        at: u64,
+    }
+
+    impl Read for Sparse {
+        fn read(&mut self, bytes: &mut [u8]) -> io::Result<usize> {
+            let count = bytes.len().min((self.length - self.at) as usize);
+            bytes[..count].fill(0);
+            let tail = self.length - self.tail.len() as u64;
+            for (from, part) in [(0, &self.head), (tail, &self.tail)] {
+                for (place, value) in (from..).zip(part) {
+                    if (self.at..self.at + count as u64).contains(&place) {
+                        bytes[(place - self.at) as usize] = *value;
+                    }
+                }
+            }
+            self.at += count as u64;
+            Ok(count)
+        }
+    }
+
+    impl Seek for Sparse {
+        fn seek(&mut self, to: io::SeekFrom) -> io::Result<u64> {
+            if let io::SeekFrom::Start(at) = to {
+                self.at = at.min(self.length);
+            }
+            Ok(self.at)
+        }
+    }
+
+    /// RF64: 1 100 000 frames of 2048 channels of 16 bits, 4.5 GB, of which one channel takes 9 MB.
+    #[test]
+    fn a_recording_beyond_four_gigabytes_is_read() {
+        const CHANNELS: u16 = 2048;
+        let frames: u64 = 1_100_000;
+        let content = 2 * u64::from(CHANNELS) * frames;
+        let ds64: Vec<u8> = [0, content, frames].iter().flat_map(|x| x.to_le_bytes()).collect();
+        let mut head = [
+            &b"RF64\xff\xff\xff\xffWAVEds64"[..],
+            &28_u32.to_le_bytes(),
+            &ds64,
+            &[0; 4],
+        ]
+        .concat();
+        head.extend(
+            [
+                &b"fmt "[..],
+                &16_u32.to_le_bytes(),
+                &1_u16.to_le_bytes(),
+                &CHANNELS.to_le_bytes(),
+            ]
+            .concat(),
+        );
+        head.extend([48_000_u32.to_le_bytes(), [0; 4]].concat());
+        head.extend([(2 * CHANNELS).to_le_bytes(), 16_u16.to_le_bytes()].concat());
+        head.extend(b"data\xff\xff\xff\xff");
+        let length = head.len() as u64 + content;
+        assert!(length > 4_300_000_000);
+        let file = Sparse {
+            head,
+            tail: 0x4000_i16.to_le_bytes().to_vec(),
+            length,
+            at: 0,
+        };
+        let tracks = decode(file, length, &[&Selector::Channel(2048)]);
+        let Ok([track]) = tracks.as_deref() else {
+            panic!("not read")
+        };
+        let [rest @ .., last] = track.samples.as_slice() else {
+            panic!("empty")
+        };
+        assert_eq!(
+            (track.samples.len() as u64, *last),
+            (frames, f64::from(0x4000) / largest(16))
+        );
+        assert!(rest.iter().all(|sample| *sample == 0.0));
+    }
 }
