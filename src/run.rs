@@ -160,6 +160,7 @@ impl Chain {
                 limited_sensors: inputs::sensors::limited(design),
                 fitted_law: inputs::notes::fitted_law(design, &record)?,
                 outside_ranges: inputs::notes::outside_ranges(design),
+                exhaust_top: inputs::notes::exhaust_top(design),
                 idle_springs: design.idle_springs(),
                 idle_surfaces: design.idle_surfaces(),
                 guessed: self.guessed()?,

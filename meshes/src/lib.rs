@@ -50,7 +50,7 @@ pub use mesh::{ElementRef, FaceGroup, FaceRef, Mesh};
 pub use msh::MshError;
 pub use open_surface::open_faces;
 pub use quality::{Jacobian, POOR, Quality};
-pub use regular::read_regular;
+pub use regular::{open_regular, read_regular};
 pub use size::{element_size, subdivide};
 pub use smooth::SmoothFace;
 pub use solid::{SolidGeometry, allow_memory};

@@ -4,34 +4,43 @@ use std::fs::File;
 use std::io::{self, Read as _};
 use std::path::Path;
 
-/// Reads a file whole.
+/// Opens a file for reading; its length in bytes.
 ///
 /// # Errors
-/// Those of the file system; [`io::ErrorKind::InvalidInput`] for a path that is not a regular file, or a file longer
-/// than `most` bytes.
-pub fn read_regular(path: &Path, most: u64) -> io::Result<Vec<u8>> {
-    let invalid = |what: String| Err(io::Error::new(io::ErrorKind::InvalidInput, what));
+/// Those of the file system; [`io::ErrorKind::InvalidInput`] for a folder, a pipe or a device.
+pub fn open_regular(path: &Path) -> io::Result<(File, u64)> {
+    let invalid = |what: &str| Err(io::Error::new(io::ErrorKind::InvalidInput, what));
     // Before it is opened: to open a pipe is to wait for its writer.
     let data = std::fs::metadata(path)?;
     if data.is_dir() {
-        return invalid("it is a folder; give a file".to_owned());
+        return invalid("it is a folder; give a file");
     }
     if !data.is_file() {
-        return invalid("it is a pipe or a device; give a regular file".to_owned());
+        return invalid("it is a pipe or a device; give a regular file");
     }
+    Ok((File::open(path)?, data.len()))
+}
+
+/// Reads a file whole.
+///
+/// # Errors
+/// Those of [`open_regular`]; [`io::ErrorKind::InvalidInput`] for a file longer than `most` bytes.
+pub fn read_regular(path: &Path, most: u64) -> io::Result<Vec<u8>> {
+    let (file, length) = open_regular(path)?;
     let too_long = |length: u64| {
-        invalid(format!(
+        let message = format!(
             "it has {:.1} MB, at most {:.0} MB are read",
             1e-6 * length as f64,
             1e-6 * most as f64
-        ))
+        );
+        Err(io::Error::new(io::ErrorKind::InvalidInput, message))
     };
-    if data.len() > most {
-        return too_long(data.len());
+    if length > most {
+        return too_long(length);
     }
-    let mut bytes = Vec::with_capacity(usize::try_from(data.len()).unwrap_or(0));
+    let mut bytes = Vec::with_capacity(usize::try_from(length).unwrap_or(0));
     // A file that grows meanwhile stays bounded.
-    File::open(path)?.take(most + 1).read_to_end(&mut bytes)?;
+    file.take(most + 1).read_to_end(&mut bytes)?;
     if bytes.len() as u64 > most {
         return too_long(bytes.len() as u64);
     }

@@ -611,6 +611,23 @@ pub enum Warning {
         /// Place of the name.
         at: Box<Place>,
     },
+    /// The exhaust is computed up to a frequency below the end of the range in which the sources are compared.
+    #[error(
+        "the exhaust is computed up to `analysis.exhaust_top` = {top} Hz only: its sound in the bands from {} to {} Hz is \
+         missing from its level and from the total, which reach to `analysis.range_high` = {high} Hz",
+        bands[0],
+        bands[1]
+    )]
+    ExhaustTop {
+        /// Upper end of the exhaust's range \[Hz\].
+        top: f64,
+        /// Upper end of the range of the levels \[Hz\].
+        high: f64,
+        /// First and last of the third-octave bands that lack the exhaust in part or as a whole \[Hz\].
+        bands: [f64; 2],
+        /// Where one of the two is given.
+        at: Box<Place>,
+    },
     /// A derived quantity is given and agrees with its primary ones.
     #[error("`{key}` has no effect: it is computed from {}", primaries.join(", "))]
     Computed {
@@ -627,7 +644,10 @@ impl Warning {
     /// The place in question.
     pub fn place(&self) -> &Place {
         match self {
-            Self::OutsideRange { at, .. } | Self::Computed { at, .. } | Self::ShippedBase { at, .. } => at,
+            Self::OutsideRange { at, .. }
+            | Self::ExhaustTop { at, .. }
+            | Self::Computed { at, .. }
+            | Self::ShippedBase { at, .. } => at,
         }
     }
 }
@@ -640,6 +660,7 @@ impl Diagnostic for Warning {
     fn code<'a>(&'a self) -> Option<Box<dyn Display + 'a>> {
         Some(Box::new(match self {
             Self::OutsideRange { .. } => "design::outside_range",
+            Self::ExhaustTop { .. } => "design::exhaust_top",
             Self::Computed { .. } => "design::computed",
             Self::ShippedBase { .. } => "design::shipped_base",
         }))
@@ -650,6 +671,10 @@ impl Diagnostic for Warning {
             Self::OutsideRange { key, .. } => format!(
                 "studies draw it from the base's range in proportion to the value; if the value is meant, give its own range: \
                  {key} = {{ value = ..., range = \"+-10 %\" }}"
+            ),
+            Self::ExhaustTop { top, .. } => format!(
+                "raise `analysis.exhaust_top` to `analysis.range_high`, or lower `analysis.range_high` to {top} Hz so that all \
+                 sources are compared in one range"
             ),
             Self::Computed { key, .. } => format!("remove `{key}`"),
             Self::ShippedBase { name, .. } => format!(
@@ -666,6 +691,7 @@ impl Diagnostic for Warning {
     fn labels(&self) -> Option<Box<dyn Iterator<Item = LabeledSpan> + '_>> {
         let label = match self {
             Self::OutsideRange { .. } => "outside the range in the base",
+            Self::ExhaustTop { .. } => "the exhaust ends below the range of the levels",
             Self::Computed { .. } => "computed",
             Self::ShippedBase { .. } => "not there",
         };

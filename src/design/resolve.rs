@@ -2,6 +2,7 @@
 
 use std::collections::{BTreeSet, HashMap};
 
+use nailnoise_acoustics::levels::band_containing;
 use nailnoise_quantities::dimension::NUMBER;
 use nailnoise_quantities::{Dimension, Group, KeySpec, Kind, Measured, Value, dotted, members};
 
@@ -102,6 +103,7 @@ pub(crate) fn resolve(chain: &[File]) -> Result<Resolved, DesignError> {
         return Err(surface(name, problem, &records));
     }
     let mut warnings = outside_range(&values, &records);
+    warnings.extend(exhaust_top(&values, &records));
     for given in agreeing {
         warnings.push(agree(given, &values)?);
     }
@@ -444,6 +446,23 @@ fn outside_range(values: &Values, records: &Records) -> Vec<Warning> {
         }
     });
     warnings
+}
+
+/// An exhaust that ends below the range of the levels, at the key that is set in the nearest file.
+fn exhaust_top(values: &Values, records: &Records) -> Option<Warning> {
+    let (top, high) = (values.analysis.exhaust_top, values.analysis.range_high);
+    if top >= high {
+        return None;
+    }
+    let keys = ["analysis.exhaust_top", "analysis.range_high"];
+    let set = keys.iter().filter_map(|key| records.get(*key));
+    let nearest = set.min_by_key(|record| record.depth)?;
+    Some(Warning::ExhaustTop {
+        top,
+        high,
+        bands: [top, high].map(|hz| band_containing(hz).nominal_hz()),
+        at: nearest.place.clone(),
+    })
 }
 
 /// A derived quantity that a file nevertheless gives.

@@ -25,7 +25,7 @@ pub(super) fn parts(v: &Values, l: &Layout) -> Vec<Part> {
 }
 
 /// The magazine and the arm that joins it to the nose; both end on the barrel.
-fn magazine(v: &Values) -> Vec<Part> {
+pub(super) fn magazine(v: &Values) -> Vec<Part> {
     let b = &v.body;
     let centre = [b.magazine_offset, b.magazine_level];
     let circle = |radius| Outline::Circle { centre, radius };

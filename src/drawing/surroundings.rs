@@ -1,6 +1,7 @@
 //! Views of what the nailing cycle does not resolve: the housing as it vibrates, and the workpiece with its support.
 
-use super::shape::{Annotation, Line, LineStyle, Material, Outline, Part, Side, View, mirrored, rectangle};
+use super::mechanism::magazine;
+use super::shape::{Annotation, Line, LineStyle, Material, Part, Side, View, mirrored, rectangle};
 use crate::design::{Body, SupportKind, Values, WorktablePreset};
 
 use Side::{Left, Right};
@@ -21,30 +22,12 @@ pub fn housing_parts(v: &Values) -> Vec<Part> {
     let [x, end] = [outer - 0.5 * b.barrel_wall, outer - 4e-3 + b.handle_length];
     let handle =
         |radius: f64, wall: f64| rectangle([x, end - wall], [b.handle_level - radius, b.handle_level + radius]);
-    let centre = [b.magazine_offset, b.magazine_level];
-    let circle = |radius| Outline::Circle { centre, radius };
-    let half_arm = 0.5 * b.arm_height;
     let half = 0.5 * b.nose_width;
     let floor = foot + b.barrel_wall;
     let sleeve = rectangle([bore, bore + b.sleeve_wall], [floor, floor + b.sleeve_height]);
     let nose = rectangle([half - b.nose_wall, half], [0.0, b.nose_height + b.nose_overlap]);
-    vec![
-        Part {
-            name: "magazine",
-            material: Material::Housing,
-            outlines: vec![
-                circle(b.magazine_radius),
-                circle((b.magazine_radius - b.magazine_wall).max(0.0)),
-            ],
-        },
-        Part::new(
-            "arm of the magazine",
-            Material::Housing,
-            vec![rectangle(
-                [half, b.arm_reach],
-                [b.magazine_level - half_arm, b.magazine_level + half_arm],
-            )],
-        ),
+    let mut parts = magazine(v);
+    parts.extend([
         Part::new(
             "handle",
             Material::Housing,
@@ -61,7 +44,8 @@ pub fn housing_parts(v: &Values) -> Vec<Part> {
         ),
         Part::new("cylinder sleeve", Material::Mechanism, vec![mirrored(&sleeve), sleeve]),
         Part::new("nose", Material::Steel, vec![mirrored(&nose), nose]),
-    ]
+    ]);
+    parts
 }
 
 /// The housing.

@@ -106,17 +106,23 @@ fn histories(path: &Path, bytes: &[u8]) -> Result<Samples, PenetrationError> {
             "sample both at the same times",
         ));
     }
-    let scaled = |function: &uff::Function, dimension: Dimension| -> Result<Vec<f64>, PenetrationError> {
+    // Without a label the units are those of the file.
+    let [metres, newtons] = uff::units(bytes, path)
+        .map_err(|fault| PenetrationError::Universal {
+            cause: fault.to_string(),
+        })?
+        .unwrap_or([1.0; 2]);
+    let scaled = |function: &uff::Function, dimension: Dimension, own: f64| -> Result<Vec<f64>, PenetrationError> {
         let unit = &function.units[1];
         let factor = match unit.as_str() {
-            "" => Ok(1.0),
+            "" => Ok(own),
             unit => si_of(unit, dimension),
         };
         let factor = factor.map_err(|problem| {
             data(
                 function.line,
                 format!("the unit \"{unit}\": {problem}"),
-                "label the ordinate's unit, as mm or N; an empty label is SI",
+                "label the ordinate's unit, as mm or N; without a label it is that of dataset 164, or SI",
             )
         })?;
         Ok(function.ordinate.iter().map(|value| factor * value).collect())
@@ -139,8 +145,8 @@ fn histories(path: &Path, bytes: &[u8]) -> Result<Samples, PenetrationError> {
     };
     let trace = Trace {
         time,
-        depth: scaled(depth, DEPTH.dimension)?,
-        force: scaled(force, FORCE.dimension)?,
+        depth: scaled(depth, DEPTH.dimension, metres)?,
+        force: scaled(force, FORCE.dimension, newtons)?,
     };
     Ok((trace, force.lines.clone()))
 }

@@ -34,6 +34,8 @@ pub struct NoteInputs<'a> {
     pub fitted_law: Vec<String>,
     /// Values outside the ranges that the design gives, in words.
     pub outside_ranges: Vec<String>,
+    /// Bands without the exhaust, in words.
+    pub exhaust_top: Vec<String>,
     /// Springs on bodies that are not in the design.
     pub idle_springs: Vec<&'a str>,
     /// Surfaces on bodies that are built in.
@@ -58,6 +60,7 @@ pub fn notes(inputs: &NoteInputs<'_>, record: &CycleRecord, openings: &Openings,
     let mut shot = vec![inputs.shot.clone()];
     shot.extend(inputs.fitted_law.iter().cloned());
     shot.extend(inputs.outside_ranges.iter().cloned());
+    shot.extend(inputs.exhaust_top.iter().cloned());
     let landing = Landing::of(record);
     shot.extend(landing.as_ref().map(Landing::note));
     shot.extend(estimates(inputs));

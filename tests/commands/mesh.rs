@@ -131,6 +131,56 @@ fn a_file_that_states_its_unit_takes_no_other() {
     }
 }
 
+/// Modes of the N80CB's workpiece with a mesh in units of 0.3 m.
+fn modes_of(mesh: &str) -> Output {
+    let design = ["modes", "designs/n80cb.toml", "--body", "workpiece"];
+    nailnoise(&[&design[..], &["--unit", "0.3 m", "--mesh", mesh]].concat())
+}
+
+/// A gmsh whose optimisation the system ends, as at its limit of processor time.
+#[cfg(unix)]
+#[test]
+fn an_optimisation_that_runs_out_of_time_leaves_straight_sides_and_is_reported() {
+    use std::os::unix::fs::PermissionsExt as _;
+
+    if std::process::Command::new("gmsh").arg("--version").output().is_err() {
+        eprintln!("skipped: there is no gmsh");
+        return;
+    }
+    let folder = folder("optimisation-limit");
+    let at = |name: &str| folder.join(name).to_str().unwrap().to_owned();
+    // A pipe, whose curved sides fold elements that are longer than its wall is thick.
+    let pipe = "SetFactory(\"OpenCASCADE\");\nCylinder(1) = {0,0,0, 0,0,60, 20};\nCylinder(2) = {0,0,0, 0,0,60, 18.5};\n\
+                BooleanDifference(3) = { Volume{1}; Delete; }{ Volume{2}; Delete; };\n";
+    std::fs::write(at("pipe.geo"), pipe).unwrap();
+    let made = std::process::Command::new("gmsh")
+        .args([&at("pipe.geo"), "-0", "-o", &at("pipe.step")])
+        .output();
+    assert!(made.unwrap().status.success());
+    let script = "#!/bin/sh\ncase \"$*\" in *\"optimise 0\"*) exec gmsh \"$@\";; esac\nkill -XCPU $$\n";
+    std::fs::write(at("gmsh.sh"), script).unwrap();
+    std::fs::set_permissions(at("gmsh.sh"), std::fs::Permissions::from_mode(0o755)).unwrap();
+    let mesh = |program: &str, written: &str| {
+        command(&["mesh", &at("pipe.step"), "--size", "10 mm", "--write", &at(written)])
+            .env("NAILNOISE_GMSH", program)
+            .output()
+            .unwrap()
+    };
+    let (limited, own) = (mesh(&at("gmsh.sh"), "limited.msh"), mesh("gmsh", "own.msh"));
+    assert!(limited.status.success() && own.status.success(), "{}", said(&limited));
+    for words in [
+        "pipe.step was ended after",
+        "s of processor time",
+        "are straight instead of curved",
+    ] {
+        assert!(said(&limited).contains(words), "{}", said(&limited));
+        assert!(!said(&own).contains(words), "{}", said(&own));
+    }
+    // What it leaves is a mesh without folded elements.
+    let check = nailnoise(&["mesh", &at("limited.msh")]);
+    assert!(check.status.success(), "{}", said(&check));
+}
+
 #[test]
 fn mesh_check_and_modes_refuse_the_same_damaged_meshes() {
     let folder = folder("one-judgement");
@@ -153,17 +203,7 @@ fn mesh_check_and_modes_refuse_the_same_damaged_meshes() {
         let mesh = nailnoise(&["mesh", file, "--unit", "0.3 m", "--write", written]);
         refused(&mesh, expected);
         assert!(!out.exists(), "{expected}");
-        let design = [
-            "modes",
-            "designs/n80cb.toml",
-            "--body",
-            "workpiece",
-            "--unit",
-            "0.3 m",
-            "--mesh",
-            file,
-        ];
-        refused(&nailnoise(&design), expected);
+        refused(&modes_of(file), expected);
         assert_eq!(
             nailnoise(&["check", file, "--unit", "0.3 m"]).status.code(),
             Some(2),
@@ -214,17 +254,7 @@ fn a_damaged_mesh_ends_with_status_2_and_the_element_the_groups_or_the_version()
         ("$MeshFormat", "solid", "not a .msh file"),
     ] {
         std::fs::write(&path, tetrahedron(from, to)).unwrap();
-        let own = [
-            "modes",
-            "designs/n80cb.toml",
-            "--body",
-            "workpiece",
-            "--unit",
-            "0.3 m",
-            "--mesh",
-            file,
-        ];
-        let own = nailnoise(&own);
+        let own = modes_of(file);
         refused(&own, expected);
         let output = nailnoise(&["check", file]);
         assert_eq!(output.status.code(), Some(2), "{}", said(&output));

@@ -282,6 +282,25 @@ fn a_check_leaves_out_what_the_design_does_not_use() {
 }
 
 #[test]
+fn bands_without_the_exhaust_are_named_by_check_and_run() {
+    let folder = folder("outcome-exhaust-top");
+    let design = over(&folder, "low", "analysis.exhaust_top = \"1 kHz\"");
+    let out = folder.join("out");
+    let run = ["run", design.as_str(), "--json", "--out", out.to_str().unwrap()];
+    for arguments in [&["check", design.as_str()][..], &run] {
+        let output = nailnoise(arguments);
+        let said = String::from_utf8_lossy(&output.stderr).replace("\n  |", " ");
+        let said = said.split_whitespace().collect::<Vec<_>>().join(" ");
+        assert!(said.contains("bands from 1000 to 2000 Hz is missing"), "{said}");
+        if arguments[0] == "run" {
+            let result: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+            let notes = result["notes"].to_string();
+            assert!(notes.contains("`analysis.exhaust_top` = 1000 Hz only"), "{notes}");
+        }
+    }
+}
+
+#[test]
 fn a_check_of_a_dry_fire_states_all_else() {
     let folder = folder("outcome-dry");
     let keys = "supply.pressure = \"1000 kPa\"\nnail.length = \"40 mm\"\npiston.rod_protrusion = \"1 mm\"";

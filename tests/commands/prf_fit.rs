@@ -589,6 +589,41 @@ fn a_universal_file_is_the_same_recording() {
     };
     assert!(!of("a").is_empty());
     assert_eq!(of("a"), of("b"));
+    // Without labels the units are those of dataset 164: mm and kN.
+    let label = |unit: &str| format!("ordinate             {unit:<20}\n");
+    let unlabelled = universal(8, "mm")
+        .replace(&label("mm"), &label(""))
+        .replace(&label("kN"), &label(""));
+    let units =
+        "    -1\n   164\n         9user units                   2\n  1.0D+03  1.0D-03  1.0D+00\n  0.0D+00\n    -1\n";
+    fs::write(folder.join("a.uff"), format!("{units}{unlabelled}")).unwrap();
+    assert!(nailnoise(&arguments).status.success());
+    assert_eq!(fs::read_to_string(out.join("residuals.csv")).unwrap(), residuals);
+}
+
+#[test]
+fn numbers_that_no_drive_has_are_refused_with_their_line() {
+    for (name, from, to, words) in [
+        ("force", 1, "1e308", "the force is 1e308 N; at most 10000000.0 N"),
+        ("depth", 0, "-1e30", "the depth is -1e30 m; at most 10.0 m"),
+    ] {
+        let rows: Vec<String> = (0..40)
+            .map(|k| {
+                let mut row = [format!("{}", 1e-3 * f64::from(k)), format!("{}", 20 * k)];
+                if k == 30 {
+                    row[from] = to.to_owned();
+                }
+                row.join(",")
+            })
+            .collect();
+        let recording = format!("depth_m,force_n\n{}\n", rows.join("\n"));
+        refused(
+            name,
+            &[("a1.csv", "", &recording)],
+            &[],
+            &["a1.csv", "line 32", words, "units of the columns"],
+        );
+    }
 }
 
 /// A law written by the command, with one number of it replaced, ends the cycle of a design before it starts.

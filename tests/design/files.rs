@@ -409,6 +409,28 @@ fn inheritance_passes_through_several_files() {
 }
 
 #[test]
+fn an_exhaust_that_ends_below_the_levels_is_a_warning_with_its_bands() {
+    let design = changed("[analysis]\nexhaust_top = \"6.5 kHz\"");
+    let [warning] = design.warnings() else {
+        panic!("{:?}", design.warnings())
+    };
+    let said = render(warning).split_whitespace().collect::<Vec<_>>().join(" ");
+    for words in [
+        "`analysis.exhaust_top` = 6500 Hz",
+        "from 6300 to 10000 Hz",
+        "exhaust_top = \"6.5 kHz\"",
+    ] {
+        assert!(said.contains(words), "{words}: {said}");
+    }
+    // One range for all sources.
+    assert!(
+        changed("[analysis]\nexhaust_top = \"6.5 kHz\"\nrange_high = \"6.5 kHz\"")
+            .warnings()
+            .is_empty()
+    );
+}
+
+#[test]
 fn a_value_outside_its_range_is_a_warning() {
     let design = changed("[hand]\nforce = \"200 N\"");
     insta::assert_snapshot!(render(&design.warnings()[0]));

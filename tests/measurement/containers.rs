@@ -1,6 +1,10 @@
 //! Recordings as recorders, test systems and spreadsheets write them: each reads as the samples that it was made of.
 
+use std::io::{Seek as _, SeekFrom, Write as _};
+use std::path::Path;
+
 use crate::written::{CORNER, Folder, HEAD, ONE, RATE, SAMPLES, csv, names, sine, uff, wav};
+use nailnoise::measurement::recordings::{Selector, read_tracks};
 use nailnoise::measurement::{MeasurementError, Shot};
 
 /// Amplitude of all recordings here \[m/s²\], a quarter of full scale.
@@ -153,6 +157,57 @@ fn files_with_lengths_of_64_bits_are_read() {
         let cut = accelerometer(&folder, &file[..file.len() - 30], FULL).unwrap_err();
         names(&cut, &["N", "channel N", "cut off", "12000 samples", "11990"]);
     }
+}
+
+/// A sparse RF64 file of so many frames: 16 bits, `channels` channels, zeros but for the last two frames of channel 2.
+fn sparse(path: &Path, channels: u16, frames: u64) -> u64 {
+    let frame = 2 * u64::from(channels);
+    let ds64: Vec<u8> = [0, frame * frames, frames]
+        .iter()
+        .flat_map(|x| x.to_le_bytes())
+        .collect();
+    let mut fmt = [1_u16.to_le_bytes(), channels.to_le_bytes()].concat();
+    fmt.extend(RATE.to_le_bytes());
+    fmt.extend([0; 4]);
+    fmt.extend([(2 * channels).to_le_bytes(), 16_u16.to_le_bytes()].concat());
+    let ds64 = chunk(b"ds64", &[ds64, vec![0; 4]].concat());
+    let head = [
+        &b"RF64\xff\xff\xff\xffWAVE"[..],
+        &ds64,
+        &chunk(b"fmt ", &fmt),
+        b"data\xff\xff\xff\xff",
+    ]
+    .concat();
+    let mut file = std::fs::File::create(path).unwrap();
+    file.write_all(&head).unwrap();
+    let length = head.len() as u64 + frame * frames;
+    file.set_len(length).unwrap();
+    for (back, value) in [(2, 0x4000_i16), (1, -0x2000)] {
+        file.seek(SeekFrom::Start(length - back * frame + 2)).unwrap();
+        file.write_all(&value.to_le_bytes()).unwrap();
+    }
+    length
+}
+
+/// Length and last samples of two channels of a file that was refused for its size.
+#[test]
+fn a_recording_of_300_megabytes_is_read_block_by_block() {
+    let folder = Folder::new("rf64-long");
+    let path = folder.path("long.wav");
+    let frames = 600_000;
+    assert!(sparse(&path, 256, frames) > 300_000_000);
+    let tracks = read_tracks(&path, &[&Selector::Channel(2), &Selector::Channel(1)]).unwrap();
+    let tracks = tracks.unwrap();
+    let samples = &tracks[0].samples;
+    assert_eq!(samples.len() as u64, frames);
+    let (rest, last) = samples.split_at(samples.len() - 2);
+    let full = f64::from(i16::MAX);
+    assert_eq!(last, [f64::from(0x4000) / full, -f64::from(0x2000) / full]);
+    assert!(rest.iter().chain(&tracks[1].samples).all(|sample| *sample == 0.0));
+    let file = std::fs::File::options().write(true).open(&path).unwrap();
+    file.set_len(290_000_000).unwrap();
+    let (_, fault) = read_tracks(&path, &[&Selector::Channel(2)]).unwrap().unwrap_err();
+    assert!(fault.to_string().contains("promises 600000 samples, 566406"), "{fault}");
 }
 
 #[test]

@@ -614,12 +614,22 @@ fn a_trigger_is_where_its_channel_crosses_the_threshold() {
 }
 
 #[test]
-fn a_file_too_large_is_refused_unread() {
+fn a_table_too_large_is_refused_unread() {
     let folder = Folder::new("large");
-    let file = std::fs::File::create(folder.path("W-1-1.wav")).unwrap();
+    let file = std::fs::File::create(folder.path("W-1-1.csv")).unwrap();
     file.set_len(LARGEST + 1).unwrap();
-    let error = folder.microphone("wav", "full_scale = \"200 Pa\"").unwrap_err();
-    names(&error, &["W-1-1.wav", "channel mic5", "at most 268 MB"]);
+    let error = folder
+        .microphone("csv", "column = \"mic5\", unit = \"Pa\"")
+        .unwrap_err();
+    names(
+        &error,
+        &[
+            "W-1-1.csv",
+            "channel mic5",
+            "at most 268 MB",
+            "only WAV files may be larger",
+        ],
+    );
 }
 
 #[test]

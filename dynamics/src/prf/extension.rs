@@ -20,7 +20,7 @@ use super::{ForceTable, NAILS, Specimen};
 
 /// Intervals of the table over the nail's length; the error of the cubic between its points is below 2e-4 of the force
 /// and, next to the surface, 0.05 N.
-const INTERVALS: u32 = 200;
+const INTERVALS: u32 = 400;
 
 /// How far a length may be from the line through the tested sizes, as a factor. The tested nails lie within it, those
 /// with helical shanks at its end.

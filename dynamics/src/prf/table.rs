@@ -3,6 +3,10 @@
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
+/// Greatest depth \[m\] and greatest force \[N\] of a table: beyond any nail, and beyond what would crush its shank.
+const DEEPEST: f64 = 10.0;
+const LARGEST: f64 = 1e7;
+
 /// Force over depth by points, a monotone cubic between them.
 ///
 /// The slopes at the points are those of Fritsch and Butland (1984), so that the curve is smooth to its first
@@ -59,8 +63,11 @@ pub enum TableError {
         /// Points found.
         count: usize,
     },
-    /// A depth that is not finite, or a force that is not finite or below zero.
-    #[error("point {point} is {depth} m, {force} N; depths must be finite, forces finite and not negative")]
+    /// A depth or a force that no drive has.
+    #[error(
+        "point {point} is {depth:?} m, {force:?} N; depths of at most {DEEPEST} m and forces from 0 to {LARGEST:e} N are expected; \
+         correct the point, or the units of the columns"
+    )]
     Value {
         /// Point, from 1.
         point: usize,
@@ -104,7 +111,7 @@ impl ForceTable {
         }
         for (i, (&depth, &force)) in depths.iter().zip(&forces).enumerate() {
             let point = i + 1;
-            if !(depth.is_finite() && force.is_finite() && force >= 0.0) {
+            if !(depth.abs() <= DEEPEST && (0.0..=LARGEST).contains(&force)) {
                 return Err(TableError::Value { point, depth, force });
             }
             if i == 0 && depth != 0.0 {

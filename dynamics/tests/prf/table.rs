@@ -105,6 +105,12 @@ fn a_wrong_point_is_an_error_with_its_number() {
         refused(&[0.0, 0.05], &[0.0, f64::INFINITY]),
         E::Value { point: 2, .. }
     ));
+    // No nail is that long, no force that large.
+    for (depth, force) in [(0.05, 1e308), (1e300, 5.0), (11.0, 5.0), (0.05, 1.1e7), (f64::NAN, 5.0)] {
+        let error = refused(&[0.0, depth], &[0.0, force]);
+        assert!(matches!(error, E::Value { point: 2, .. }), "{depth} {force}");
+        assert!(error.to_string().contains("at most 10 m"), "{error}");
+    }
     assert_eq!(
         ForceTable::new(vec![0.0], vec![]).unwrap_err(),
         E::Lengths { depths: 1, forces: 0 }

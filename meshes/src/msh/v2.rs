@@ -8,30 +8,34 @@ use super::raw::{Kind, Raw};
 const MOST_TAGS: i64 = 64;
 
 pub(super) fn nodes(cursor: &mut Cursor<'_>, raw: &mut Raw) -> Result<(), MshError> {
-    let count = announced(cursor)?;
-    let count = cursor.count("nodes", count, 4 * cursor.least(7))?;
-    raw.nodes.reserve(count);
-    for _ in 0..count {
-        let number = number(cursor)?;
-        let position = [cursor.double()?, cursor.double()?, cursor.double()?];
-        raw.node(number, position)?;
-    }
-    Ok(())
+    each_node(cursor, raw, |_| Ok(()))
 }
 
 /// Nodes that gmsh saved with `Mesh.SaveParametric`. The coordinates are followed by dimension and number of the entity
 /// that the node is on, and its parameters there, one on a curve and two on a surface.
 pub(super) fn parametric_nodes(cursor: &mut Cursor<'_>, raw: &mut Raw) -> Result<(), MshError> {
+    each_node(cursor, raw, |cursor| {
+        let (dimension, _entity) = (cursor.int()?, cursor.int()?);
+        for _ in 0..if matches!(dimension, 1 | 2) { dimension } else { 0 } {
+            cursor.double()?;
+        }
+        Ok(())
+    })
+}
+
+/// Reads number and coordinates of every node, and passes over what follows them.
+fn each_node(
+    cursor: &mut Cursor<'_>,
+    raw: &mut Raw,
+    pass: impl Fn(&mut Cursor<'_>) -> Result<(), MshError>,
+) -> Result<(), MshError> {
     let count = announced(cursor)?;
     let count = cursor.count("nodes", count, 4 * cursor.least(7))?;
     raw.nodes.reserve(count);
     for _ in 0..count {
         let number = number(cursor)?;
         let position = [cursor.double()?, cursor.double()?, cursor.double()?];
-        let (dimension, _entity) = (cursor.int()?, cursor.int()?);
-        for _ in 0..if matches!(dimension, 1 | 2) { dimension } else { 0 } {
-            cursor.double()?;
-        }
+        pass(cursor)?;
         raw.node(number, position)?;
     }
     Ok(())

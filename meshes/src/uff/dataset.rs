@@ -85,7 +85,7 @@ pub enum UffError {
     },
     /// The reference systems of a coordinate system lead to no global one.
     #[error(
-        "{}: coordinate system {system} has a reference system that leads back to itself or is cylindrical; give it in terms of a \
+        "{}: coordinate system {system} has a reference system that leads back to itself or is not Cartesian; give it in terms of a \
          Cartesian one", path.display()
     )]
     Reference {
@@ -95,11 +95,25 @@ pub enum UffError {
         system: u64,
     },
     /// It contains no modes.
-    #[error("{} has no mode shapes: no dataset 55 with normal modes (2) or complex ones (3, 7)", path.display())]
+    #[error(
+        "{} has no mode shapes: no dataset 55 with normal modes (2) or complex ones (3, 7){}", path.display(), others(*analyses)
+    )]
     NoModes {
         /// The file.
         path: PathBuf,
+        /// How many datasets 2414 it has.
+        analyses: usize,
     },
+}
+
+/// Results of simulations, which may be modes, in a dataset that is not read.
+fn others(analyses: usize) -> String {
+    match analyses {
+        0 => String::new(),
+        _ => format!(
+            "; it has {analyses} of dataset 2414 (analysis data), which is not read: export the mode shapes as dataset 55"
+        ),
+    }
 }
 
 /// Lines of one dataset.

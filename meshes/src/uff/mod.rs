@@ -15,6 +15,6 @@ mod write;
 pub use dataset::UffError;
 pub use function::{Function, functions, is_universal};
 pub use history::{History, Ordinate};
-pub use read::{MeasuredMode, Measurement, parse, read};
+pub use read::{MeasuredMode, Measurement, parse, read, units};
 pub use systems::Axes;
 pub use write::{Mode, text};

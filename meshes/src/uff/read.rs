@@ -31,6 +31,9 @@ pub struct MeasuredMode {
 /// The largest file that is read \[byte\].
 const LARGEST: u64 = 1 << 30;
 
+/// Factors of units in dataset 164, from those of kilometres and meganewtons to those of nanometres and nanonewtons.
+const UNITS: std::ops::RangeInclusive<f64> = 1e-9..=1e9;
+
 /// Reads datasets 15, 781 and 2411 (nodes), 18 and 2420 (their coordinate systems), 164 (units) and 55 (modes); others are left
 /// out.
 ///
@@ -42,6 +45,16 @@ pub fn read(path: &Path) -> Result<Measurement, UffError> {
         source,
     })?;
     parse(&bytes, path)
+}
+
+/// Units of length \[m\] and force \[N\] of a universal file by its dataset 164; none where it has none.
+///
+/// # Errors
+/// [`UffError::Line`] for factors that cannot be read; [`UffError::Truncated`].
+pub fn units(bytes: &[u8], path: &Path) -> Result<Option<[f64; 2]>, UffError> {
+    let last = datasets(bytes).into_iter().rfind(|dataset| dataset.number == 164);
+    last.map(|dataset| dataset.read(path, |block| block.units()))
+        .transpose()
 }
 
 /// Reads the content of a universal file; `path` is for messages.
@@ -58,14 +71,20 @@ pub fn parse(bytes: &[u8], path: &Path) -> Result<Measurement, UffError> {
             781 | 2411 => dataset.read(path, |block| block.nodes(2, &mut nodes))?,
             18 => dataset.read(path, |block| systems.read_18(block))?,
             2420 => dataset.read(path, |block| systems.read_2420(block))?,
-            164 => metres = dataset.read(path, |block| block.metres())?,
+            164 => metres = dataset.read(path, |block| block.units())?[0],
             55 => dataset.read(path, |block| block.mode(&mut measurement))?,
             _ if dataset.is_cut_off() => dataset.read(path, |_| Ok(()))?,
             _ => {}
         }
     }
     if measurement.modes.is_empty() {
-        return Err(UffError::NoModes { path: path.to_owned() });
+        return Err(UffError::NoModes {
+            path: path.to_owned(),
+            analyses: datasets(bytes)
+                .into_iter()
+                .filter(|dataset| dataset.number == 2414)
+                .count(),
+        });
     }
     systems.scale(metres);
     for (label, mut node) in nodes {
@@ -109,12 +128,14 @@ impl Block<'_> {
         Ok(())
     }
 
-    /// Length of one unit of the file \[m\], from dataset 164, which gives the factor by which a length in the file is divided
-    /// for one in metres.
-    fn metres(&self) -> Result<f64, UffError> {
+    /// Units of length \[m\] and force \[N\] of the file, from dataset 164, which gives the factors by which a length and a
+    /// force in the file are divided for those in SI units.
+    fn units(&self) -> Result<[f64; 2], UffError> {
         let expected = "factors of the units of length, force and temperature";
-        match self.numbers(1, expected)?.first() {
-            Some(&factor) if factor > 0.0 => Ok(1.0 / factor),
+        match self.numbers(1, expected)?.as_slice() {
+            &[length, force, ..] if [length, force].iter().all(|factor| UNITS.contains(factor)) => {
+                Ok([length, force].map(|factor| 1.0 / factor))
+            }
             _ => Err(self.error(1, expected)),
         }
     }

@@ -18,6 +18,8 @@ pub type Axes = Matrix3<f64>;
 enum Kind {
     Cartesian,
     Cylindrical,
+    /// Read, but not used: programs differ in the order of its angles.
+    Spherical,
 }
 
 /// A coordinate system as its file gives it, in terms of a reference system.
@@ -169,7 +171,7 @@ impl Systems {
                     false => Err(self.unknown(next, node, path)),
                 };
             };
-            if system.kind == Kind::Cylindrical && found.is_some() {
+            if system.kind != Kind::Cartesian && found.is_some() {
                 break;
             }
             found = Some(match found {
@@ -211,23 +213,35 @@ impl Systems {
     /// Position of a node in the global system \[m\], and the axes of its displacements; none if they are the global
     /// ones.
     pub(super) fn resolve(&self, node: &LocalNode, path: &Path) -> Result<(Point3<f64>, Option<Axes>), UffError> {
+        let form = |found, expected| UffError::Form {
+            path: path.to_owned(),
+            line: node.line,
+            dataset: node.dataset,
+            found,
+            expected,
+        };
+        let spherical = || {
+            form(
+                "a node in a spherical coordinate system (kind 2)",
+                "one in a Cartesian system (kind 0), or export the nodes in global axes (system 0)",
+            )
+        };
         let position = match self.global(node.definition, node, path)? {
             None => node.position,
             Some(system) if system.kind == Kind::Cartesian => system.origin + system.axes.tr_mul(&node.position.coords),
-            Some(_) => {
-                return Err(UffError::Form {
-                    path: path.to_owned(),
-                    line: node.line,
-                    dataset: node.dataset,
-                    found: "a node with coordinates in a cylindrical system",
-                    expected: "coordinates in a Cartesian one",
-                });
+            Some(system) if system.kind == Kind::Cylindrical => {
+                return Err(form(
+                    "a node with coordinates in a cylindrical system",
+                    "coordinates in a Cartesian one",
+                ));
             }
+            Some(_) => return Err(spherical()),
         };
-        let axes = self
-            .global(node.displacement, node, path)?
-            .map(|system| match system.kind {
+        let axes = match self.global(node.displacement, node, path)? {
+            None => None,
+            Some(system) => Some(match system.kind {
                 Kind::Cartesian => system.axes,
+                Kind::Spherical => return Err(spherical()),
                 Kind::Cylindrical => {
                     // Radius, angle and axis at the node; on the axis itself, where the radius has no direction, those
                     // of x.
@@ -236,7 +250,8 @@ impl Systems {
                     let (s, c) = angle.sin_cos();
                     Matrix3::new(c, s, 0.0, -s, c, 0.0, 0.0, 0.0, 1.0) * system.axes
                 }
-            });
+            }),
+        };
         Ok((position, axes.filter(|axes| *axes != Matrix3::identity())))
     }
 }
@@ -245,6 +260,10 @@ fn kind_of(block: &Block<'_>, line: usize, kind: f64) -> Result<Kind, UffError> 
     match kind as i64 {
         0 => Ok(Kind::Cartesian),
         1 => Ok(Kind::Cylindrical),
-        _ => Err(block.error(line, "a Cartesian (0) or cylindrical (1) coordinate system")),
+        2 => Ok(Kind::Spherical),
+        _ => Err(block.error(
+            line,
+            "a Cartesian (0), cylindrical (1) or spherical (2) coordinate system",
+        )),
     }
 }

@@ -131,6 +131,14 @@ fn a_file_without_modes_is_refused() {
         let file = Scratch::holding("modeless", text);
         assert!(matches!(uff::read(&file.0), Err(UffError::NoModes { .. })));
     }
+    let results = format!("{geometry}{}", dataset(2414, " 1\nLOADCASE 1\n 1\n"));
+    let error = uff::read(&Scratch::holding("results", &results).0)
+        .unwrap_err()
+        .to_string();
+    assert!(
+        error.contains("it has 1 of dataset 2414") && error.contains("as dataset 55"),
+        "{error}"
+    );
 }
 
 #[test]
@@ -510,8 +518,16 @@ fn a_system_that_cannot_be_used_is_refused() {
         (dataset(2411, " 7 2 1 11\n 0.1 0.2 0.3\n"), "coordinate system 2"),
         (dataset(18, SYSTEM_18) + &node(0, 4), "(known: 3)"),
         (
+            second(&SYSTEM_18.replace(" 3 0 0 8 1", " 3 3 0 8 1")),
+            "a Cartesian (0), cylindrical (1) or spherical (2)",
+        ),
+        (
             second(&SYSTEM_18.replace(" 3 0 0 8 1", " 3 2 0 8 1")),
-            "a Cartesian (0) or cylindrical (1)",
+            "spherical coordinate system (kind 2)",
+        ),
+        (
+            dataset(2420, &SYSTEM_2420.replace(" 3 0 8", " 3 2 8")) + &node(3, 0),
+            "export the nodes in global axes",
         ),
         (second(&SYSTEM_18.replace(" 3 0 0 8 1", " 3 0 0 8 2")), "method 1"),
         (
@@ -538,6 +554,26 @@ fn a_system_that_cannot_be_used_is_refused() {
         let error = with_nodes(&text).expect_err(expected).to_string();
         assert!(error.contains(expected), "{error}");
     }
+    // A spherical system that no node is in.
+    assert!(with_nodes(&(dataset(18, &SYSTEM_18.replace(" 3 0 0 8 1", " 3 2 0 8 1")) + &node(0, 0))).is_ok());
     // The label of the global system in the files of `modes --uff`.
     assert!(with_nodes(&dataset(2411, " 7 1 1 11\n 0.1 0.2 0.3\n")).is_ok());
+}
+
+#[test]
+fn units_of_the_file_are_those_of_dataset_164() {
+    let path = std::path::Path::new("test.uff");
+    let units = |text: &str| uff::units(text.as_bytes(), path);
+    let own = |length: &str| {
+        dataset(
+            164,
+            &format!("         9user units                   2\n  {length}  1.0D-03  1.0D+00\n  2.73D+02\n"),
+        )
+    };
+    assert_eq!(units(&own("1.0D+03")).unwrap(), Some([1e-3, 1e3]));
+    assert_eq!(units(&dataset(15, " 7 0 0 11 0.1 0.2 0.3\n")).unwrap(), None);
+    for impossible in ["0.0D+00", "-1.0D+00", "1.0D+300"] {
+        let error = units(&own(impossible)).unwrap_err().to_string();
+        assert!(error.contains("factors of the units"), "{error}");
+    }
 }

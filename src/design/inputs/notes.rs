@@ -53,9 +53,17 @@ pub(crate) fn convention(design: &Design) -> Option<String> {
 
 /// Values outside the ranges that the design gives.
 pub(crate) fn outside_ranges(design: &Design) -> Vec<String> {
-    let warnings = design.warnings().iter();
-    let outside = warnings.filter(|warning| matches!(warning, Warning::OutsideRange { .. }));
-    outside.map(ToString::to_string).collect()
+    said(design, |warning| matches!(warning, Warning::OutsideRange { .. }))
+}
+
+/// Bands that lack the exhaust because it is computed up to a lower frequency than the levels.
+pub(crate) fn exhaust_top(design: &Design) -> Vec<String> {
+    said(design, |warning| matches!(warning, Warning::ExhaustTop { .. }))
+}
+
+fn said(design: &Design, is_wanted: impl Fn(&Warning) -> bool) -> Vec<String> {
+    let warnings = design.warnings().iter().filter(|warning| is_wanted(warning));
+    warnings.map(ToString::to_string).collect()
 }
 
 /// Place of the shot in the range of the data of a fitted penetration law; nothing with another law.

@@ -15,6 +15,9 @@ use crate::shipped;
 /// The largest file that is read \[byte\].
 const LARGEST: u64 = 64 << 20;
 
+/// The largest magnitude of a measured value, in its unit.
+const LIMIT: f64 = 1e9;
+
 /// Layout of published measurements.
 const LAYOUT: &str = "nailnoise-measured/1";
 
@@ -173,9 +176,14 @@ impl Measurements {
             SCHEMA => Self::own(&serde_json::from_slice(&bytes).map_err(wrong)?),
             other => return Err(unreadable(format!("its layout is \"{other}\""))),
         };
-        let mut values = read.quantities.iter().flat_map(|own| own.ends).flatten();
-        if values.any(|value| !value.is_finite()) {
-            return Err(unreadable("a value is not finite".to_owned()));
+        for own in &read.quantities {
+            let mut values = own.ends.into_iter().flatten().chain([own.rounding]);
+            if let Some(value) = values.find(|value| !(-LIMIT..=LIMIT).contains(value)) {
+                return Err(unreadable(format!(
+                    "\"{}\" has the value {value:?}; at most {LIMIT:e} in its unit is expected",
+                    own.id
+                )));
+            }
         }
         Ok(read)
     }

@@ -9,7 +9,7 @@ use super::{Foreign, LOWEST_RATE, RUN, SHOT};
 #[non_exhaustive]
 pub enum Fault {
     /// Bytes that are no recording of a known format.
-    #[error("the file is no recording that can be read: {problem}")]
+    #[error("the file cannot be read as a recording: {problem}")]
     Format {
         /// What is wrong.
         problem: String,
@@ -35,6 +35,32 @@ pub enum Fault {
         bytes: usize,
         /// `integer` or `float`.
         kind: &'static str,
+    },
+    /// Integers whose valid bits are the lowest ones of their container, where the format has them highest.
+    #[error(
+        "the header states {bits} valid bits in containers of {container} bits, which are the highest ones by the \
+         format (WAVE_FORMAT_EXTENSIBLE); the samples use the lowest {bits} bits only"
+    )]
+    WrongEnd {
+        /// Valid bits of a sample.
+        bits: u32,
+        /// Bits of its container.
+        container: usize,
+    },
+    /// A WAV file with more samples than the memory can hold.
+    #[error(
+        "{channels} channel(s) of {samples} samples need {gigabytes:.1} GB of memory; three quarters of what is free, \
+         {allowed:.1} GB, may be used"
+    )]
+    Memory {
+        /// Samples of a channel.
+        samples: usize,
+        /// Channels of the file that are asked for.
+        channels: usize,
+        /// Memory that they need \[GB\].
+        gigabytes: f64,
+        /// Memory that they may use \[GB\].
+        allowed: f64,
     },
     /// A file that ends before its header says.
     #[error("the file is cut off: its header promises {expected} samples, {found} are there")]
@@ -289,6 +315,8 @@ impl Fault {
             }
             Self::Foreign(foreign) => foreign.remedy,
             Self::Width { .. } | Self::Coding { .. } => "export it with integers of 24 bits, or as floats of 32 bits",
+            Self::WrongEnd { .. } => "export it with integers of 24 bits in 3 bytes, or as floats of 32 bits",
+            Self::Memory { .. } => "cut the recording to one file a shot, of some seconds each",
             Self::CutOff { .. } => "export the recording again; a copy may have been interrupted",
             Self::NoChannel { .. } => "correct `channel`, which counts from 1, or `file`",
             Self::NoColumn { .. } | Self::TwoColumns { .. } => "correct `column`, a heading of the table, or the file",

@@ -57,6 +57,9 @@ pub(super) struct Format {
 }
 
 impl Format {
+    /// Bytes of the chunk that are read: those of the extensible format.
+    pub(super) const LARGEST: usize = 40;
+
     /// Reads the chunk, of 14 bytes or more; what follows the fields of its format is ignored.
     pub(super) fn read(chunk: &[u8]) -> Result<Self, Fault> {
         let malformed = |problem: String| Fault::Format { problem };
@@ -144,28 +147,48 @@ impl Format {
         (((1_i128 << (bits - 1)) - 1) << unused) as f64
     }
 
-    /// Refuses samples that use the bits which by the header are unused, and leave the highest ones empty: their writer
-    /// put the valid bits at the wrong end, and they would read too quiet.
-    pub(super) fn check(&self, data: &[u8]) -> Result<(), Fault> {
+    /// Bits of a sample that its header leaves unused, where a shift by them would show: whole bytes of an integer.
+    fn unused(&self) -> Option<(u32, u32)> {
         let Coded::Integer { bits } = self.coded else {
-            return Ok(());
+            return None;
         };
         let unused = 8 * self.container as u32 - bits;
-        if unused < 8 || self.container < 2 {
-            return Ok(());
-        }
-        let samples = || data.chunks_exact(self.container).map(integer);
-        let low = samples().any(|sample| sample & ((1 << unused) - 1) != 0);
+        (unused >= 8 && self.container >= 2).then_some((bits, unused))
+    }
+}
+
+/// Which bits of their containers the samples of a file use.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct UseOfBits {
+    /// Whether a sample uses one of the bits that by the header are unused.
+    low: bool,
+    /// Whether a sample needs more than the lowest valid bits.
+    high: bool,
+}
+
+impl UseOfBits {
+    /// Considers samples of all channels.
+    pub(super) fn see(&mut self, format: &Format, data: &[u8]) {
+        let Some((bits, unused)) = format.unused().filter(|_| !self.high) else {
+            return;
+        };
         let high = 1_i64 << (bits - 1);
-        if low && samples().all(|sample| (-high..high).contains(&sample)) {
-            return Err(Fault::Format {
-                problem: format!(
-                    "its header states {bits} valid bits in {}, which are the highest ones, and only the lowest {bits} are used",
-                    8 * self.container
-                ),
-            });
+        for sample in data.chunks_exact(format.container).map(integer) {
+            self.low |= sample & ((1 << unused) - 1) != 0;
+            self.high |= !(-high..high).contains(&sample);
         }
-        Ok(())
+    }
+
+    /// Refuses samples that use the bits which by the header are unused, and leave the highest ones empty: their writer
+    /// put the valid bits at the wrong end, and they would read too quiet.
+    pub(super) fn check(self, format: &Format) -> Result<(), Fault> {
+        match format.unused() {
+            Some((bits, _)) if self.low && !self.high => Err(Fault::WrongEnd {
+                bits,
+                container: 8 * format.container,
+            }),
+            _ => Ok(()),
+        }
     }
 }
 
@@ -247,12 +270,14 @@ mod tests {
                 .flat_map(|x| (x << shift).to_le_bytes())
                 .collect::<Vec<u8>>()
         };
-        assert!(format.check(&file(8)).is_ok());
-        assert!(
-            format
-                .check(&file(0))
-                .is_err_and(|fault| fault.to_string().contains("24 valid bits in 32"))
-        );
+        let check = |shift: u32| {
+            let mut bits = UseOfBits::default();
+            // In two blocks, as a large file is read.
+            file(shift).chunks(8).for_each(|block| bits.see(&format, block));
+            bits.check(&format)
+        };
+        assert!(check(8).is_ok());
+        assert!(check(0).is_err_and(|fault| fault.to_string().contains("24 valid bits in containers of 32")));
     }
 
     #[test]

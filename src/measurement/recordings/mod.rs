@@ -11,9 +11,11 @@ mod signals;
 mod universal;
 pub mod wav;
 
+use std::io::{self, Cursor, Read as _};
 use std::path::Path;
 
 use nailnoise_meshes::uff::is_universal;
+use nailnoise_meshes::{open_regular, read_regular};
 use nailnoise_quantities::Dimension;
 
 pub use crate::tables::Foreign;
@@ -34,7 +36,7 @@ pub const SHOT: f64 = 0.15;
 /// Samples in a row at full scale that are an overload.
 pub const RUN: usize = 3;
 
-/// The largest recording that is read \[byte\]: nine channels of 32 bits at 160 kHz for 44 s.
+/// The largest universal file or table that is read \[byte\]; WAV files may have any length.
 pub const LARGEST: u64 = 1 << 28;
 
 /// Largest deviation of a sample's time from an even axis, in intervals. A missing sample is off by one; times of few
@@ -90,12 +92,36 @@ pub type Refusal = (usize, Fault);
 /// The fault, with the index of the channel in `channels`; a fault of the whole file has index 0.
 pub fn decode(bytes: &[u8], path: &Path, channels: &[&Selector]) -> Result<Vec<Track>, Refusal> {
     let tracks = if riff::is_riff(bytes) {
-        wav::decode(bytes, channels)
+        wav::decode(Cursor::new(bytes), bytes.len() as u64, channels)
     } else if is_universal(bytes) {
         universal::decode(bytes, path, channels)
     } else {
         csv::decode(bytes, channels)
     }?;
+    finite(tracks)
+}
+
+/// Reads channels of the recording in a file, as [`decode`] does; a WAV file is read a block at a time.
+///
+/// # Errors
+/// Those of the file system, of a file that is not a regular one or, except for WAV, longer than [`LARGEST`]. The inner error
+/// is that of [`decode`].
+pub fn read_tracks(path: &Path, channels: &[&Selector]) -> io::Result<Result<Vec<Track>, Refusal>> {
+    let (mut file, length) = open_regular(path)?;
+    let mut mark = Vec::new();
+    file.by_ref().take(4).read_to_end(&mut mark)?;
+    if riff::is_riff(&mark) {
+        return Ok(wav::decode(file, length, channels).and_then(finite));
+    }
+    let bytes = read_regular(path, LARGEST).map_err(|error| match error.kind() {
+        io::ErrorKind::InvalidInput => io::Error::new(error.kind(), format!("{error}; only WAV files may be larger")),
+        _ => error,
+    })?;
+    Ok(decode(&bytes, path, channels))
+}
+
+/// Refuses samples that are not finite.
+fn finite(tracks: Vec<Track>) -> Result<Vec<Track>, Refusal> {
     for (index, track) in tracks.iter().enumerate() {
         let wrong = track.samples.iter().enumerate().find(|(_, value)| !value.is_finite());
         if let Some((at, value)) = wrong {

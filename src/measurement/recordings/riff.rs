@@ -5,8 +5,16 @@
 //! symphonia, MPL-2.0, is not among those of `deny.toml`. This reader is lenient where libsndfile is: it follows the
 //! chunks in any order, accepts a missing pad byte, and ignores the length of the file in its header.
 
+use std::io::{self, Read, Seek, SeekFrom};
+
 /// Lengths of chunks that stand for "see ds64" or "unknown, to the end of the file".
 const UNKNOWN: u32 = u32::MAX;
+
+/// The most chunks of a file; recorders write about ten.
+const MOST: usize = 1 << 16;
+
+/// The most bytes of a `ds64` chunk that are read.
+const DS64: usize = 1 << 16;
 
 /// Names of chunks that may follow one of odd length without a pad byte.
 const KNOWN: [&[u8]; 12] = [
@@ -15,25 +23,22 @@ const KNOWN: [&[u8]; 12] = [
 
 /// A chunk of a file.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Chunk<'a> {
+pub(super) struct Chunk {
     /// Four characters.
     pub(super) name: [u8; 4],
-    /// Its content, as far as the file has it.
-    pub(super) content: &'a [u8],
+    /// Where its content begins \[byte\].
+    pub(super) begin: u64,
+    /// Length of its content, as far as the file has it \[byte\].
+    pub(super) found: u64,
     /// Length by its header \[byte\]; none where the header leaves it open.
     pub(super) length: Option<u64>,
 }
 
-/// Whether a file is a tree of chunks, in the byte order of RIFF.
+/// Whether a file with these first bytes is a tree of chunks, in the byte order of RIFF.
 pub(super) fn is_riff(bytes: &[u8]) -> bool {
     [&b"RIFF"[..], b"RF64", b"BW64"]
         .iter()
         .any(|mark| bytes.starts_with(mark))
-}
-
-/// The form of a file: `WAVE`, `AVI `.
-pub(super) fn form(bytes: &[u8]) -> Option<[u8; 4]> {
-    bytes.get(8..12)?.try_into().ok()
 }
 
 fn word(bytes: &[u8], at: usize) -> Option<u32> {
@@ -62,64 +67,122 @@ fn long_length(ds64: &[u8], name: [u8; 4]) -> Option<u64> {
         .and_then(|entry| long(entry, 4))
 }
 
-/// The chunks of a file, in their order.
-pub(super) fn chunks(bytes: &[u8]) -> Vec<Chunk<'_>> {
-    let mut found: Vec<Chunk<'_>> = Vec::new();
-    let mut at = 12;
-    while let (Some(name), Some(stated)) = (bytes.get(at..at + 4), word(bytes, at + 4)) {
-        if !is_name(name) {
-            break;
-        }
-        let name: [u8; 4] = [name[0], name[1], name[2], name[3]];
-        let begin = at + 8;
-        let ds64 = found
-            .iter()
-            .find(|chunk| chunk.name == *b"ds64")
-            .map(|chunk| chunk.content);
-        let length = match stated {
-            // A program that writes to a pipe cannot know the length.
-            UNKNOWN => ds64
-                .and_then(|ds64| long_length(ds64, name))
-                .filter(|length| *length > 0),
-            0 if name == *b"data" && !is_chunk_or_end(bytes, begin) => None,
-            stated => Some(u64::from(stated)),
-        };
-        let rest = bytes.len() - begin;
-        let own = length.map_or(rest, |length| {
-            usize::try_from(length).map_or(rest, |length| length.min(rest))
-        });
-        found.push(Chunk {
-            name,
-            content: &bytes[begin..begin + own],
-            length,
-        });
-        at = begin + own;
-        if own % 2 == 1 && !lacks_pad(bytes, at) {
-            at += 1;
-        }
+/// A file of chunks, of which only the parts asked for are read.
+#[derive(Debug)]
+pub(super) struct Riff<R> {
+    reader: R,
+    /// Length of the file \[byte\].
+    length: u64,
+}
+
+impl<R: Read + Seek> Riff<R> {
+    /// A file of so many bytes.
+    pub(super) fn new(reader: R, length: u64) -> Self {
+        Self { reader, length }
     }
-    found
-}
 
-/// Whether the bytes are the end of the file or the header of a chunk that is whole.
-fn is_chunk_or_end(bytes: &[u8], at: usize) -> bool {
-    let Some(name) = bytes.get(at..at + 4) else {
-        return true;
-    };
-    let whole = word(bytes, at + 4).is_some_and(|length| length as usize <= bytes.len() - at - 8);
-    is_name(name) && whole
-}
+    /// The bytes from here on, `most` at most, fewer at the end of the file.
+    fn bytes(&mut self, at: u64, most: usize) -> io::Result<Vec<u8>> {
+        let left = usize::try_from(self.length.saturating_sub(at)).unwrap_or(usize::MAX);
+        let mut bytes = vec![0; left.min(most)];
+        self.reader.seek(SeekFrom::Start(at))?;
+        self.reader.read_exact(&mut bytes)?;
+        Ok(bytes)
+    }
 
-/// Whether a chunk of odd length that ends here has no pad byte behind it, as some recorders write it.
-fn lacks_pad(bytes: &[u8], at: usize) -> bool {
-    let name = |at: usize| bytes.get(at..at + 4);
-    let is_known = |at: usize| name(at).is_some_and(|name| KNOWN.contains(&name));
-    is_known(at) && !is_known(at + 1)
-        || bytes.get(at) != Some(&0) && !name(at + 1).is_some_and(is_name) && name(at).is_some_and(is_name)
+    /// The form of the file: `WAVE`, `AVI `.
+    pub(super) fn form(&mut self) -> io::Result<Option<[u8; 4]>> {
+        Ok(self.bytes(8, 4)?.try_into().ok())
+    }
+
+    /// The first bytes of a chunk's content.
+    pub(super) fn head(&mut self, chunk: &Chunk, most: usize) -> io::Result<Vec<u8>> {
+        let found = usize::try_from(chunk.found).unwrap_or(usize::MAX);
+        self.bytes(chunk.begin, found.min(most))
+    }
+
+    /// A reader that begins with the content of a chunk.
+    pub(super) fn content(&mut self, chunk: &Chunk) -> io::Result<impl Read> {
+        self.reader.seek(SeekFrom::Start(chunk.begin))?;
+        Ok(self.reader.by_ref().take(chunk.found))
+    }
+
+    /// The chunks of the file, in their order.
+    ///
+    /// # Errors
+    /// Those of the reader; more chunks than a recorder writes.
+    pub(super) fn chunks(&mut self) -> io::Result<Vec<Chunk>> {
+        let mut found: Vec<Chunk> = Vec::new();
+        let mut ds64: Option<Vec<u8>> = None;
+        let mut at = 12;
+        loop {
+            let header = self.bytes(at, 8)?;
+            let (Some(&[a, b, c, d]), Some(stated)) = (header.get(..4), word(&header, 4)) else {
+                break;
+            };
+            let name = [a, b, c, d];
+            if !is_name(&name) {
+                break;
+            }
+            if found.len() == MOST {
+                return Err(io::Error::new(
+                    io::ErrorKind::InvalidData,
+                    format!("it has more than {MOST} chunks; a recording has about ten"),
+                ));
+            }
+            let begin = at + 8;
+            let length = match stated {
+                // A program that writes to a pipe cannot know the length.
+                UNKNOWN => ds64
+                    .as_deref()
+                    .and_then(|ds64| long_length(ds64, name))
+                    .filter(|length| *length > 0),
+                0 if name == *b"data" && !self.is_chunk_or_end(begin)? => None,
+                stated => Some(u64::from(stated)),
+            };
+            let rest = self.length - begin;
+            let chunk = Chunk {
+                name,
+                begin,
+                found: length.map_or(rest, |length| length.min(rest)),
+                length,
+            };
+            if name == *b"ds64" && ds64.is_none() {
+                ds64 = Some(self.head(&chunk, DS64)?);
+            }
+            found.push(chunk);
+            at = begin + chunk.found;
+            if chunk.found % 2 == 1 && !self.lacks_pad(at)? {
+                at += 1;
+            }
+        }
+        Ok(found)
+    }
+
+    /// Whether the bytes are the end of the file or the header of a chunk that is whole.
+    fn is_chunk_or_end(&mut self, at: u64) -> io::Result<bool> {
+        let header = self.bytes(at, 8)?;
+        let Some(name) = header.get(..4) else {
+            return Ok(true);
+        };
+        let whole = word(&header, 4).is_some_and(|length| u64::from(length) <= self.length - at - 8);
+        Ok(is_name(name) && whole)
+    }
+
+    /// Whether a chunk of odd length that ends here has no pad byte behind it, as some recorders write it.
+    fn lacks_pad(&mut self, at: u64) -> io::Result<bool> {
+        let bytes = self.bytes(at, 5)?;
+        let (without, with) = (bytes.get(..4), bytes.get(1..5));
+        let is_known = |name: Option<&[u8]>| name.is_some_and(|name| KNOWN.contains(&name));
+        Ok(is_known(without) && !is_known(with)
+            || bytes.first() != Some(&0) && !with.is_some_and(is_name) && without.is_some_and(is_name))
+    }
 }
 
 #[cfg(test)]
 mod tests {
+    use std::io::Cursor;
+
     use super::*;
 
     fn chunk(name: &[u8], content: &[u8], pad: bool) -> Vec<u8> {
@@ -130,8 +193,20 @@ mod tests {
         bytes
     }
 
+    fn riff(bytes: &[u8]) -> Riff<Cursor<&[u8]>> {
+        Riff::new(Cursor::new(bytes), bytes.len() as u64)
+    }
+
+    fn chunks(bytes: &[u8]) -> Vec<Chunk> {
+        riff(bytes).chunks().unwrap_or_default()
+    }
+
+    fn content(bytes: &[u8], chunk: &Chunk) -> Vec<u8> {
+        riff(bytes).head(chunk, usize::MAX).unwrap_or_default()
+    }
+
     fn names(bytes: &[u8]) -> Vec<String> {
-        let name = |chunk: &Chunk<'_>| String::from_utf8_lossy(&chunk.name).into_owned();
+        let name = |chunk: &Chunk| String::from_utf8_lossy(&chunk.name).into_owned();
         chunks(bytes).iter().map(name).collect()
     }
 
@@ -174,7 +249,8 @@ mod tests {
         .concat();
         let found = chunks(&bytes);
         assert_eq!(names(&bytes), ["ds64", "bext", "data", "LIST"]);
-        assert_eq!((found[1].content, found[2].content), (&b"abcd"[..], &b"123456"[..]));
+        assert_eq!(content(&bytes, &found[1]), b"abcd");
+        assert_eq!(content(&bytes, &found[2]), b"123456");
     }
 
     #[test]
@@ -182,7 +258,7 @@ mod tests {
         for length in [[0xff; 4], [0; 4]] {
             let bytes = [&b"RIFF\xff\xff\xff\xffWAVEdata"[..], &length, &[7; 10]].concat();
             let found = chunks(&bytes);
-            assert_eq!((found[0].length, found[0].content.len()), (None, 10));
+            assert_eq!((found[0].length, found[0].found), (None, 10));
         }
         // An empty chunk with another one behind it is empty.
         let bytes = [
@@ -191,7 +267,7 @@ mod tests {
             chunk(b"LIST", b"INFO", true),
         ]
         .concat();
-        assert_eq!(chunks(&bytes)[0].content.len(), 0);
+        assert_eq!(chunks(&bytes)[0].found, 0);
     }
 
     #[test]
@@ -205,5 +281,15 @@ mod tests {
             .concat();
             let _ = chunks(&bytes[..end.min(bytes.len())]);
         }
+    }
+
+    #[test]
+    fn a_file_of_chunks_without_end_is_refused() {
+        let bytes = [b"RIFF\0\0\0\0WAVE".to_vec(), chunk(b"JUNK", b"", true).repeat(MOST + 1)].concat();
+        let refusal = riff(&bytes).chunks().map_err(|error| error.to_string());
+        assert!(
+            refusal.as_ref().is_err_and(|said| said.contains("65536 chunks")),
+            "{refusal:?}"
+        );
     }
 }

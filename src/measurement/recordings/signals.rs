@@ -2,11 +2,9 @@
 
 use std::path::{Path, PathBuf};
 
-use nailnoise_meshes::read_regular;
-
 use super::calibration::{Calibration, Quantity, Scale};
 use super::fault::Fault;
-use super::{LARGEST, LOWEST_RATE, RUN, SAME_RATE, SHOT, Selector, Track, decode};
+use super::{LOWEST_RATE, RUN, SAME_RATE, SHOT, Selector, Track, read_tracks};
 use crate::measurement::error::MeasurementError;
 
 /// Where the record of a channel is, and what its numbers are.
@@ -40,9 +38,9 @@ pub(crate) fn refuse(path: &Path, channel: &str, fault: Fault) -> MeasurementErr
 
 /// Reads channels of one file.
 pub(crate) fn read(path: &Path, sources: &[Source<'_>]) -> Result<Vec<Track>, MeasurementError> {
-    let bytes = read_regular(path, LARGEST).map_err(|error| unreadable(path, sources[0].name, &error))?;
     let selectors: Vec<&Selector> = sources.iter().map(|source| source.selector).collect();
-    decode(&bytes, path, &selectors).map_err(|(index, fault)| refuse(path, sources[index].name, fault))
+    let tracks = read_tracks(path, &selectors).map_err(|error| unreadable(path, sources[0].name, &error))?;
+    tracks.map_err(|(index, fault)| refuse(path, sources[index].name, fault))
 }
 
 /// A file that cannot be read.

@@ -1,13 +1,14 @@
 //! WAV files: integers of 8 to 64 bits and floats of 32 and 64 bits, any number of channels.
 
-use std::io::{self, Cursor};
+use std::io::{self, Cursor, Read, Seek};
 
 use hound::{SampleFormat, WavSpec, WavWriter};
 
 use super::fault::Fault;
-use super::format::{Coded, Format};
-use super::riff::{chunks, form};
+use super::format::{Coded, Format, UseOfBits};
+use super::riff::Riff;
 use super::{Numbers, Refusal, Selector, Track, numbers};
+use crate::cost::MemoryLimit;
 
 /// How samples are written.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -96,25 +97,34 @@ fn largest(bits: u16) -> f64 {
     ((1_i64 << (bits - 1)) - 1) as f64
 }
 
-/// Reads channels of a WAV file.
-pub(super) fn decode(bytes: &[u8], channels: &[&Selector]) -> Result<Vec<Track>, Refusal> {
+/// Bytes of a file that are in memory at a time, unless a single frame is larger.
+const BLOCK: usize = 1 << 20;
+
+/// Reads channels of a WAV file of so many bytes, a block at a time: only the samples asked for stay in memory.
+pub(super) fn decode<R: Read + Seek>(reader: R, length: u64, channels: &[&Selector]) -> Result<Vec<Track>, Refusal> {
     let wanted = numbers(channels, "a WAV file")?;
     let malformed = |problem: String| (0, Fault::Format { problem });
-    if let Some(form) = form(bytes).filter(|form| form != b"WAVE") {
+    let mut riff = Riff::new(reader, length);
+    if let Some(form) = riff.form().map_err(unread)?.filter(|form| form != b"WAVE") {
         let form = String::from_utf8_lossy(&form);
         let problem = format!("it is a RIFF file of the form {:?}, not WAVE", form.trim());
         return Err(malformed(problem));
     }
-    let found = chunks(bytes);
+    let found = riff.chunks().map_err(unread)?;
     let named = |name: [u8; 4]| found.iter().filter(move |chunk| chunk.name == name);
-    if named(*b"wavl").next().is_some() || named(*b"LIST").any(|chunk| chunk.content.starts_with(b"wavl")) {
+    let mut pauses = named(*b"wavl").next().is_some();
+    for list in named(*b"LIST") {
+        pauses |= riff.head(list, 4).map_err(unread)? == b"wavl";
+    }
+    if pauses {
         return Err(malformed(
             "its samples are in a list with pauses (wavl), which is not read".to_owned(),
         ));
     }
     let format = named(*b"fmt ").next();
     let format = format.ok_or_else(|| malformed("it is a WAV file without its chunk \"fmt \"".to_owned()))?;
-    let format = Format::read(format.content).map_err(|fault| (0, fault))?;
+    let format = riff.head(format, Format::LARGEST).map_err(unread)?;
+    let format = Format::read(&format).map_err(|fault| (0, fault))?;
     let mut data = named(*b"data");
     let Some(samples) = data.next() else {
         // The file may end before the chunk begins.
@@ -133,34 +143,80 @@ pub(super) fn decode(bytes: &[u8], channels: &[&Selector]) -> Result<Vec<Track>,
         }
     }
     // Bytes of an unfinished last sample are ignored, as every reader does.
-    let block = count * format.container;
-    let found = samples.content.len() / block;
-    let stated = samples.length.map_or(found as u64, |length| length / block as u64);
-    if (found as u64) < stated {
+    let frame = count * format.container;
+    let frames = samples.found / frame as u64;
+    let stated = samples.length.map_or(frames, |length| length / frame as u64);
+    let frames = usize::try_from(frames).unwrap_or(usize::MAX);
+    if (frames as u64) < stated {
         let expected = usize::try_from(stated).unwrap_or(usize::MAX);
-        return Err((0, Fault::CutOff { expected, found }));
+        return Err((
+            0,
+            Fault::CutOff {
+                expected,
+                found: frames,
+            },
+        ));
     }
-    if found == 0 {
+    if frames == 0 {
         return Err((0, Fault::Empty { samples: 0 }));
     }
-    format.check(samples.content).map_err(|fault| (0, fault))?;
+    let mut records = reserve(frames, wanted.len(), MemoryLimit::default()).map_err(|fault| (0, fault))?;
+    let mut content = riff.content(samples).map_err(unread)?;
+    let mut use_of_bits = UseOfBits::default();
+    let mut block = vec![0; frame * (BLOCK / frame).clamp(1, frames)];
+    let mut left = frames;
+    while left > 0 {
+        let now = left.min(block.len() / frame);
+        let bytes = &mut block[..now * frame];
+        content.read_exact(bytes).map_err(unread)?;
+        use_of_bits.see(&format, bytes);
+        for (channel, record) in wanted.iter().zip(&mut records) {
+            let place = (channel - 1) * format.container;
+            let sample = |frame: &[u8]| format.sample(&frame[place..place + format.container]);
+            record.extend(bytes.chunks_exact(frame).map(sample));
+        }
+        left -= now;
+    }
+    use_of_bits.check(&format).map_err(|fault| (0, fault))?;
     let numbers = match format.coded {
         Coded::Integer { .. } => Numbers::Integers,
         Coded::Float => Numbers::Fractions,
     };
-    let tracks = wanted.iter().map(|channel| {
-        let place = (channel - 1) * format.container;
-        let sample = |frame: &[u8]| format.sample(&frame[place..place + format.container]);
-        Track {
-            rate: f64::from(format.rate),
-            start: None,
-            samples: samples.content.chunks_exact(block).map(sample).collect(),
-            numbers,
-            unit: String::new(),
-            measures: None,
-        }
+    let tracks = records.into_iter().map(|samples| Track {
+        rate: f64::from(format.rate),
+        start: None,
+        samples,
+        numbers,
+        unit: String::new(),
+        measures: None,
     });
     Ok(tracks.collect())
+}
+
+/// A failure of the file system.
+fn unread(error: io::Error) -> Refusal {
+    let problem = error.to_string();
+    (0, Fault::Format { problem })
+}
+
+/// Empty records with room for so many samples each.
+fn reserve(samples: usize, channels: usize, limit: MemoryLimit) -> Result<Vec<Vec<f64>>, Fault> {
+    let gigabytes = 1e-9 * size_of::<f64>() as f64 * samples as f64 * channels as f64;
+    let fault = || Fault::Memory {
+        samples,
+        channels,
+        gigabytes,
+        allowed: limit.gigabytes,
+    };
+    if !limit.allows(gigabytes) {
+        return Err(fault());
+    }
+    let record = |_| {
+        let mut record = Vec::new();
+        record.try_reserve_exact(samples).map_err(|_| fault())?;
+        Ok(record)
+    };
+    (0..channels).map(record).collect()
 }
 
 #[cfg(test)]
@@ -171,7 +227,8 @@ mod tests {
     fn a_sound_file_reads_back_its_pressures() {
         let signal: Vec<f64> = (0..1000).map(|i| 3.0 * (0.05 * f64::from(i)).sin()).collect();
         let bytes = encode(&[&signal], 48_000, 5.0, Coding::Integer24).unwrap_or_default();
-        let Ok(tracks) = decode(&bytes, &[&Selector::Channel(1)]) else {
+        let length = bytes.len() as u64;
+        let Ok(tracks) = decode(Cursor::new(&bytes), length, &[&Selector::Channel(1)]) else {
             panic!("not a sound file");
         };
         assert_eq!((tracks[0].rate, tracks[0].samples.len()), (48_000.0, 1000));
@@ -195,5 +252,108 @@ mod tests {
             );
             assert_eq!(usize::from(file[4]), file.len() - 8);
         }
+    }
+
+    #[test]
+    fn a_record_larger_than_the_memory_is_refused_with_its_size() {
+        let limit = MemoryLimit {
+            gigabytes: 1.0,
+            given: false,
+        };
+        assert_eq!(reserve(1000, 2, limit).map(|records| records.len()), Ok(2));
+        let said = reserve(200_000_000, 2, limit).map_err(|fault| (fault.to_string(), fault.remedy()));
+        let Err((said, remedy)) = said else {
+            panic!("not refused")
+        };
+        assert!(said.contains("200000000 samples") && said.contains("3.2 GB"), "{said}");
+        assert!(said.contains("1.0 GB") && remedy.contains("cut"), "{said} {remedy}");
+        // More than any machine has, where the system does not say what is free.
+        let open = MemoryLimit {
+            gigabytes: f64::INFINITY,
+            given: false,
+        };
+        assert!(reserve(usize::MAX, 1, open).is_err());
+    }
+
+    /// A file of so many bytes that begins with a header and ends with a tail; all between is zero.
+    struct Sparse {
+        head: Vec<u8>,
+        tail: Vec<u8>,
+        length: u64,
+        at: u64,
+    }
+
+    impl Read for Sparse {
+        fn read(&mut self, bytes: &mut [u8]) -> io::Result<usize> {
+            let count = bytes.len().min((self.length - self.at) as usize);
+            bytes[..count].fill(0);
+            let tail = self.length - self.tail.len() as u64;
+            for (from, part) in [(0, &self.head), (tail, &self.tail)] {
+                for (place, value) in (from..).zip(part) {
+                    if (self.at..self.at + count as u64).contains(&place) {
+                        bytes[(place - self.at) as usize] = *value;
+                    }
+                }
+            }
+            self.at += count as u64;
+            Ok(count)
+        }
+    }
+
+    impl Seek for Sparse {
+        fn seek(&mut self, to: io::SeekFrom) -> io::Result<u64> {
+            if let io::SeekFrom::Start(at) = to {
+                self.at = at.min(self.length);
+            }
+            Ok(self.at)
+        }
+    }
+
+    /// RF64: 1 100 000 frames of 2048 channels of 16 bits, 4.5 GB, of which one channel takes 9 MB.
+    #[test]
+    fn a_recording_beyond_four_gigabytes_is_read() {
+        const CHANNELS: u16 = 2048;
+        let frames: u64 = 1_100_000;
+        let content = 2 * u64::from(CHANNELS) * frames;
+        let ds64: Vec<u8> = [0, content, frames].iter().flat_map(|x| x.to_le_bytes()).collect();
+        let mut head = [
+            &b"RF64\xff\xff\xff\xffWAVEds64"[..],
+            &28_u32.to_le_bytes(),
+            &ds64,
+            &[0; 4],
+        ]
+        .concat();
+        head.extend(
+            [
+                &b"fmt "[..],
+                &16_u32.to_le_bytes(),
+                &1_u16.to_le_bytes(),
+                &CHANNELS.to_le_bytes(),
+            ]
+            .concat(),
+        );
+        head.extend([48_000_u32.to_le_bytes(), [0; 4]].concat());
+        head.extend([(2 * CHANNELS).to_le_bytes(), 16_u16.to_le_bytes()].concat());
+        head.extend(b"data\xff\xff\xff\xff");
+        let length = head.len() as u64 + content;
+        assert!(length > 4_300_000_000);
+        let file = Sparse {
+            head,
+            tail: 0x4000_i16.to_le_bytes().to_vec(),
+            length,
+            at: 0,
+        };
+        let tracks = decode(file, length, &[&Selector::Channel(2048)]);
+        let Ok([track]) = tracks.as_deref() else {
+            panic!("not read")
+        };
+        let [rest @ .., last] = track.samples.as_slice() else {
+            panic!("empty")
+        };
+        assert_eq!(
+            (track.samples.len() as u64, *last),
+            (frames, f64::from(0x4000) / largest(16))
+        );
+        assert!(rest.iter().all(|sample| *sample == 0.0));
     }
 }

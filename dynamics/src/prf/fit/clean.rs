@@ -121,6 +121,9 @@ pub enum Flag {
     },
 }
 
+/// Greatest time \[s\], depth \[m\] and force \[N\] of a recording: a week of creep, the longest pile, what crushes its shank.
+const LIMITS: [(&str, f64, &str); 3] = [("time", 1e6, "s"), ("depth", 10.0, "m"), ("force", 1e7, "N")];
+
 /// Why a recording cannot be used.
 #[derive(Debug, Clone, PartialEq, Error)]
 #[non_exhaustive]
@@ -138,6 +141,20 @@ pub enum CleanError {
     NotFinite {
         /// The sample, from 0.
         sample: usize,
+    },
+    /// A number that no drive has.
+    #[error("the {quantity} is {value:?} {unit}; at most {limit:?} {unit} is expected")]
+    TooLarge {
+        /// The sample, from 0.
+        sample: usize,
+        /// What it is.
+        quantity: &'static str,
+        /// Its value.
+        value: f64,
+        /// The greatest value that is read.
+        limit: f64,
+        /// Unit of both.
+        unit: &'static str,
     },
     /// The force never rises.
     #[error("the force is nowhere above 0 N")]
@@ -201,6 +218,7 @@ impl CleanError {
     pub fn sample(&self) -> Option<usize> {
         match self {
             Self::NotFinite { sample }
+            | Self::TooLarge { sample, .. }
             | Self::Time { sample, .. }
             | Self::GoesBack { sample, .. }
             | Self::Negative { sample, .. } => Some(*sample),
@@ -213,6 +231,7 @@ impl CleanError {
         match self {
             Self::TooFew { .. } => "record at a higher rate, or check that depths are in m and rise into the wood",
             Self::NotFinite { .. } => "remove the sample, or the drive",
+            Self::TooLarge { .. } => "check the units of the columns, or remove the sample",
             Self::NoForce => "give the force in N, positive against the nail",
             Self::NoStart { .. } => "lower --start, or check that forces are in N",
             Self::Time { .. } => "give samples at equal intervals, times in s",
@@ -235,6 +254,19 @@ impl Trace {
             let time = self.time.get(sample).copied().unwrap_or(0.0);
             if !(self.depth[sample].is_finite() && self.force[sample].is_finite() && time.is_finite()) {
                 return Err(CleanError::NotFinite { sample });
+            }
+            for ((quantity, limit, unit), value) in
+                LIMITS.into_iter().zip([time, self.depth[sample], self.force[sample]])
+            {
+                if value.abs() > limit {
+                    return Err(CleanError::TooLarge {
+                        sample,
+                        quantity,
+                        value,
+                        limit,
+                        unit,
+                    });
+                }
             }
         }
         if n < SLIDING {
