@@ -200,7 +200,8 @@ mod tests {
             let own: ProvidedStudy = serde_json::from_str(text).unwrap();
             let design = Design::shipped(&own.design).unwrap_or_else(|| panic!("{path}: no design {}", own.design));
             let found = ProvidedStudy::of(&design).unwrap().unwrap();
-            assert_eq!(found.study.design, own.design, "{path}");
+            // Designs with equal values have equal draws, and the first of their studies serves all.
+            assert_eq!(found.study.draws.levels_db, own.draws.levels_db, "{path}");
             assert_eq!(found.found.weighting, None, "{path}");
             let total = &own.draws.levels_db[TOTAL];
             assert_eq!(total.len(), own.result.draws, "{path}");

@@ -1,7 +1,7 @@
 """Compares the table of docs/validation.md with the program, or writes it anew.
 
     validation.py NAILNOISE PAGE           the predictions of the designs as they are, to the digit; no draws
-    validation.py NAILNOISE PAGE --update  writes the whole table, with the intervals of 32 draws
+    validation.py NAILNOISE PAGE --update  writes the whole table, with the intervals of 128 draws
 
 The page's table is between two comments; each row has the quantity, the design, the measured and the predicted value,
 the interval of the draws and the distance of both intervals.
