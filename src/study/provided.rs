@@ -224,7 +224,7 @@ mod tests {
     }
 
     #[test]
-    fn every_shipped_design_has_a_study_of_128_draws_of_today() {
+    fn every_shipped_design_has_a_current_study_of_128_draws() {
         for state in ProvidedStudy::states().unwrap() {
             let draws = state.draws.unwrap_or(0);
             assert!(draws >= 128, "{}: {draws} draws", state.design);

@@ -602,7 +602,7 @@ fn a_universal_file_is_the_same_recording() {
 }
 
 #[test]
-fn numbers_that_no_drive_has_are_refused_with_their_line() {
+fn implausible_numbers_of_a_drive_are_refused_with_their_line() {
     for (name, from, to, words) in [
         ("force", 1, "1e308", "the force is 1e308 N; at most 10000000.0 N"),
         ("depth", 0, "-1e30", "the depth is -1e30 m; at most 10.0 m"),

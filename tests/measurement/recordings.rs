@@ -614,7 +614,7 @@ fn a_trigger_is_where_its_channel_crosses_the_threshold() {
 }
 
 #[test]
-fn a_table_too_large_is_refused_unread() {
+fn a_table_above_the_limit_is_refused_before_it_is_read() {
     let folder = Folder::new("large");
     let file = std::fs::File::create(folder.path("W-1-1.csv")).unwrap();
     file.set_len(LARGEST + 1).unwrap();

@@ -53,15 +53,15 @@ pub(crate) fn convention(design: &Design) -> Option<String> {
 
 /// Values outside the ranges that the design gives.
 pub(crate) fn outside_ranges(design: &Design) -> Vec<String> {
-    said(design, |warning| matches!(warning, Warning::OutsideRange { .. }))
+    warnings_in_words(design, |warning| matches!(warning, Warning::OutsideRange { .. }))
 }
 
 /// Bands that lack the exhaust because it is computed up to a lower frequency than the levels.
 pub(crate) fn exhaust_top(design: &Design) -> Vec<String> {
-    said(design, |warning| matches!(warning, Warning::ExhaustTop { .. }))
+    warnings_in_words(design, |warning| matches!(warning, Warning::ExhaustTop { .. }))
 }
 
-fn said(design: &Design, is_wanted: impl Fn(&Warning) -> bool) -> Vec<String> {
+fn warnings_in_words(design: &Design, is_wanted: impl Fn(&Warning) -> bool) -> Vec<String> {
     let warnings = design.warnings().iter().filter(|warning| is_wanted(warning));
     warnings.map(ToString::to_string).collect()
 }

@@ -41,7 +41,7 @@ pub enum Fault {
         "the header states {bits} valid bits in containers of {container} bits, which are the highest ones by the \
          format (WAVE_FORMAT_EXTENSIBLE); the samples use the lowest {bits} bits only"
     )]
-    WrongEnd {
+    RightAligned {
         /// Valid bits of a sample.
         bits: u32,
         /// Bits of its container.
@@ -315,7 +315,7 @@ impl Fault {
             }
             Self::Foreign(foreign) => foreign.remedy,
             Self::Width { .. } | Self::Coding { .. } => "export it with integers of 24 bits, or as floats of 32 bits",
-            Self::WrongEnd { .. } => "export it with integers of 24 bits in 3 bytes, or as floats of 32 bits",
+            Self::RightAligned { .. } => "export it with integers of 24 bits in 3 bytes, or as floats of 32 bits",
             Self::Memory { .. } => "cut the recording to one file a shot, of some seconds each",
             Self::CutOff { .. } => "export the recording again; a copy may have been interrupted",
             Self::NoChannel { .. } => "correct `channel`, which counts from 1, or `file`",

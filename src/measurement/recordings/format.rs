@@ -159,16 +159,16 @@ impl Format {
 
 /// Which bits of their containers the samples of a file use.
 #[derive(Debug, Clone, Copy, Default)]
-pub(super) struct UseOfBits {
+pub(super) struct BitAlignment {
     /// Whether a sample uses one of the bits that by the header are unused.
     low: bool,
     /// Whether a sample needs more than the lowest valid bits.
     high: bool,
 }
 
-impl UseOfBits {
+impl BitAlignment {
     /// Considers samples of all channels.
-    pub(super) fn see(&mut self, format: &Format, data: &[u8]) {
+    pub(super) fn update(&mut self, format: &Format, data: &[u8]) {
         let Some((bits, unused)) = format.unused().filter(|_| !self.high) else {
             return;
         };
@@ -183,7 +183,7 @@ impl UseOfBits {
     /// put the valid bits at the wrong end, and they would read too quiet.
     pub(super) fn check(self, format: &Format) -> Result<(), Fault> {
         match format.unused() {
-            Some((bits, _)) if self.low && !self.high => Err(Fault::WrongEnd {
+            Some((bits, _)) if self.low && !self.high => Err(Fault::RightAligned {
                 bits,
                 container: 8 * format.container,
             }),
@@ -271,9 +271,9 @@ mod tests {
                 .collect::<Vec<u8>>()
         };
         let check = |shift: u32| {
-            let mut bits = UseOfBits::default();
+            let mut bits = BitAlignment::default();
             // In two blocks, as a large file is read.
-            file(shift).chunks(8).for_each(|block| bits.see(&format, block));
+            file(shift).chunks(8).for_each(|block| bits.update(&format, block));
             bits.check(&format)
         };
         assert!(check(8).is_ok());

@@ -96,7 +96,7 @@ impl<R: Read + Seek> Riff<R> {
     }
 
     /// The first bytes of a chunk's content.
-    pub(super) fn head(&mut self, chunk: &Chunk, most: usize) -> io::Result<Vec<u8>> {
+    pub(super) fn prefix(&mut self, chunk: &Chunk, most: usize) -> io::Result<Vec<u8>> {
         let found = usize::try_from(chunk.found).unwrap_or(usize::MAX);
         self.bytes(chunk.begin, found.min(most))
     }
@@ -148,7 +148,7 @@ impl<R: Read + Seek> Riff<R> {
                 length,
             };
             if name == *b"ds64" && ds64.is_none() {
-                ds64 = Some(self.head(&chunk, DS64)?);
+                ds64 = Some(self.prefix(&chunk, DS64)?);
             }
             found.push(chunk);
             at = begin + chunk.found;
@@ -202,7 +202,7 @@ mod tests {
     }
 
     fn content(bytes: &[u8], chunk: &Chunk) -> Vec<u8> {
-        riff(bytes).head(chunk, usize::MAX).unwrap_or_default()
+        riff(bytes).prefix(chunk, usize::MAX).unwrap_or_default()
     }
 
     fn names(bytes: &[u8]) -> Vec<String> {
@@ -284,7 +284,7 @@ mod tests {
     }
 
     #[test]
-    fn a_file_of_chunks_without_end_is_refused() {
+    fn a_file_with_too_many_chunks_is_refused() {
         let bytes = [b"RIFF\0\0\0\0WAVE".to_vec(), chunk(b"JUNK", b"", true).repeat(MOST + 1)].concat();
         let refusal = riff(&bytes).chunks().map_err(|error| error.to_string());
         assert!(

@@ -5,7 +5,7 @@ use std::io::{self, Cursor, Read, Seek};
 use hound::{SampleFormat, WavSpec, WavWriter};
 
 use super::fault::Fault;
-use super::format::{Coded, Format, UseOfBits};
+use super::format::{BitAlignment, Coded, Format};
 use super::riff::Riff;
 use super::{Numbers, Refusal, Selector, Track, numbers};
 use crate::cost::MemoryLimit;
@@ -70,7 +70,7 @@ pub fn encode(signals: &[&[f64]], rate: u32, full_scale: f64, coding: Coding) ->
     plain(bytes.into_inner(), coding).ok_or_else(|| io::Error::other("the header of a WAV file is not extensible"))
 }
 
-/// A WAV file with the format chunk of 16 bytes in the place of the extensible one of 40 bytes that hound writes for
+/// A WAV file with the format chunk of 16 bytes instead of the extensible one of 40 bytes that hound writes for
 /// more than 16 bits, because Python's `wave` before 3.12 and other simple readers open no extensible one.
 fn plain(mut file: Vec<u8>, coding: Coding) -> Option<Vec<u8>> {
     const CHUNK: std::ops::Range<usize> = 12..20;
@@ -114,7 +114,7 @@ pub(super) fn decode<R: Read + Seek>(reader: R, length: u64, channels: &[&Select
     let named = |name: [u8; 4]| found.iter().filter(move |chunk| chunk.name == name);
     let mut pauses = named(*b"wavl").next().is_some();
     for list in named(*b"LIST") {
-        pauses |= riff.head(list, 4).map_err(unread)? == b"wavl";
+        pauses |= riff.prefix(list, 4).map_err(unread)? == b"wavl";
     }
     if pauses {
         return Err(malformed(
@@ -123,7 +123,7 @@ pub(super) fn decode<R: Read + Seek>(reader: R, length: u64, channels: &[&Select
     }
     let format = named(*b"fmt ").next();
     let format = format.ok_or_else(|| malformed("it is a WAV file without its chunk \"fmt \"".to_owned()))?;
-    let format = riff.head(format, Format::LARGEST).map_err(unread)?;
+    let format = riff.prefix(format, Format::LARGEST).map_err(unread)?;
     let format = Format::read(&format).map_err(|fault| (0, fault))?;
     let mut data = named(*b"data");
     let Some(samples) = data.next() else {
@@ -160,16 +160,16 @@ pub(super) fn decode<R: Read + Seek>(reader: R, length: u64, channels: &[&Select
     if frames == 0 {
         return Err((0, Fault::Empty { samples: 0 }));
     }
-    let mut records = reserve(frames, wanted.len(), MemoryLimit::default()).map_err(|fault| (0, fault))?;
+    let mut records = allocate_records(frames, wanted.len(), MemoryLimit::default()).map_err(|fault| (0, fault))?;
     let mut content = riff.content(samples).map_err(unread)?;
-    let mut use_of_bits = UseOfBits::default();
+    let mut alignment = BitAlignment::default();
     let mut block = vec![0; frame * (BLOCK / frame).clamp(1, frames)];
     let mut left = frames;
     while left > 0 {
         let now = left.min(block.len() / frame);
         let bytes = &mut block[..now * frame];
         content.read_exact(bytes).map_err(unread)?;
-        use_of_bits.see(&format, bytes);
+        alignment.update(&format, bytes);
         for (channel, record) in wanted.iter().zip(&mut records) {
             let place = (channel - 1) * format.container;
             let sample = |frame: &[u8]| format.sample(&frame[place..place + format.container]);
@@ -177,7 +177,7 @@ pub(super) fn decode<R: Read + Seek>(reader: R, length: u64, channels: &[&Select
         }
         left -= now;
     }
-    use_of_bits.check(&format).map_err(|fault| (0, fault))?;
+    alignment.check(&format).map_err(|fault| (0, fault))?;
     let numbers = match format.coded {
         Coded::Integer { .. } => Numbers::Integers,
         Coded::Float => Numbers::Fractions,
@@ -200,7 +200,7 @@ fn unread(error: io::Error) -> Refusal {
 }
 
 /// Empty records with room for so many samples each.
-fn reserve(samples: usize, channels: usize, limit: MemoryLimit) -> Result<Vec<Vec<f64>>, Fault> {
+fn allocate_records(samples: usize, channels: usize, limit: MemoryLimit) -> Result<Vec<Vec<f64>>, Fault> {
     let gigabytes = 1e-9 * size_of::<f64>() as f64 * samples as f64 * channels as f64;
     let fault = || Fault::Memory {
         samples,
@@ -260,8 +260,8 @@ mod tests {
             gigabytes: 1.0,
             given: false,
         };
-        assert_eq!(reserve(1000, 2, limit).map(|records| records.len()), Ok(2));
-        let said = reserve(200_000_000, 2, limit).map_err(|fault| (fault.to_string(), fault.remedy()));
+        assert_eq!(allocate_records(1000, 2, limit).map(|records| records.len()), Ok(2));
+        let said = allocate_records(200_000_000, 2, limit).map_err(|fault| (fault.to_string(), fault.remedy()));
         let Err((said, remedy)) = said else {
             panic!("not refused")
         };
@@ -272,7 +272,7 @@ mod tests {
             gigabytes: f64::INFINITY,
             given: false,
         };
-        assert!(reserve(usize::MAX, 1, open).is_err());
+        assert!(allocate_records(usize::MAX, 1, open).is_err());
     }
 
     /// A file of so many bytes that begins with a header and ends with a tail; all between is zero.
