@@ -47,6 +47,16 @@ fn main() -> Result<(), Box<dyn Error>> {
         digest_code(&root, &path, &mut digest)?;
         emit(&format!("stages_{stage}"), digest);
     }
+    // The stages of a source are its file, or `sound.rs` in its folder; the rest describes it.
+    for entry in fs::read_dir(root.join("src/model/sources"))? {
+        let path = entry?.path();
+        let source = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+        let stages = if path.is_dir() { path.join("sound.rs") } else { path };
+        let mut digest = Sha256::new();
+        digest_code(&root, &stages, &mut digest)?;
+        emit(&format!("model_sources_{source}"), digest);
+    }
+    println!("cargo:rerun-if-changed=src/model/sources");
     for exports in ["output", "report"] {
         let mut digest = Sha256::new();
         digest_code(&root, &root.join("src").join(exports), &mut digest)?;

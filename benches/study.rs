@@ -62,7 +62,7 @@ fn main() -> Result<(), Box<dyn Error>> {
                 failed_checks: Vec::new(),
                 sensors: Vec::new(),
             },
-            method_db: [0.0; 3],
+            method_db: vec![0.0; 3],
         }
     };
     let made = Draws {

@@ -1,6 +1,7 @@
 //! nailnoise predicts how much sound power each source of a pneumatic nailer radiates, from its design.
 //!
-//! [`design`] reads the design file, [`chain`] assembles its stages, [`run`] ranks its sources, [`output`] makes files
+//! [`design`] reads the design file, [`chain`] assembles its stages, [`model`] has one
+//! module for each source, [`run`] ranks its sources, [`output`] makes files
 //! of them, [`figures`] draws them, [`drawing`] shows the tool, and [`report`] makes a page of them. [`bundle`] stores
 //! all of it for the next run, [`comparison`] lays results side by side, [`watch`] serves the page of a design that is
 //! being changed, and [`commands`] is the command line over all of it. [`measurement`] takes the recordings of a test
@@ -23,6 +24,7 @@ pub mod graph;
 pub mod headline;
 mod interrupt;
 pub mod measurement;
+pub mod model;
 pub mod output;
 pub mod penetration;
 pub mod report;

@@ -574,6 +574,9 @@ pub struct LevelChange {
     pub two_way_lwa_db: Option<f64>,
 }
 
+/// Name of the sum of all sources.
+pub(crate) const TOTAL: &str = "total";
+
 /// All sources together.
 #[derive(Debug, Clone, Copy, Serialize, Deserialize, JsonSchema)]
 pub struct Total {

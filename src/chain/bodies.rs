@@ -103,13 +103,13 @@ pub fn solved_bodies(design: &Design) -> Vec<BodyKind> {
 }
 
 /// The bodies of a design that a run solves.
-pub(super) struct Bodies {
+pub(crate) struct Bodies {
     /// Workpiece, and worktable if there is one.
-    pub(super) structure: Vec<BodyStages>,
+    pub(crate) structure: Vec<BodyStages>,
     /// The tool's body, unless it is rigid.
-    pub(super) tool: Option<BodyStages>,
+    pub(crate) tool: Option<BodyStages>,
     /// Requirements of a run on each, known before any is solved.
-    pub(super) usable: Vec<Stored<Usable>>,
+    pub(crate) usable: Vec<Stored<Usable>>,
 }
 
 impl Bodies {
@@ -117,7 +117,7 @@ impl Bodies {
     ///
     /// # Errors
     /// As [`BodyStages::add`].
-    pub(super) fn add(graph: &Graph, design: &Design) -> Result<Self, Error> {
+    pub(crate) fn add(graph: &Graph, design: &Design) -> Result<Self, Error> {
         let add = |kind| Ok((kind, BodyStages::add(graph, design, kind, true)?));
         let solved: Vec<(BodyKind, BodyStages)> = solved_bodies(design)
             .into_iter()
@@ -136,12 +136,12 @@ impl Bodies {
     }
 
     /// Workpiece and worktable in modal coordinates.
-    pub(super) fn structure_bodies(&self) -> Vec<Stored<Body>> {
+    pub(crate) fn structure_bodies(&self) -> Vec<Stored<Body>> {
         self.structure.iter().map(|stages| stages.body.clone()).collect()
     }
 
     /// All in modal coordinates: the structure, then the tool.
-    pub(super) fn modal(&self) -> impl Iterator<Item = &Stored<Body>> {
+    pub(crate) fn modal(&self) -> impl Iterator<Item = &Stored<Body>> {
         self.structure.iter().chain(&self.tool).map(|stages| &stages.body)
     }
 }

@@ -17,7 +17,7 @@ use crate::headline::{self, Headline};
 use crate::measurement::virtual_test::bare::{BareLevels, BareSource};
 use crate::measurement::virtual_test::exact::{ExactTest, exact};
 use crate::measurement::virtual_test::{VirtualTest, wrapping};
-use crate::measurement::wrapping::{Configuration, SOURCES, Wrapping};
+use crate::measurement::wrapping::{Configuration, Role, Wrapping};
 use crate::output::virtual_test::{SensorPeaks, manifest, sensors, sounds};
 use crate::result::DesignId;
 use crate::staging::Staging;
@@ -173,29 +173,22 @@ fn text(result: &TestResult) -> String {
         "{}: virtual wrapping test, A-weighted single-event sound power levels, dB re 1 pW s\n\n",
         result.design.name
     );
-    let [e1, e2, e3, e4, e5] = exact.configurations_db;
-    text.push_str(&table(
-        &["configuration", "measures", "dB"],
-        &[
-            ("1", "total", e1),
-            ("2", "residual", e2),
-            ("3", "exhaust", e3),
-            ("4", "body", e4),
-            ("5", "workpiece", e5),
-        ]
-        .map(|(number, what, level)| vec![number.to_owned(), what.to_owned(), decibels(level)]),
-    ));
+    let configurations = Configuration::ALL.into_iter().zip(exact.configurations_db);
+    let configurations: Vec<Vec<String>> = configurations
+        .map(|(own, level)| vec![own.number().to_string(), own.measures().to_owned(), decibels(level)])
+        .collect();
+    text.push_str(&table(&["configuration", "measures", "dB"], &configurations));
     text.push('\n');
     let recorded = !result.recorded.is_empty();
     let mut titles = vec!["source", "bare dB", "less residual dB", "least squares dB", "bound dB"];
-    let mut rows: Vec<Vec<String>> = (0..SOURCES.len())
-        .map(|place| {
+    let mut rows: Vec<Vec<String>> = (Role::ALL.into_iter().enumerate())
+        .map(|(place, role)| {
             vec![
-                SOURCES[place].to_owned(),
+                role.name().to_owned(),
                 decibels(exact.sources_db[place]),
                 decibels(exact.separated_db[place]),
                 decibels(exact.unmixed_db[place]),
-                if place == 0 {
+                if role == Role::Workpiece {
                     decibels(exact.bound_db)
                 } else {
                     String::new()

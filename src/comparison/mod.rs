@@ -9,7 +9,8 @@ mod ranges;
 
 use serde::Serialize;
 
-use crate::result::RankedSource;
+use crate::model::sources;
+use crate::result::{RankedSource, TOTAL};
 use crate::stages::headline::{Headline, unlike};
 use crate::wording::{Placed, unit_of_figure};
 
@@ -143,8 +144,9 @@ impl std::str::FromStr for Limit {
         let (of, level) = text
             .split_once('=')
             .ok_or_else(|| "expected SOURCE=DB, as in total=100 or exhaust=95.5".to_owned())?;
-        if !["total", "workpiece", "exhaust", "body"].contains(&of) {
-            return Err(format!("`{of}` is no source: choose total, workpiece, exhaust or body"));
+        let known: Vec<&str> = std::iter::once(TOTAL).chain(sources::names()).collect();
+        if !known.contains(&of) {
+            return Err(format!("`{of}` is not a source: choose one of {}", known.join(", ")));
         }
         match level.parse::<f64>() {
             Ok(level_db) if level_db.is_finite() => Ok(Self {

@@ -20,8 +20,30 @@ pub enum Configuration {
     Workpiece,
 }
 
-/// Sources by place in all tables of this module: workpiece, exhaust, body.
-pub const SOURCES: [&str; 3] = ["workpiece", "exhaust", "body"];
+/// A source as the protocol of the test separates it, in the order of all tables of this module.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Role {
+    /// The workpiece with its support.
+    Workpiece,
+    /// The exhaust.
+    Exhaust,
+    /// The tool's body.
+    Body,
+}
+
+impl Role {
+    /// All, in their order.
+    pub const ALL: [Self; 3] = [Self::Workpiece, Self::Exhaust, Self::Body];
+
+    /// Its name in manifests and results.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Workpiece => "workpiece",
+            Self::Exhaust => "exhaust",
+            Self::Body => "body",
+        }
+    }
+}
 
 impl Configuration {
     /// All, in their order.
@@ -37,13 +59,22 @@ impl Configuration {
         self as usize + 1
     }
 
+    /// What it measures: a source, `total` or `residual`.
+    pub fn measures(self) -> &'static str {
+        match self {
+            Self::Total => "total",
+            Self::Residual => "residual",
+            Self::Exhaust | Self::Body | Self::Workpiece => self.source().map_or("", Role::name),
+        }
+    }
+
     /// The source that it measures once the residual is subtracted; `None` for total and residual.
-    pub fn source(self) -> Option<&'static str> {
+    pub fn source(self) -> Option<Role> {
         match self {
             Self::Total | Self::Residual => None,
-            Self::Exhaust => Some("exhaust"),
-            Self::Body => Some("body"),
-            Self::Workpiece => Some("workpiece"),
+            Self::Exhaust => Some(Role::Exhaust),
+            Self::Body => Some(Role::Body),
+            Self::Workpiece => Some(Role::Workpiece),
         }
     }
 }
@@ -143,9 +174,13 @@ impl Wrapping {
 }
 
 impl Transmissions {
-    /// Through the wrap or muffler of a source, by its place in [`SOURCES`].
-    pub fn of_source(&self, place: usize) -> f64 {
-        [self.workpiece, self.muffler, self.body][place]
+    /// Through the wrap or muffler of a source.
+    pub fn of_source(&self, source: Role) -> f64 {
+        match source {
+            Role::Workpiece => self.workpiece,
+            Role::Exhaust => self.muffler,
+            Role::Body => self.body,
+        }
     }
 
     /// Share T_cs of the energy of each source (workpiece, exhaust, body) in each configuration.

@@ -8,8 +8,10 @@ use nailnoise_dynamics::{CycleRecord, Events, LogEntry};
 use super::columns::columns;
 use super::table::{coarse, numbers, optional, table};
 use crate::error::Error;
-use crate::result::{BandLevel, IntervalLevel, RadiationReport, RankedSource, RunResult};
+use crate::model::sources;
+use crate::result::{BandLevel, IntervalLevel, RadiationReport, RankedSource, RunResult, TOTAL};
 use crate::run::Run;
+use crate::stages::sources::SourceHistory;
 use crate::stages::spectra::Driven;
 
 /// Description of each event, in the order t0..t18.
@@ -34,10 +36,6 @@ pub const EVENT_NAMES: [&str; 19] = [
     "exhaust ended",
     "piston at rest on the stopper",
 ];
-
-/// Sources with dedicated places in tables, and the name of their sum.
-const SOURCES: [&str; 3] = ["workpiece", "exhaust", "body"];
-const TOTAL: &str = "total";
 
 /// An event, given as "t12", with its name.
 pub fn event_name(number: &str) -> String {
@@ -142,15 +140,15 @@ pub(super) fn radiation_modes(result: &RunResult, source: &str) -> Option<Result
     Some(table(header, rows))
 }
 
-/// The sources in an order that no level changes: workpiece, exhaust, body, then others by name.
+/// The sources in an order that no level changes: that of their list, then others by name.
 fn in_order(result: &RunResult) -> Vec<&RankedSource> {
     let place = |source: &&RankedSource| {
-        let known = SOURCES.iter().position(|known| *known == source.source);
-        (known.unwrap_or(SOURCES.len()), source.source.clone())
+        let known = sources::names().position(|known| known == source.source);
+        (known.unwrap_or(usize::MAX), source.source.clone())
     };
-    let mut sources: Vec<&RankedSource> = result.ranking.iter().collect();
-    sources.sort_by_key(place);
-    sources
+    let mut ordered: Vec<&RankedSource> = result.ranking.iter().collect();
+    ordered.sort_by_key(place);
+    ordered
 }
 
 /// `ranking.csv`: the sources, loudest first, and the total.
@@ -229,7 +227,7 @@ pub(super) fn intervals(result: &RunResult) -> Result<Vec<u8>, Error> {
 }
 
 /// `power.csv`: A-weighted sound power of every source and of all together over time, mean of each cell around the time given,
-/// and the screech frequency of the exhaust's jets there; empty while they are subsonic.
+/// and the quantities of the sources there, as the screech frequency of the exhaust's jets.
 pub(super) fn power(run: &Run) -> Result<Vec<u8>, Error> {
     let sources = in_order(&run.result);
     let named = |source: &&RankedSource| run.powers.iter().find(|power| power.source == source.source);
@@ -241,15 +239,16 @@ pub(super) fn power(run: &Run) -> Result<Vec<u8>, Error> {
         let own = powers.iter().map(move |power| power.history.power[cell]);
         let total: f64 = own.clone().sum();
         let sample = (time >= 0.0).then(|| (time / run.record.sample_interval).round() as usize);
-        let screech = sample.and_then(|sample| run.screech.get(sample).copied().flatten());
+        let at_sample = move |own: &SourceHistory| sample.and_then(|sample| own.values.get(sample).copied().flatten());
         [format!("{time:.7}")]
             .into_iter()
             .chain(own.chain([total]).map(|power| format!("{power:.6e}")))
-            .chain([optional(screech, 1)])
+            .chain(run.histories.iter().map(move |own| optional(at_sample(own), 1)))
     });
     let titles = titles(&sources, ["W_A [W]"]);
     let header = ["time [s]".to_owned()].into_iter().chain(titles);
-    table(header.chain(["screech of the exhaust [Hz]".to_owned()]), rows)
+    let of_sources = run.histories.iter().map(|own| own.heading.clone());
+    table(header.chain(of_sources), rows)
 }
 
 /// `events.csv`: symbol, description, time. An event that does not occur has an empty time.

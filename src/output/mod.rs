@@ -22,6 +22,7 @@ use nalgebra::DMatrix;
 use serde::{Deserialize, Serialize};
 
 use crate::error::Error;
+use crate::model::sources;
 use crate::run::Run;
 use crate::stages::bodies::Body;
 use crate::stages::spectra::{Driven, MovingBody};
@@ -83,7 +84,7 @@ pub fn files(run: &Run, exports: Exports) -> Result<Vec<File>, Error> {
     let mut files = sensors::files(run, exports.histories)?;
     files.push(File::new("ranking.csv", csv::ranking(&run.result)?));
     files.push(File::new("levels.csv", csv::levels(&run.result)?));
-    for (source, name) in [("workpiece", "radiation"), ("body", "radiation-body")] {
+    for (source, name) in sources::ALL.map(|source| (source.name(), source.radiation_table())) {
         let tables = [
             (format!("{name}.csv"), csv::radiation(&run.result, source)),
             (format!("{name}-modes.csv"), csv::radiation_modes(&run.result, source)),

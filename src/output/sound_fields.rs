@@ -10,6 +10,7 @@ use serde::{Deserialize, Serialize};
 
 use super::FIELDS;
 use crate::error::Error;
+use crate::stages::bodies::BodyKind;
 use crate::stages::sound_fields::Fields;
 use crate::staging::{Staging, is_file_name};
 
@@ -65,7 +66,7 @@ pub fn outdated_fields(folder: &Path, digest: &str, films: bool) -> Vec<PathBuf>
 /// Films of bodies in a folder, relative to it: a list and a folder of frames for each.
 fn films_in(folder: &Path) -> Vec<PathBuf> {
     let fields = Path::new(FIELDS);
-    let bodies = ["workpiece", "worktable", "tool"].into_iter();
+    let bodies = BodyKind::ALL.into_iter().map(BodyKind::name);
     let films = bodies.flat_map(|body| ["shot", "bands"].map(|film| format!("{body}-{film}")));
     let paths = films.flat_map(|film| [fields.join(format!("{film}.pvd")), fields.join(film)]);
     paths.filter(|path| folder.join(path).exists()).collect()

@@ -37,6 +37,7 @@ use crate::error::Error;
 use crate::figures;
 use crate::measurement::comparison::MeasuredComparison;
 use crate::measurement::result::MeasurementResult;
+use crate::model::sources::by_name;
 use crate::result::RunResult;
 use crate::run::Run;
 use crate::stages::spectra::{Driven, MovingBody};
@@ -152,7 +153,7 @@ pub fn run(design: &Design, run: &Run, pictures: &Pictures, recordings: &[Record
     {
         chart.caption = format!("One-third-octave levels of each source, {weighting}, dB re 1 pW s.");
     }
-    let of_exhaust = |chart: &figures::Chart| chart.name == "exhaust";
+    let of_parts = |chart: &figures::Chart| by_name(&chart.name).is_some();
     let mut cycle = figures::cycle(subject, design, &run.record);
     let energy = cycle.pop();
     let power = figures::power(subject, &run.record, &run.powers);
@@ -161,7 +162,7 @@ pub fn run(design: &Design, run: &Run, pictures: &Pictures, recordings: &[Record
         Section::new(
             "levels",
             "Levels",
-            html! { @for chart in levels.iter().filter(|own| !of_exhaust(own)) { (chart::markup(chart)) } },
+            html! { @for chart in levels.iter().filter(|own| !of_parts(own)) { (chart::markup(chart)) } },
         )
         .on_a_page(),
     ];
@@ -181,7 +182,7 @@ pub fn run(design: &Design, run: &Run, pictures: &Pictures, recordings: &[Record
             "More levels",
             html! {
                 @if let Some(chart) = &more { (chart::markup(chart)) }
-                @for chart in levels.iter().filter(|own| of_exhaust(own)) { (chart::markup(chart)) }
+                @for chart in levels.iter().filter(|own| of_parts(own)) { (chart::markup(chart)) }
             },
         )
         .in_the_appendix(),

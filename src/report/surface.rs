@@ -17,6 +17,7 @@ use rayon::prelude::*;
 use serde::Serialize;
 
 use crate::design::SupportKind;
+use crate::model::sources::of_body;
 use crate::stages::bodies::{Body, BodyKind};
 use crate::stages::spectra::Driven;
 
@@ -131,11 +132,8 @@ impl<'a> ColouredSurface<'a> {
 impl ColouredSurface<'_> {
     /// The source of the body.
     pub(super) fn source(&self) -> &'static str {
-        match self.body.name {
-            "tool" => "body",
-            "worktable" => "workpiece",
-            own => own,
-        }
+        let kind = BodyKind::ALL.into_iter().find(|kind| kind.name() == self.body.name);
+        kind.and_then(of_body).map_or(self.body.name, |source| source.name())
     }
 }
 
@@ -168,15 +166,18 @@ fn normal_modes(surface: &Surface, points: &[QuadraturePoint], modes: &DMatrix<f
     normal
 }
 
+const WORKPIECE: &str = BodyKind::Workpiece.name();
+const WORKTABLE: &str = BodyKind::Worktable.name();
+
 /// Whether sound cannot leave: on the support, under the block, in the sand, under the feet, at welds.
 fn covered(around: &Surroundings, body: &str, patch: &str, p: &Point3<f64>) -> bool {
     let half = around.half_sides;
     match (body, patch) {
         (_, patch) if patch.ends_with("_slave") => true, // tied to another face
-        ("workpiece", patch) if around.support == SupportKind::Sandbox => patch != "top",
-        ("workpiece", "bottom") => around.support != SupportKind::Springs,
+        (WORKPIECE, patch) if around.support == SupportKind::Sandbox => patch != "top",
+        (WORKPIECE, "bottom") => around.support != SupportKind::Springs,
         (_, "floor") => true,
-        ("worktable", "top") => p.x.abs() < half[0] && p.y.abs() < half[1],
+        (WORKTABLE, "top") => p.x.abs() < half[0] && p.y.abs() < half[1],
         _ => false,
     }
 }

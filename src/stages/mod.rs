@@ -7,12 +7,12 @@
 //! Stages depend neither on the design file nor on the store. `design::inputs` makes their fields from a design,
 //! `chain` assembles them, and `graph` looks them up, computes, stores and times them.
 
+pub mod apart;
 pub mod bodies;
 pub mod changes;
 mod codec;
 pub mod convention;
 pub mod cycle;
-pub mod exhaust;
 pub mod headline;
 pub mod intervals;
 pub mod levels;

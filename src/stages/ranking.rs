@@ -177,10 +177,10 @@ fn paired<'a>(
     })
 }
 
-/// Widens the workpiece's uncertainty by two standard deviations of its starts.
-pub fn widen(ranking: &mut [RankedSource], starts: &Starts) {
+/// Widens the uncertainty of the source `name` by two standard deviations of its starts.
+pub fn widen(ranking: &mut [RankedSource], name: &str, starts: &Starts) {
     let spread = 2.0 * starts.deviation_db;
-    for source in ranking.iter_mut().filter(|source| source.source == "workpiece") {
+    for source in ranking.iter_mut().filter(|source| source.source == name) {
         let band = &mut source.uncertainty_db;
         let wider = |bound: Option<f64>| bound.map(|bound| bound.hypot(spread).copysign(bound));
         (band.minus, band.plus) = (wider(band.minus), wider(band.plus));

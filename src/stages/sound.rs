@@ -90,12 +90,7 @@ impl SoundSource {
     }
 
     /// Analyses a part of a surface, whose energy may have either sign; `uncertainty` is its uncertainty.
-    pub(super) fn of_part(
-        part: PartOfSurface,
-        uncertainty: Uncertainty,
-        edges: &EventEdges,
-        range_hz: [f64; 2],
-    ) -> Self {
+    pub fn of_part(part: PartOfSurface, uncertainty: Uncertainty, edges: &EventEdges, range_hz: [f64; 2]) -> Self {
         let analysis = part.analyse(edges.times(), range_hz);
         let mismatches = vec![(part.spectrum.source.clone(), part.mismatch())];
         Self {
@@ -114,7 +109,7 @@ impl SoundSource {
     ///
     /// # Errors
     /// A part on other frequencies.
-    pub(super) fn without(&self, part: &Self) -> Result<Self, LevelsError> {
+    pub fn without(&self, part: &Self) -> Result<Self, LevelsError> {
         let mut rest = self.clone();
         rest.spectrum = self.spectrum.without(&part.spectrum)?;
         rest.moved
@@ -127,7 +122,7 @@ impl SoundSource {
 
     /// The source with a part that counts to it. The range of the source stays, and the part becomes a contribution.
     #[must_use]
-    pub(super) fn with(&self, part: &Self) -> Self {
+    pub fn with(&self, part: &Self) -> Self {
         let mut whole = self.clone();
         whole.spectrum = sum_with(&self.spectrum, &part.spectrum);
         whole.moved.push(part.spectrum.source.clone());
@@ -146,7 +141,7 @@ impl SoundSource {
 }
 
 /// A spectrum with that of a part, which becomes a contribution; the range is that of the first.
-pub(super) fn sum_with(own: &SourceSpectrum, part: &SourceSpectrum) -> SourceSpectrum {
+pub fn sum_with(own: &SourceSpectrum, part: &SourceSpectrum) -> SourceSpectrum {
     let alone = SourceSpectrum {
         contributions: Vec::new(),
         ..own.clone()
@@ -165,7 +160,7 @@ pub(super) fn sum_with(own: &SourceSpectrum, part: &SourceSpectrum) -> SourceSpe
 }
 
 /// The contributions of a spectrum as separate spectra.
-pub(super) fn parts_of(spectrum: &SourceSpectrum) -> Vec<SourceSpectrum> {
+pub fn parts_of(spectrum: &SourceSpectrum) -> Vec<SourceSpectrum> {
     let part = |contribution: &Contribution| SourceSpectrum {
         source: contribution.name.clone(),
         method: spectrum.method.clone(),

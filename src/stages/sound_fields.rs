@@ -26,6 +26,8 @@ const DIFFERENCE: f64 = 0.1;
 /// a run: pressures in thousands of places take a hundred times the space of the data for levels.
 #[derive(Serialize)]
 pub struct SoundFields {
+    /// Name of the source that workpiece and support are.
+    pub source: &'static str,
     /// How the field of the workpiece is computed.
     pub method: FieldMethod,
     /// Workpiece and support.
@@ -41,7 +43,7 @@ pub struct SoundFields {
 }
 
 /// How the field of the workpiece with its support is computed.
-#[derive(Serialize)]
+#[derive(Clone, Serialize)]
 pub enum FieldMethod {
     /// By boundary elements, given their matrix in standard air.
     BoundaryElements(WorkpieceBoundaryElements, Stored<ModalBem>),
@@ -54,6 +56,8 @@ pub enum FieldMethod {
 /// The elastic tool and its field.
 #[derive(Serialize)]
 pub struct ToolField {
+    /// Name of the source that the tool is.
+    pub source: &'static str,
     /// The body.
     pub body: Stored<Body>,
     /// Its motion.
@@ -138,7 +142,7 @@ impl SoundFields {
                 let surfaces: Vec<_> = bodies.iter().map(|body| body.moving_surface()).collect();
                 let bem = matrix.get()?.in_air(&Air::default(), air);
                 let body = SolvedSurface {
-                    source: "workpiece",
+                    source: self.source,
                     prefix: "sound",
                     levels: elements.levels(&surfaces, air)?,
                     bem: &bem,
@@ -148,7 +152,7 @@ impl SoundFields {
                 self.solved(body, elements.floor)?
             }
             FieldMethod::Rayleigh(top, radiator) => {
-                let radiated = radiator.get()?.energy("workpiece", &spectra)?;
+                let radiated = radiator.get()?.energy(self.source, &spectra)?;
                 let surface = top.rayleigh(&top_of(&bodies[0].moving_surface())?, air)?;
                 let field = flush_field("sound", &surface, spectra[0], &radiated, &self.cuts)?;
                 Fields {
@@ -163,7 +167,7 @@ impl SoundFields {
                          the surface itself Rayleigh's integral is not evaluated"
                             .to_owned(),
                     ],
-                    checks: checks("workpiece", &field),
+                    checks: checks(self.source, &field),
                     series: field.series,
                 }
             }
@@ -187,7 +191,7 @@ impl SoundFields {
             return Ok(());
         };
         let body = SolvedSurface {
-            source: "body",
+            source: tool.source,
             prefix: "sound-tool",
             levels: vec![elements.level(&tool.body.get()?.moving_surface(), &self.air)?],
             bem: &*matrix.get()?,

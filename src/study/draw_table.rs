@@ -6,8 +6,9 @@ use std::collections::BTreeMap;
 use serde::{Deserialize, Serialize};
 
 use super::draws::Draws;
-use super::level_table::{LevelTable, TOTAL};
+use super::level_table::LevelTable;
 use super::variables::Kind;
+use crate::result::TOTAL;
 
 /// Maximum number of stored draws.
 const MOST: usize = 4096;

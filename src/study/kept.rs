@@ -9,6 +9,7 @@ use super::result::StudyResult;
 use super::weighted::{Weighting, reweighted};
 use crate::design::Design;
 use crate::error::Error;
+use crate::model::sources::ALL;
 use crate::stages::levels::ShotLevels;
 use crate::stages::{Digest, Postcard, Stage};
 use crate::store::{Key, Store};
@@ -72,7 +73,9 @@ impl Found {
 
 /// Digest of the code that determines levels of draws.
 pub(super) fn code() -> String {
-    hexadecimal(&Key::empty().with(&ShotLevels::NAME).with(&ShotLevels::CODE).digest())
+    let levels = Key::empty().with(&ShotLevels::NAME).with(&ShotLevels::CODE);
+    let key = ALL.into_iter().fold(levels, |key, source| key.with(&source.code()));
+    hexadecimal(&key.digest())
 }
 
 fn all(store: &Store) -> (Digest, Vec<Kept>) {

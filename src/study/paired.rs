@@ -4,11 +4,12 @@ use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::draws::Draws;
-use super::level_table::{LevelTable, TOTAL};
+use super::level_table::LevelTable;
 use super::request::Request;
 use super::statistics::{Bootstrap, Estimate, Quantiles};
 use super::variables::differing_keys;
 use crate::design::Design;
+use crate::result::TOTAL;
 
 /// A design against a reference over common draws. What both share is the same in each draw, the errors of methods included, and
 /// cancels in the change.

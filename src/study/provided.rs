@@ -189,7 +189,7 @@ mod tests {
     #![allow(clippy::unwrap_used)]
 
     use super::*;
-    use crate::study::level_table::TOTAL;
+    use crate::result::TOTAL;
 
     /// Every study of the folder is of a shipped design, and its own draws give the shares that it states.
     #[test]

@@ -1,11 +1,11 @@
 //! The study of a design from the draws of another one, each with its weight (`population.rs`).
 
 use super::draw_table::DrawTable;
-use super::level_table::TOTAL;
 use super::population::{Marginal, effective, weight};
 use super::result::{LevelStudy, OrderProbability, SourceStudy, StudyResult};
 use super::statistics::{Bootstrap, Estimate, Quantiles, order, weighted_quantiles};
 use super::tolerance::STATED_FROM;
+use crate::result::TOTAL;
 
 /// That and how draws of another study are weighted.
 #[derive(Debug, Clone, PartialEq)]

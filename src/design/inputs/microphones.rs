@@ -91,7 +91,7 @@ pub(crate) fn workpiece_centre(design: &Design) -> [f64; 3] {
 }
 
 /// A point on the axis of driving, `height` above the workpiece \[m\].
-pub(super) fn on_axis(design: &Design, height: f64) -> [f64; 3] {
+pub(crate) fn on_axis(design: &Design, height: f64) -> [f64; 3] {
     let nail = &design.nail;
     [
         nail.offset_along,

@@ -9,7 +9,7 @@ use crate::measurement::arrangement::Part;
 use crate::measurement::error::MeasurementError;
 use crate::measurement::repeats::RepeatedLevel;
 use crate::measurement::result::{MeasurementResult, SCHEMA};
-use crate::measurement::wrapping::Configuration;
+use crate::measurement::wrapping::{Configuration, Role};
 use crate::shipped;
 
 /// The largest file that is read \[byte\].
@@ -254,11 +254,11 @@ impl Measurements {
             .configurations
             .iter()
             .find(|own| own.configuration == Configuration::Total);
-        let source = |name: &str| {
+        let source = |role: Role| {
             result
                 .sources
                 .iter()
-                .find(|own| own.source == name)
+                .find(|own| own.source == role.name())
                 .and_then(|own| own.level)
         };
         // The block moves alike in all configurations: their means show the scatter.
@@ -282,17 +282,17 @@ impl Measurements {
             level(
                 format!("exhaust, corrected, {setup}"),
                 "exhaust less residual",
-                source("exhaust"),
+                source(Role::Exhaust),
             ),
             level(
                 format!("body, corrected, {setup}"),
                 "body less residual",
-                source("body"),
+                source(Role::Body),
             ),
             level(
                 format!("workpiece as measured directly (X5), {setup}"),
                 "workpiece less residual",
-                source("workpiece"),
+                source(Role::Workpiece),
             ),
             result.closure_db.map(|closure| {
                 let words = "closure: total less the sum of the three sources";

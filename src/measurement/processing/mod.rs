@@ -129,7 +129,7 @@ pub fn process(
             if let Some((source, microphones)) = one.configuration.source().zip(corrected) {
                 let rate = recording.rate;
                 keep(CorrectedShot {
-                    source,
+                    source: source.name(),
                     repeat,
                     rate,
                     microphones,

@@ -10,7 +10,7 @@ use crate::measurement::result::{
     MeasuredSource, MeasurementResult, Processing, SCHEMA,
 };
 use crate::measurement::subtraction::{SURVEY_LIMIT_DB, expected_energy};
-use crate::measurement::wrapping::{Configuration, SOURCES};
+use crate::measurement::wrapping::{Configuration, Role};
 
 /// Fewest repeats of a test (EN 12549).
 pub const LEAST_REPEATS: usize = 5;
@@ -50,9 +50,14 @@ impl Summary<'_> {
             .iter()
             .filter_map(|(one, shots, _)| self.source(*one, shots))
             .collect();
-        let level_of = |name: &str| sources.iter().find(|own| own.source == name).and_then(|own| own.level);
+        let level_of = |role: Role| {
+            sources
+                .iter()
+                .find(|own| own.source == role.name())
+                .and_then(|own| own.level)
+        };
         let closure = self.total().and_then(|total| {
-            let parts = SOURCES.map(level_of);
+            let parts = Role::ALL.map(level_of);
             let sum: Option<f64> = parts
                 .iter()
                 .map(|level| level.map(|level| 10f64.powf(0.1 * level.db)))
@@ -174,7 +179,7 @@ impl Summary<'_> {
     }
 
     fn source(&self, one: Recorded, shots: &[ProcessedShot]) -> Option<MeasuredSource> {
-        let name = one.configuration.source()?;
+        let role = one.configuration.source()?;
         let corrected: Vec<&Energies> = shots.iter().filter_map(|shot| shot.corrected.as_ref()).collect();
         if corrected.is_empty() {
             return None;
@@ -194,7 +199,7 @@ impl Summary<'_> {
             })
             .collect();
         Some(MeasuredSource {
-            source: name.to_owned(),
+            source: role.name().to_owned(),
             configuration: self.arrangement.setup.configuration(one.configuration.number()),
             level: self.repeated(corrected.iter().map(|own| own.whole)),
             by_energy_db: self.level(whole - residual),
@@ -227,8 +232,8 @@ impl Summary<'_> {
     }
 
     fn bound(&self, sources: &[MeasuredSource]) -> Option<MeasuredBound> {
-        let of = |name: &str| sources.iter().find(|own| own.source == name);
-        let (exhaust, body) = (of("exhaust")?, of("body")?);
+        let of = |role: Role| sources.iter().find(|own| own.source == role.name());
+        let (exhaust, body) = (of(Role::Exhaust)?, of(Role::Body)?);
         let total = self.total()?;
         let energy = |level: Option<f64>| level.map_or(0.0, |level| 10f64.powf(0.1 * level));
         let left = |total: Option<f64>, exhaust: Option<f64>, body: Option<f64>| {
@@ -310,7 +315,7 @@ impl Summary<'_> {
                 ));
             }
         }
-        if sources.iter().any(|own| own.source == "workpiece") && self.total().is_some() {
+        if sources.iter().any(|own| own.source == Role::Workpiece.name()) && self.total().is_some() {
             notes.push(
                 "the workpiece bare is masked by the body's wrap; the bound holds whatever the wraps hide, unless the bias of \
                  exhaust and body is larger (see the levels by energy)"

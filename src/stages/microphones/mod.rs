@@ -13,8 +13,11 @@ use nailnoise_acoustics::sound::{Iso3744Box, background_correction, environmenta
 use nalgebra::Point3;
 use serde::{Deserialize, Serialize};
 
+use super::sound::SoundSource;
 use crate::error::Error;
-use crate::result::{ArrayMeasurement, EarReport, MicrophoneBand, MicrophoneLevel, MicrophoneReport, ReceivedSource};
+use crate::result::{
+    ArrayMeasurement, EarReport, MicrophoneBand, MicrophoneLevel, MicrophoneReport, ReceivedSource, TOTAL,
+};
 use bands::{Integration, Spectra, bands, density, integrals, within};
 pub(crate) use continuation::Continuation;
 pub use sources::{JetOutlet, ToolSphere};
@@ -32,9 +35,6 @@ const TAIL: f64 = 0.05;
 
 /// Longest sound file \[s\].
 const LONGEST: f64 = 2.0;
-
-/// Name of the sum of all sources.
-const TOTAL: &str = "total";
 
 /// The microphones around a device above a reflecting plane.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -85,6 +85,15 @@ pub struct AtMicrophones {
     pub radiated: Vec<[f64; 2]>,
     /// Its pressure at 48 kHz from the trigger on, receiver by receiver \[Pa\].
     pub signals: Vec<Vec<f64>>,
+}
+
+/// A source, or a part of one, with its sound at the microphones.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub struct Heard {
+    /// Its energy over frequency and time.
+    pub source: SoundSource,
+    /// Its sound at the microphones.
+    pub received: AtMicrophones,
 }
 
 /// A-weighted and unweighted sum over bands.
@@ -257,10 +266,10 @@ impl MicrophoneArray {
     ///
     /// # Errors
     /// Those of the standard's corrections; signals that are not finite.
-    pub fn measurement(&self, room: &Room, all: [&AtMicrophones; 3]) -> Result<Microphones, Error> {
+    pub fn measurement(&self, room: &Room, all: &[AtMicrophones]) -> Result<Microphones, Error> {
         let surface = self.surface();
         let positions = surface.positions();
-        let ear = self.at_ear(&all)?;
+        let ear = self.at_ear(all)?;
         let mut total: Vec<Vec<f64>> = Vec::new();
         for source in all {
             total.resize(positions.len(), Vec::new());
@@ -272,7 +281,7 @@ impl MicrophoneArray {
         let bands = bands(self.range_hz);
         let sources: Vec<ReceivedSource> = all.iter().map(|source| source.levels(&bands, surface.area())).collect();
         let levels = together(&total, &bands);
-        let measured = by_iso_3744(room, &self.air, &surface, &all, levels)?;
+        let measured = by_iso_3744(room, &self.air, &surface, all, levels)?;
         let own = all.iter().map(|source| {
             let signals = source.signals[..positions.len()].to_vec();
             (source.source.clone(), signals)
@@ -317,7 +326,7 @@ fn by_iso_3744(
     room: &Room,
     air: &Air,
     surface: &Iso3744Box,
-    sources: &[&AtMicrophones],
+    sources: &[AtMicrophones],
     levels: Vec<MicrophoneLevel>,
 ) -> Result<ArrayMeasurement, Error> {
     // Those of the levels that the result gives of each source.

@@ -19,7 +19,11 @@ use super::boundary_elements::{LOWEST_SAMPLE, MOST_AT_GAPS, MeshRanges, Places, 
 use super::flush::{FlushTop, top_of};
 use crate::error::Error;
 use crate::stages::Progress;
-use crate::stages::bodies::MovingSurface;
+use crate::stages::bodies::{BodyKind, MovingSurface};
+
+/// Names of the bodies.
+const WORKPIECE: &str = BodyKind::Workpiece.name();
+const WORKTABLE: &str = BodyKind::Worktable.name();
 
 /// Tops of the ranges with separate meshes, over the top of all.
 const RANGES: [f64; 4] = [0.16, 0.4, 0.65, 1.0];
@@ -82,7 +86,7 @@ impl WorkpieceRadiation {
     /// As [`WorkpieceBoundaryElements::levels`]; those of the block's top in sand, and of the microphones.
     pub fn check(&self, surfaces: &[Surface], places: &Places) -> Result<(), Error> {
         let still: Vec<DMatrix<f32>> = surfaces.iter().map(|s| DMatrix::zeros(3 * s.points.len(), 0)).collect();
-        let names = ["workpiece", "worktable"].into_iter();
+        let names = [WORKPIECE, WORKTABLE].into_iter();
         let bodies: Vec<MovingSurface<'_>> = names
             .zip(surfaces)
             .zip(&still)
@@ -116,7 +120,7 @@ impl WorkpieceBoundaryElements {
             levels,
             lowest_hz,
         };
-        ranges.note("workpiece", 0.0, progress);
+        ranges.note(WORKPIECE, 0.0, progress);
         if let [only] = &ranges.levels[..] {
             progress.note(&format!(
                 "workpiece: the sides of its mesh are not those of workpiece.length, width and thickness; it radiates from its \
@@ -329,17 +333,17 @@ impl Covered {
     /// Those of the surface.
     pub fn erp(&self, body: &MovingSurface<'_>, air: &Air) -> Result<Erp, Error> {
         let hidden = |patch: &str, p: &Point3<f64>| match patch {
-            "bottom" => body.body != "workpiece" || !self.underside_open,
+            "bottom" => body.body != WORKPIECE || !self.underside_open,
             "floor" => true,
             _ if patch.ends_with("_slave") => true, // tied to another face
             _ if JOINT.contains(&patch) => true,    // touches the other piece
-            "top" => body.body == "worktable" && p.x.abs() < self.half_sides[0] && p.y.abs() < self.half_sides[1],
+            "top" => body.body == WORKTABLE && p.x.abs() < self.half_sides[0] && p.y.abs() < self.half_sides[1],
             _ => false,
         };
         let patches = &body.surface.patches;
         let shown = |patch: usize, point: &Point3<f64>| !hidden(&patches[patch], point);
         // The support of a body closes the bores and tubes that open downwards.
-        let clear = body.body == "workpiece" && self.underside_open;
+        let clear = body.body == WORKPIECE && self.underside_open;
         let lowest = body.surface.points.iter().map(|p| p.z).fold(f64::INFINITY, f64::min);
         let open = open_faces(body.surface, (!clear).then_some(lowest))?;
         let surface = RadiatingSurface::of_faces(body.surface, body.modes.as_view(), |point| {
@@ -443,7 +447,7 @@ mod tests {
                 underside_open: clear,
             };
             let body = MovingSurface {
-                body: "workpiece",
+                body: WORKPIECE,
                 surface: &surface,
                 modes: &modes,
             };

@@ -1,0 +1,3 @@
+//! A design turned into things: its sources.
+
+pub mod sources;
