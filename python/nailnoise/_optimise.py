@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from optuna.trial import Trial
 
 #: Sources and their sum, whose levels are in dB.
-LEVELS = ("total", "workpiece", "exhaust", "body")
+LEVELS = ("total", *_native.SOURCES)
 
 #: Unit and factor to SI of the figures in a constraint.
 UNITS = {

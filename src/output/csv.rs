@@ -11,7 +11,7 @@ use crate::error::Error;
 use crate::model::sources;
 use crate::result::{BandLevel, IntervalLevel, RadiationReport, RankedSource, RunResult, TOTAL};
 use crate::run::Run;
-use crate::stages::sources::SourceHistory;
+use crate::stages::sound::SourceHistory;
 use crate::stages::spectra::Driven;
 
 /// Description of each event, in the order t0..t18.

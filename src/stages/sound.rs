@@ -9,7 +9,10 @@ use nailnoise_acoustics::radiator::RadiatedSound;
 use serde::{Deserialize, Serialize};
 
 use super::intervals::{EventEdges, Interval};
-use crate::result::{CrossCheck, RadiationReport, Uncertainty};
+use crate::result::{Check, CrossCheck, RadiationReport, Uncertainty};
+
+/// Largest difference between the two evaluations of the A-weighted level \[dB\].
+const DIFFERENCE: f64 = 0.1;
 
 /// A source with the signals that it consists of.
 #[derive(Clone)]
@@ -132,12 +135,29 @@ impl SoundSource {
         whole
     }
 
+    /// Check that the power by the surface is that by the far field, if both are known.
+    pub fn surface_check(&self) -> Option<Check> {
+        let difference = self.radiation.as_ref()?.surface_difference_db?;
+        let source = &self.spectrum.source;
+        let name = format!("{source}: power by the surface less that by the far field [dB]");
+        Some(Check::at_most(name, difference, DIFFERENCE))
+    }
+
     fn add_intervals(&mut self, others: &[Interval], factor: f64) {
         for (own, other) in self.intervals.iter_mut().zip(others) {
             let other = IntervalLevels::scaled(std::slice::from_ref(&other.levels), factor);
             own.levels = IntervalLevels::sum(&[vec![own.levels], other])[0];
         }
     }
+}
+
+/// A quantity of a source over the samples of the cycle.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct SourceHistory {
+    /// Its name and unit, as the heading of a column.
+    pub heading: String,
+    /// Its values; none where it does not exist.
+    pub values: Vec<Option<f64>>,
 }
 
 /// A spectrum with that of a part, which becomes a contribution; the range is that of the first.

@@ -9,14 +9,11 @@ use serde::{Deserialize, Serialize};
 use super::apart::Apart;
 use super::intervals::EventEdges;
 use super::microphones::Heard;
-use super::sound::SoundSource;
+use super::sound::{SoundSource, SourceHistory};
 use super::truncation::Truncation;
 use super::{Code, Input, Postcard, Progress, Stage, Stored, Uncached};
 use crate::error::Error;
 use crate::result::Check;
-
-/// Largest difference between the two evaluations of the A-weighted level \[dB\].
-const DIFFERENCE: f64 = 0.1;
 
 /// Inputs of the sound that a source emits in a shot.
 pub trait Emission: Clone + Serialize + Send + Sync + 'static {
@@ -109,15 +106,6 @@ impl<E: Emission> Stage for Analysis<E> {
     }
 }
 
-/// A quantity of a source over the samples of the cycle.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct SourceHistory {
-    /// Its name and unit, as the heading of a column.
-    pub heading: String,
-    /// Its values; none where it does not exist.
-    pub values: Vec<Option<f64>>,
-}
-
 /// A source with all that the result of a run reads of it.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct SourceSound {
@@ -135,15 +123,5 @@ impl SourceSound {
     /// Its energy over frequency and time, without the part that counts to another source.
     pub fn source(&self) -> &SoundSource {
         &self.heard.own.source
-    }
-}
-
-impl SoundSource {
-    /// Check that the power by the surface is that by the far field, if both are known.
-    pub fn surface_check(&self) -> Option<Check> {
-        let difference = self.radiation.as_ref()?.surface_difference_db?;
-        let source = &self.spectrum.source;
-        let name = format!("{source}: power by the surface less that by the far field [dB]");
-        Some(Check::at_most(name, difference, DIFFERENCE))
     }
 }

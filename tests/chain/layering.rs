@@ -206,10 +206,12 @@ const ABOVE_STAGES: [&str; 10] = [
 #[test]
 fn stages_import_neither_store_nor_graph_nor_commands() {
     let files = files(&Path::new(ROOT).join("src"));
-    for (module, path) in files
-        .iter()
-        .filter(|(module, _)| module.first().is_some_and(|first| first == "stages"))
-    {
+    let makes_stages = |module: &Module| match &module[..] {
+        [first, ..] if first == "stages" => true,
+        [model, sources, .., last] => model == "model" && sources == "sources" && last == "sound",
+        _ => false,
+    };
+    for (module, path) in files.iter().filter(|(module, _)| makes_stages(module)) {
         for other in imports(module, path, &files) {
             let first = other.first().map_or("", String::as_str);
             assert!(
@@ -221,6 +223,72 @@ fn stages_import_neither_store_nor_graph_nor_commands() {
         let sees_designs = uses(path).iter().any(|used| used.join("::") == "crate::design::Design");
         assert!(!sees_designs, "{} takes a whole design", path.display());
     }
+}
+
+/// Names of sources in quotes that are not names of sources, by file and name: keys of designs, bodies, roles of the
+/// wrapping test, headings, labels.
+const OTHER_NAMES: [(&str, &[&str], &str); 14] = [
+    ("src/commands/check.rs", &["body"], "an argument"),
+    ("src/commands/explain.rs", &["body"], "a heading"),
+    (
+        "src/design",
+        &["workpiece", "exhaust", "body"],
+        "keys, carriers, names that a design may give",
+    ),
+    ("src/drawing/surroundings.rs", &["workpiece"], "a label"),
+    ("src/drawing/tool_views.rs", &["workpiece"], "a label"),
+    ("src/figures/cycle.rs", &["exhaust"], "a curve of the cycle"),
+    (
+        "src/measurement/wrapping.rs",
+        &["workpiece", "exhaust", "body"],
+        "roles of the wrapping test",
+    ),
+    ("src/model/sources/exhaust/sound.rs", &["exhaust"], "the source"),
+    ("src/model/sources/housing/sound.rs", &["body"], "the source"),
+    ("src/model/sources/workpiece/sound.rs", &["workpiece"], "the source"),
+    ("src/output/csv.rs", &["body"], "a heading"),
+    ("src/report", &["workpiece", "body"], "headings"),
+    (
+        "src/stages/bodies",
+        &["workpiece", "body"],
+        "names of bodies and of a stage",
+    ),
+    ("src/study/groups.rs", &["body"], "a group of inputs"),
+];
+
+#[test]
+fn no_file_outside_its_own_names_a_source() {
+    let root = Path::new(ROOT);
+    let mut found = BTreeSet::new();
+    for path in files(&root.join("src")).into_values() {
+        let text = fs::read_to_string(&path).unwrap();
+        let code = text.split("#[cfg(test)]").next().unwrap();
+        let lines = code.lines().filter(|line| !line.trim_start().starts_with("//"));
+        let lines: Vec<&str> = lines.collect();
+        let relative = path.strip_prefix(root).unwrap();
+        for name in nailnoise::design::SOURCES {
+            if lines.iter().any(|line| line.contains(&format!("\"{name}\""))) {
+                found.insert((relative.display().to_string(), name));
+            }
+        }
+    }
+    let is_other = |(path, name): &&(String, &str)| {
+        let mut others = OTHER_NAMES.iter();
+        !others.any(|(prefix, names, _)| path.starts_with(prefix) && names.contains(name))
+    };
+    let wrong: Vec<_> = found.iter().filter(is_other).collect();
+    assert!(wrong.is_empty(), "these files name a source: {wrong:?}");
+    for (prefix, names, what) in OTHER_NAMES {
+        let unused = |name: &&&str| !found.iter().any(|(path, own)| path.starts_with(prefix) && own == *name);
+        let unused: Vec<_> = names.iter().filter(unused).collect();
+        assert!(unused.is_empty(), "{prefix} no longer has {what} {unused:?}");
+    }
+}
+
+#[test]
+fn a_design_may_give_the_error_of_each_source_and_of_no_other() {
+    let names: Vec<&str> = nailnoise::model::sources::names().collect();
+    assert_eq!(names, nailnoise::design::SOURCES);
 }
 
 /// The units of code that each `code!` of a file names.
@@ -239,10 +307,18 @@ fn named_units(text: &str) -> Vec<BTreeSet<String>> {
         .collect()
 }
 
-/// The unit of code of a module, if its code may make the output of a stage.
+/// The unit of code of a module, if its code may make the output of a stage. The stages of a source are its file, or
+/// `sound.rs` in its folder.
 fn unit(module: &Module) -> Option<String> {
     match &module[..] {
         [stages, unit, ..] if stages == "stages" => Some(format!("stages_{unit}")),
+        [model, sources, source] if model == "model" && sources == "sources" => {
+            let folder = Path::new(ROOT).join("src/model/sources").join(source);
+            (!folder.is_dir()).then(|| format!("model_sources_{source}"))
+        }
+        [model, sources, source, stages] if model == "model" && sources == "sources" && stages == "sound" => {
+            Some(format!("model_sources_{source}"))
+        }
         [exports, ..] if exports == "output" || exports == "report" => Some(exports.clone()),
         _ => None,
     }

@@ -17,6 +17,7 @@ mod radiation;
 mod requirements;
 mod sensitivity;
 mod sound_files;
+mod sources;
 mod store;
 mod study;
 mod tool;

@@ -18,8 +18,8 @@ use crate::result::{Check, CrossCheck, Uncertainty};
 use crate::stages::apart::{Apart, Moved, PartError};
 use crate::stages::intervals::EventEdges;
 use crate::stages::microphones::{Heard, JetOutlet, MicrophoneArray};
-use crate::stages::sound::{Sound, SoundSource, parts_of};
-use crate::stages::sources::{Emission, SourceHistory, SourceSound};
+use crate::stages::sound::{Sound, SoundSource, SourceHistory, parts_of};
+use crate::stages::sources::{Emission, SourceSound};
 use crate::stages::{Code, Input, Progress, Stage, Stored, Uncached, code};
 
 /// Name of the source.
