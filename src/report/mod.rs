@@ -35,7 +35,6 @@ use crate::comparison::Comparison;
 use crate::design::Design;
 use crate::error::Error;
 use crate::figures;
-use crate::measurement::comparison::MeasuredComparison;
 use crate::measurement::result::MeasurementResult;
 use crate::model::sources::by_name;
 use crate::result::RunResult;
@@ -43,6 +42,7 @@ use crate::run::Run;
 use crate::stages::spectra::{Driven, MovingBody};
 use crate::stages::{Code, Input, Postcard, Progress, Stage, code};
 use crate::study::StudyResult;
+use crate::virtual_test::comparison::MeasuredComparison;
 
 pub(crate) use head::{capitalised, missed as missed_shot};
 pub use sound::Recording;
