@@ -23,6 +23,7 @@ pub mod graph;
 pub mod headline;
 mod interrupt;
 pub mod measurement;
+pub(crate) mod model;
 pub mod output;
 pub mod penetration;
 pub mod report;

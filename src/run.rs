@@ -7,15 +7,17 @@ use nailnoise_dynamics::CycleRecord;
 
 use crate::chain::{Chain, Options};
 use crate::declaration;
+use crate::design::Design;
 use crate::design::inputs::{self, located};
-use crate::design::{Design, SupportKind};
 use crate::error::Error;
 use crate::graph::Graph;
 use crate::headline::{headline, sentence};
+use crate::model::supports;
 use crate::result::{DesignId, FluidLoadingChange, RunResult, SCHEMA};
 use crate::stages::bodies::{FoundSurface, Origin};
 use crate::stages::convention::{counted, received, spectrum_with};
 use crate::stages::microphones::Microphones;
+use crate::stages::radiation::OpenFaces;
 use crate::stages::ranking::SoundPower;
 use crate::stages::sensors::SensorRecord;
 use crate::stages::transducers::PressureRecord;
@@ -143,13 +145,14 @@ impl Chain {
         let truncations: Vec<&Truncation> = workpiece.truncations.iter().chain(&body.truncations).collect();
         let parameters = inputs::cycle::parameters(design)?;
         let headline = headline(&self.graph, design, &record)?;
+        let support = supports::of(design);
         let notes = notes::notes(
             &notes::NoteInputs {
                 shot: headline
                     .as_ref()
                     .map_or_else(|| sentence(&record, &parameters), |own| own.text.clone()),
-                support: &inputs::notes::support(design),
-                in_sand: design.support.kind == SupportKind::Sandbox,
+                support: &support.in_words(),
+                flush: support.open_faces() == OpenFaces::FlushTop,
                 range_high: design.analysis.range_high,
                 radiation: [&workpiece, &body].map(|source| source.source.radiation.as_ref()),
                 fluid_loading_changes: &fluid_loading_changes,

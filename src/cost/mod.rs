@@ -13,9 +13,11 @@ use serde::Serialize;
 
 use crate::chain::solved_bodies;
 use crate::design::inputs::bodies::{below_hz, block_size};
-use crate::design::{BemEquations, BodyModel, Convention, Design, RadiationMethod, SupportKind};
+use crate::design::{BemEquations, BodyModel, Convention, Design, RadiationMethod};
 use crate::error::Error;
+use crate::model::supports;
 use crate::stages::bodies::BodyKind;
+use crate::stages::radiation::OpenFaces;
 
 pub use memory::{MemoryLimit, address_space, available};
 
@@ -153,18 +155,16 @@ fn response(design: &Design, modes: f64) -> StageCost {
 /// Boundary elements of the workpiece with its support: unknowns of the four sectors grow with the area and the square of
 /// the top frequency; memory with their square and work with their cube, until the equations are compressed.
 fn radiation(design: &Design, modes: f64) -> Option<StageCost> {
-    let elements = design.acoustics.method == RadiationMethod::Bem && design.support.kind != SupportKind::Sandbox;
+    let support = supports::of(design);
+    let flush = support.open_faces() == OpenFaces::FlushTop;
+    let elements = design.acoustics.method == RadiationMethod::Bem && !flush;
     elements.then(|| {
         let [x, y, z] = block_size(design);
         let block = 2.0 * (x * y + y * z + z * x);
-        let table = &design.support.worktable;
-        let on_table = match design.support.kind {
-            SupportKind::Worktable => 2.0 * table.length * table.width + 16.0 * table.leg_width * table.height,
-            _ => 0.0,
-        };
+        let area = block + support.radiating_area();
         let acoustics = &design.acoustics;
         let panel = SOUND_SPEED / (acoustics.bem_top * acoustics.bem_panels);
-        let panels = (block + on_table) / (panel * panel);
+        let panels = area / (panel * panel);
         let unknowns = panels / 4.0;
         let (unknowns_0, seconds_0) = RADIATION;
         let dense = seconds_0 * (unknowns / unknowns_0).powi(3);
@@ -176,7 +176,7 @@ fn radiation(design: &Design, modes: f64) -> Option<StageCost> {
             cpu_seconds: seconds + 1e-3 * unknowns,
             keys: &[("acoustics.bem_top", "lower"), ("acoustics.bem_panels", "lower")],
         };
-        let surface = RadiatingSurface::Boxes(block + on_table);
+        let surface = RadiatingSurface::Boxes(area);
         means::add(&mut stage, acoustics, (&surface, modes), acoustics.bem_top);
         stage
     })

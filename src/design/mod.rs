@@ -33,6 +33,7 @@ mod range;
 mod reference;
 mod report;
 mod resolve;
+pub(crate) mod rules;
 mod sensors;
 mod set;
 mod settings;

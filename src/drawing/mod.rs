@@ -23,6 +23,7 @@ use std::collections::BTreeMap;
 pub use label::Label;
 use layout::Layout;
 pub use misfits::Misfit;
+pub(crate) use shape::rectangle;
 pub use shape::{
     Annotation, Bounds, Chamber, Line, LineStyle, Mark, Material, Outline, Part, Point, Side, View, corners,
 };

@@ -12,8 +12,8 @@ pub struct NoteInputs<'a> {
     pub shot: String,
     /// Support of the workpiece, in words.
     pub support: &'a str,
-    /// Whether the workpiece is in sand.
-    pub in_sand: bool,
+    /// Whether the workpiece's top is flush with a plane.
+    pub flush: bool,
     /// Upper end of the range over which sources are compared \[Hz\].
     pub range_high: f64,
     /// Radiation of workpiece and tool.
@@ -186,8 +186,8 @@ fn estimates(inputs: &NoteInputs<'_>) -> Vec<String> {
 /// Notes on the radiation of workpiece and body.
 fn radiation_notes(inputs: &NoteInputs<'_>) -> Vec<String> {
     let [workpiece, body] = inputs.radiation;
-    let workpiece = workpiece.map(|report| match inputs.in_sand {
-        true => flush_note(report),
+    let workpiece = workpiece.map(|report| match inputs.flush {
+        true => flush_note(inputs.support, report),
         false => radiation_note(inputs.support, report),
     });
     let body = body.filter(|_| inputs.stiffness.is_some());
@@ -352,10 +352,10 @@ fn complete_impedance_note(changes: &[FluidLoadingChange]) -> Option<String> {
     })
 }
 
-/// Radiation of a workpiece in sand, compared with other methods.
-fn flush_note(report: &RadiationReport) -> String {
+/// Radiation of a workpiece whose top is flush with a plane, compared with other methods.
+fn flush_note(support: &str, report: &RadiationReport) -> String {
     format!(
-        "workpiece in sand: Rayleigh's integral at {} frequencies, its power by the intensity on the surface {:+.3} dB to that \
+        "{support}: Rayleigh's integral at {} frequencies, its power by the intensity on the surface {:+.3} dB to that \
          of the waves in all directions; radiation efficiency 1 of the block's top would give {}",
         report.frequencies,
         report.surface_difference_db.unwrap_or(0.0),

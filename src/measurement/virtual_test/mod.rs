@@ -17,14 +17,14 @@ use rayon::prelude::*;
 
 use super::arrangement::Arrangement;
 use super::lines::BEFORE;
-use super::manifest::Setup;
 use super::recordings::Shot;
 use super::wrapping::{Configuration, InsertionLoss, Wrapping};
 use crate::chain::{Chain, Options};
 use crate::design::inputs::{self, located};
-use crate::design::{Design, SupportKind, Value};
+use crate::design::{Design, Value};
 use crate::error::Error;
 use crate::graph::Graph;
+use crate::model::supports;
 use crate::stages::Input;
 use crate::stages::microphones::noise::{normal, under_envelope};
 use crate::stages::sensors::SensorRecord;
@@ -64,16 +64,10 @@ pub fn wrapping(design: &Design) -> Wrapping {
 /// # Errors
 /// [`Error::NoTestSetup`] for a support that the standard does not have; those of the air.
 pub fn arrangement(design: &Design) -> Result<Arrangement, Error> {
-    let setup = match design.support.kind {
-        SupportKind::Worktable => Setup::Worktable,
-        SupportKind::Sandbox => Setup::Sandbox,
-        SupportKind::Floor | SupportKind::Clamped | SupportKind::Springs => {
-            return Err(Error::NoTestSetup {
-                design: design.name().to_owned(),
-                support: design.support.kind.as_str(),
-            });
-        }
-    };
+    let setup = supports::of(design).test_setup().ok_or_else(|| Error::NoTestSetup {
+        design: design.name().to_owned(),
+        support: design.support.kind.as_str(),
+    })?;
     let array = inputs::microphones::array(design)?;
     let [x, y, plane] = array.foot;
     let names = inputs::sensors::accelerometers(design)?;

@@ -1,0 +1,3 @@
+//! A design turned into things: the support of its workpiece.
+
+pub(crate) mod supports;
