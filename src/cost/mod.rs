@@ -5,7 +5,6 @@
 
 mod bodies;
 mod means;
-mod memory;
 
 use means::RadiatingSurface;
 use nailnoise_fem::ModalCost;
@@ -19,7 +18,7 @@ use crate::model::supports;
 use crate::stages::bodies::BodyKind;
 use crate::stages::radiation::OpenFaces;
 
-pub use memory::{MemoryLimit, address_space, available};
+pub use nailnoise_documents::{MemoryLimit, address_space, available};
 
 /// Estimated cost of a stage that is computed anew.
 #[derive(Debug, Clone, PartialEq, Serialize)]
