@@ -91,30 +91,4 @@ impl Drawing {
     pub fn sheets(&self) -> Vec<Sheet<'_>> {
         self.views.iter().map(|view| Sheet::new(view, &self.labels)).collect()
     }
-
-    /// All views below each other as one SVG file.
-    pub fn svg(&self) -> String {
-        svg::file(self, &[])
-    }
-
-    /// The views of these names below each other as one SVG file.
-    pub fn svg_of(&self, names: &[&str]) -> String {
-        svg::file(self, names)
-    }
-
-    /// The views as figures for a page that contains [`STYLE`], with their titles.
-    pub(crate) fn figures(&self) -> Vec<(String, maud::Markup)> {
-        self.sheets()
-            .iter()
-            .map(|sheet| (sheet.view.title.clone(), svg::figure(sheet)))
-            .collect()
-    }
-
-    /// The legend of provenances.
-    pub(crate) fn legend(&self) -> Vec<(Standing, maud::Markup)> {
-        let mut standings: Vec<Standing> = self.shown().iter().map(|label| label.standing).collect();
-        standings.sort();
-        standings.dedup();
-        standings.into_iter().map(|own| (own, svg::sample(own))).collect()
-    }
 }

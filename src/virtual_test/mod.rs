@@ -38,9 +38,6 @@ use sources::Synthesis;
 const WRAP_HZ: [f64; 2] = [125.0, 4000.0];
 const MUFFLER_HZ: [f64; 2] = [50.0, 400.0];
 
-/// Range of the background noise, of equal energy in each third octave \[Hz\].
-const BACKGROUND_HZ: [f64; 2] = [20.0, 20e3];
-
 /// Time over which the end of a sensor's record falls to zero \[s\].
 const FADE: f64 = 5e-3;
 
@@ -335,7 +332,7 @@ impl<'a> VirtualTest<'a> {
         let rate = self.synthesis.rate;
         let scale = exact::background_density(level) * samples as f64 / rate;
         let density = |hz: f64| {
-            if (BACKGROUND_HZ[0]..=BACKGROUND_HZ[1]).contains(&hz) {
+            if (exact::BACKGROUND_HZ[0]..=exact::BACKGROUND_HZ[1]).contains(&hz) {
                 scale / hz
             } else {
                 0.0

@@ -11,20 +11,20 @@ use std::path::{Path, PathBuf};
 use syn::visit_mut::{self, VisitMut};
 
 /// A path of names: `["stages", "cycle"]` for a module, from the root of the crate.
-pub type Names = Vec<String>;
+pub(crate) type Names = Vec<String>;
 
 /// An item of a module, or the module itself where `name` is none.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
-pub struct Item {
+pub(crate) struct Item {
     /// The module that defines it.
-    pub module: Names,
+    pub(crate) module: Names,
     /// Its name.
-    pub name: Option<String>,
+    pub(crate) name: Option<String>,
 }
 
 /// The modules of a crate, without those for tests.
 #[derive(Default)]
-pub struct Crate {
+pub(crate) struct Crate {
     modules: BTreeMap<Names, Unit>,
 }
 
@@ -48,10 +48,10 @@ struct Unit {
 }
 
 /// Source files of a crate by their paths from its folder.
-pub type Sources = BTreeMap<PathBuf, String>;
+pub(crate) type Sources = BTreeMap<PathBuf, String>;
 
 /// The source files below a folder.
-pub fn sources(folder: &Path) -> Sources {
+pub(crate) fn sources(folder: &Path) -> Sources {
     let mut found = Sources::new();
     let mut folders = vec![folder.to_owned()];
     while let Some(open) = folders.pop() {
@@ -70,7 +70,7 @@ pub fn sources(folder: &Path) -> Sources {
 
 impl Crate {
     /// The modules of a library, from its root `lib.rs`.
-    pub fn new(sources: &Sources) -> Self {
+    pub(crate) fn new(sources: &Sources) -> Self {
         let mut own = Self::default();
         own.read(Names::new(), PathBuf::from("lib.rs"), sources);
         own
@@ -119,17 +119,17 @@ impl Crate {
     }
 
     /// All modules.
-    pub fn modules(&self) -> impl Iterator<Item = &Names> {
+    pub(crate) fn modules(&self) -> impl Iterator<Item = &Names> {
         self.modules.keys()
     }
 
     /// The file of a module, from the folder of the sources.
-    pub fn file(&self, module: &Names) -> &Path {
+    pub(crate) fn file(&self, module: &Names) -> &Path {
         &self.modules[module].file
     }
 
     /// The items of the same crate that a module names.
-    pub fn items(&self, module: &Names) -> BTreeSet<Item> {
+    pub(crate) fn items(&self, module: &Names) -> BTreeSet<Item> {
         let paths = self.modules[module].paths.iter();
         paths
             .filter_map(|path| self.resolved(&self.absolute(module, path, 0)?, 0))
@@ -137,14 +137,14 @@ impl Crate {
     }
 
     /// The first names of the paths of a module that do not lie in the crate: other crates, and local names.
-    pub fn foreign(&self, module: &Names) -> BTreeSet<String> {
+    pub(crate) fn foreign(&self, module: &Names) -> BTreeSet<String> {
         let paths = self.modules[module].paths.iter();
         let foreign = paths.filter(|path| self.absolute(module, path, 0).is_none());
         foreign.filter_map(|path| path.first().cloned()).collect()
     }
 
     /// The files whose items each file names.
-    pub fn arrows(&self) -> BTreeMap<PathBuf, BTreeSet<PathBuf>> {
+    pub(crate) fn arrows(&self) -> BTreeMap<PathBuf, BTreeSet<PathBuf>> {
         let mut arrows: BTreeMap<PathBuf, BTreeSet<PathBuf>> = BTreeMap::new();
         for (module, unit) in &self.modules {
             let items = self.items(module);
@@ -217,10 +217,11 @@ impl Crate {
             let unit = &self.modules[&at];
             let import = unit.imports.get(name).filter(|_| unit.exported.contains(name));
             if let Some(import) = import.filter(|_| depth < DEEPEST) {
-                // A name of another crate that the module gives on is the module's own.
-                if let Some(target) = self.absolute(&at, import, 0) {
-                    let whole = [target, path[place + 1..].to_vec()].concat();
-                    return self.resolved(&whole, depth + 1);
+                match self.absolute(&at, import, 0) {
+                    Some(target) => return self.resolved(&[target, path[place + 1..].to_vec()].concat(), depth + 1),
+                    // A name of another crate, unless a macro of this module.
+                    None if !unit.defined.contains(name) => return None,
+                    None => {}
                 }
             }
             let given_on = unit
@@ -391,7 +392,7 @@ impl VisitMut for Unit {
 }
 
 /// Files that reach each other, each group with the arrows within it; none where the files can be put in an order.
-pub fn circles(arrows: &BTreeMap<PathBuf, BTreeSet<PathBuf>>) -> Vec<BTreeSet<[PathBuf; 2]>> {
+pub(crate) fn circles(arrows: &BTreeMap<PathBuf, BTreeSet<PathBuf>>) -> Vec<BTreeSet<[PathBuf; 2]>> {
     let reach = |from: &PathBuf| {
         let (mut seen, mut open) = (BTreeSet::new(), vec![from]);
         while let Some(at) = open.pop() {

@@ -2,7 +2,8 @@
 
 use nailnoise_dynamics as dynamics;
 
-use super::{Support, floor};
+use super::floor;
+use super::support::Support;
 use crate::design::Values;
 use crate::drawing::View;
 use crate::error::Error;

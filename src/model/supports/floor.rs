@@ -2,7 +2,7 @@
 
 use nailnoise_dynamics as dynamics;
 
-use super::{Contact, Support};
+use super::support::{Contact, Support};
 use crate::design::Values;
 use crate::drawing::{Material, Part, View, rectangle};
 use crate::error::Error;

@@ -4,7 +4,8 @@ use nailnoise_acoustics::radiation::{AbsorbingSand, MovingSand};
 use nailnoise_dynamics as dynamics;
 use nailnoise_fem::supports::{RectangularBase, Sand};
 
-use super::{Contact, FlushSand, SideContact, Support, floor, law, underside};
+use super::floor;
+use super::support::{Contact, FlushSand, SideContact, Support, law, underside};
 use crate::design::rules::{at_most, below, incompressible, refuse};
 use crate::design::{Carrier, Conflict, SandboxPlane, Values};
 use crate::drawing::{Annotation, Material, Part, Side, View, rectangle};

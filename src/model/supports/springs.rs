@@ -2,7 +2,8 @@
 
 use nailnoise_dynamics as dynamics;
 
-use super::{FARTHEST_FLOOR, Support, carried, floor};
+use super::floor;
+use super::support::{FARTHEST_FLOOR, Support, carried};
 use crate::design::{Conflict, Sprung, Values};
 use crate::drawing::{Annotation, Side, View};
 use crate::error::Error;

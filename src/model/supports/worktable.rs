@@ -6,7 +6,8 @@ use nailnoise_fem::Material;
 use nailnoise_meshes::Worktable;
 use nalgebra::Matrix3;
 
-use super::{Contact, Support, Table, carried, floor};
+use super::floor;
+use super::support::{Contact, Support, Table, carried};
 use crate::design::rules::{at_most, below, elastic, incompressible};
 use crate::design::{Carrier, Conflict, Sprung, TableFoot, Values, WorktablePreset};
 use crate::drawing::{self, Annotation, Part, Side, View, rectangle};

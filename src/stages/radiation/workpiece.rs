@@ -349,7 +349,7 @@ mod tests {
     use crate::design::Design;
     use crate::design::inputs::radiation::workpiece_boundary_elements as boundary_elements;
     use crate::graph::Graph;
-    use crate::model::supports::FARTHEST_FLOOR;
+    use crate::model::supports::support::FARTHEST_FLOOR;
     use crate::stages::bodies::{Body, BodyKind};
 
     /// The coarse design with boundary elements to 400 Hz and something changed.
