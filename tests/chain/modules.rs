@@ -43,6 +43,8 @@ struct Unit {
     exported_globs: Vec<Names>,
     /// Names of the items that it defines.
     defined: BTreeSet<String>,
+    /// Names of local variables, which hide items in paths of one name.
+    variables: BTreeSet<String>,
     /// All paths as written.
     paths: BTreeSet<Names>,
 }
@@ -130,7 +132,9 @@ impl Crate {
 
     /// The items of the same crate that a module names.
     pub(crate) fn items(&self, module: &Names) -> BTreeSet<Item> {
-        let paths = self.modules[module].paths.iter();
+        let unit = &self.modules[module];
+        let is_variable = |path: &&Names| path.len() == 1 && unit.variables.contains(&path[0]);
+        let paths = unit.paths.iter().filter(|path| !is_variable(path));
         paths
             .filter_map(|path| self.resolved(&self.absolute(module, path, 0)?, 0))
             .collect()
@@ -374,11 +378,14 @@ impl VisitMut for Unit {
     }
 
     fn visit_path_mut(&mut self, path: &mut syn::Path) {
-        if path.segments.len() > 1 {
-            let names = path.segments.iter().map(|segment| segment.ident.to_string());
-            self.paths.insert(names.collect());
-        }
+        let names = path.segments.iter().map(|segment| segment.ident.to_string());
+        self.paths.insert(names.collect());
         visit_mut::visit_path_mut(self, path);
+    }
+
+    fn visit_pat_ident_mut(&mut self, pattern: &mut syn::PatIdent) {
+        self.variables.insert(pattern.ident.to_string());
+        visit_mut::visit_pat_ident_mut(self, pattern);
     }
 
     fn visit_visibility_mut(&mut self, _: &mut syn::Visibility) {}
