@@ -21,7 +21,7 @@ pub use build::Imported;
 pub use error::MshError;
 pub use write::{Format, to_bytes};
 
-use nailnoise_documents::read_regular;
+use crate::read_regular;
 
 use crate::MeshError;
 

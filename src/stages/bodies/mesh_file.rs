@@ -2,9 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
-use nailnoise_documents::read_regular;
 use nailnoise_meshes::msh::{self, Imported};
-use nailnoise_meshes::{MeshError, SolidGeometry};
+use nailnoise_meshes::{MeshError, SolidGeometry, read_regular};
 use serde::Serialize;
 use sha2::{Digest as _, Sha256};
 
