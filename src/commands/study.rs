@@ -17,9 +17,9 @@ use crate::error::Error;
 use crate::graph::Graph;
 use crate::headline::{self, Headline};
 use crate::stages::Progress;
-use crate::staging::Staging;
+use crate::staging::{self, Staging};
 use crate::store::Store;
-use crate::study::{self, Draws, Estimate, Part, Request, StudyResult};
+use crate::study::{self, Draws, Estimate, Part, ProvidedStudy, Request, StudyResult};
 use crate::{figures, report, shipped};
 
 /// The last file to be written, so that a folder with it has all the rest.
@@ -319,8 +319,9 @@ fn provide(
         .structures
         .map_or_else(String::new, |each| format!(" --structures={each}"));
     let groups = if arguments.groups { " --groups" } else { "" };
-    let command = super::provide::command(path, result, &format!("{structures}{groups}"));
-    super::provide::write(file, (path, &command), (design, result, made))
+    let command = command(path, result, &format!("{structures}{groups}"));
+    let provided = ProvidedStudy::new(path, design, &command, result, made)?;
+    staging::write(file, provided.file()?.as_bytes())
 }
 
 /// A request in the words of the Python package.
@@ -361,6 +362,14 @@ fn execute_task(task: Task, made: &Draws, folder: &Path, json: bool, progress: &
 fn draws(store: &Store, design: &Design, request: &Request, progress: &Progress) -> Result<(Draws, Graph), Error> {
     let graph = Graph::quiet(store, progress.observer());
     Ok((study::draws(&graph, design, request, progress)?, graph))
+}
+
+/// What made a study, in words.
+pub(super) fn command(path: &str, result: &StudyResult, options: &str) -> String {
+    format!(
+        "nailnoise study designs/{path} -n {} --seed {}{options}",
+        result.draws, result.seed
+    )
 }
 
 /// A study of a design, stored for later runs, and its draws.

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use super::File;
+use super::file::File;
 use super::table::{optional, table};
 use crate::error::Error;
 use crate::measurement::recordings::wav::{Coding, encode};

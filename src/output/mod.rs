@@ -3,6 +3,7 @@
 mod columns;
 mod csv;
 mod fields;
+mod file;
 mod film;
 pub mod measurement;
 mod microphones;
@@ -19,7 +20,7 @@ use nailnoise_dynamics::{CycleRecord, Events};
 use nailnoise_meshes::uff::{self, Mode};
 use nailnoise_meshes::vtu::{Frames, Grid};
 use nalgebra::DMatrix;
-use serde::{Deserialize, Serialize};
+use serde::Serialize;
 
 use crate::error::Error;
 use crate::model::sources;
@@ -31,35 +32,14 @@ use crate::staging::Staging;
 
 pub use columns::{Column, columns};
 pub use csv::{EVENT_NAMES, event_name};
+pub use file::File;
 pub use film::Fields;
 pub(crate) use microphones::sound;
 pub use sound_fields::{outdated_fields, write_sound_fields};
 pub(crate) use table::table;
 
-/// The folder of the fields in that of a run.
-const FIELDS: &str = "fields";
-
 /// Opens the fields of a run in ParaView.
 const PARAVIEW: &str = include_str!("paraview.py");
-
-/// A file by its path in the folder of a run.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct File {
-    /// The path.
-    pub path: PathBuf,
-    /// The bytes of the file.
-    #[serde(with = "serde_bytes")]
-    pub content: Vec<u8>,
-}
-
-impl File {
-    pub(crate) fn new(path: impl Into<PathBuf>, content: impl Into<Vec<u8>>) -> Self {
-        Self {
-            path: path.into(),
-            content: content.into(),
-        }
-    }
-}
 
 /// Files that a run writes on request.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize)]

@@ -4,7 +4,7 @@
 use nailnoise_acoustics::fourier::{Transform, TransformSettings};
 use nailnoise_meshes::uff::{History, Ordinate};
 
-use super::File;
+use super::file::File;
 use super::table::{coarse, numbers};
 use crate::error::Error;
 use crate::run::Run;

@@ -5,7 +5,8 @@ use std::time::{SystemTime, UNIX_EPOCH};
 use maud::{Markup, html};
 
 use super::tables::{self, without};
-use crate::design::{Design, SupportKind, Value};
+use crate::design::{Design, Value};
+use crate::model::supports;
 use crate::result::RunResult;
 use crate::stages::headline::Headline;
 
@@ -117,7 +118,7 @@ fn given(design: &Design) -> Markup {
         ),
         ("nail", nail),
         ("wood, block", wood),
-        ("support", support(design)),
+        ("support", supports::of(design).name()),
         ("computed", format!("{} (UTC)", today())),
         ("program", format!("nailnoise {}", env!("CARGO_PKG_VERSION"))),
     ];
@@ -130,19 +131,6 @@ fn named(design: &Design, key: &str) -> String {
     match entry.map(|entry| entry.value) {
         Some(Value::Choice(word)) if word != "none" && word != "own" => format!("{word}, "),
         _ => String::new(),
-    }
-}
-
-fn support(design: &Design) -> String {
-    match design.support.kind {
-        SupportKind::Worktable => format!(
-            "worktable {}",
-            named(design, "support.worktable.preset").trim_end_matches(", ")
-        ),
-        SupportKind::Sandbox => "sandbox of EN 12549".to_owned(),
-        SupportKind::Springs => "springs".to_owned(),
-        SupportKind::Floor => "floor".to_owned(),
-        SupportKind::Clamped => "clamped".to_owned(),
     }
 }
 

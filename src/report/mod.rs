@@ -12,6 +12,7 @@ mod compared;
 mod declared;
 mod drawing;
 mod head;
+mod intervals;
 mod legend;
 mod measured;
 mod measurement;
@@ -47,6 +48,7 @@ use crate::virtual_test::comparison::MeasuredComparison;
 pub(crate) use head::{capitalised, missed as missed_shot};
 pub use sound::Recording;
 
+pub use intervals::Intervals;
 pub(crate) use page::compared_by;
 use page::{Page, Section};
 use surface::ColouredSurface;
@@ -257,16 +259,6 @@ fn surfaces(result: &RunResult, pictures: &Pictures, view: &str) -> Markup {
         (PreEscaped(view))
         @if !without.is_empty() { p.quiet { "Sources without a vibrating surface in this model: " (without.join(", ")) "." } }
     }
-}
-
-/// Intervals of the levels of a run, as the command prints them.
-pub struct Intervals {
-    /// Headings of interval and probability.
-    pub headings: [String; 2],
-    /// Source or total, interval \[dB\] and probability of being the loudest.
-    pub rows: Vec<[String; 3]>,
-    /// Contents and omissions of the columns.
-    pub legend: String,
 }
 
 /// The report of a run with the intervals of its levels, which follow from a study and not from the run.

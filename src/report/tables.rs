@@ -4,7 +4,7 @@ use maud::{Markup, PreEscaped, html};
 use nailnoise_dynamics::CycleRecord;
 use serde_json::Value;
 
-use super::Intervals;
+use super::intervals::Intervals;
 use crate::figures::in_palette;
 use crate::output::{EVENT_NAMES, event_name};
 use crate::result::{RankedSource, RunResult, loudest};
