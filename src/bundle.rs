@@ -15,12 +15,13 @@ use crate::error::Error;
 use crate::graph::{Graph, first_cause};
 use crate::output::{BodyFields, Exports, Fields, File};
 use crate::report::{self, BodyPictures, Pictures, Recording};
-use crate::result::{Check, Declaration, EarReport};
+use crate::result::{Check, RunResult};
 use crate::run::Run;
 use crate::stages::headline::Headline;
 use crate::stages::{Digest, Postcard, Progress, Stage, Stored};
 use crate::staging::{self, Staging};
 use crate::store::{Checksum, Key, Store, checksum};
+use crate::study::StudySource;
 use crate::threads::beside;
 use crate::{figures, output};
 
@@ -41,31 +42,25 @@ pub struct Bundle {
     pub json: String,
     /// The result as a person reads it.
     pub text: Text,
-    /// The checks.
+    /// The checks of the computation.
     pub checks: Vec<Check>,
+    /// The check that fails if the design contradicts the draws of its study.
+    pub contradiction: Option<Check>,
     files: Vec<File>,
     fields: FieldFiles,
 }
 
-/// A result as a person reads it: a table of sources between two texts. Columns may be added to the table.
+/// A result as a terminal shows it.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Text {
     /// The headline of a shot that does not drive.
     pub headline: Option<Headline>,
-    /// Text before the table.
-    pub before: String,
-    /// Headings of its columns; the first are source and level.
-    pub headings: Vec<String>,
-    /// A row for each source, and the total.
-    pub rows: Vec<Vec<String>>,
-    /// Text after the table.
-    pub between: String,
+    /// Levels with their intervals, and the declaration.
+    pub levels: String,
     /// Notes on the shot and on sources.
     pub notes: Vec<String>,
-    /// Levels of a declaration, and those at the operator's ear.
-    pub declared: (Declaration, EarReport),
-    /// Text after the notes.
-    pub after: String,
+    /// The checks.
+    pub checks: String,
     /// The parts of the sources.
     pub parts: String,
 }
@@ -139,90 +134,180 @@ impl Wanted {
     }
 }
 
-/// A run in words.
-pub type Words = fn(&Run) -> Text;
+/// A result in words.
+pub type Words = fn(&RunResult) -> Text;
 
-/// Runs a design and leaves its files in `folder`, those of `exports` among them: all of them, or the folder as it was.
-/// Nothing is computed if the store contains the output of this very design; the flag says whether it did.
-///
-/// # Errors
-/// [`Problem::TooCostly`](crate::design::Problem::TooCostly) before anything is computed that needs more than `memory`.
-/// Those of [`Chain::run`], and [`Error::Write`] with the file that could not be written.
-pub fn deliver(
-    design: &Design,
-    folder: &Path,
-    exports: Exports,
-    words: Words,
-    store: &Store,
-    memory: MemoryLimit,
-    progress: &Progress,
-) -> Result<(Bundle, bool), Error> {
-    // Also where no file differs and none is written.
-    staging::sweep(folder);
-    let key = key(design, exports)?;
-    let kept = store.load::<Bundle, Postcard>(RUN, &key).and_then(|bundle| {
-        let fields = bundle.fields.wanted(folder, store)?;
-        Some((bundle, fields))
-    });
-    store.take_notes().iter().for_each(|note| progress.note(note));
-    let outdated = output::outdated_fields(folder, &design.digest(), exports.films);
-    if let Some((bundle, fields)) = kept {
-        progress.stage("the design has not changed: its files are those kept from the last run");
-        bundle.restore(folder, &fields, &outdated)?;
-        return Ok((bundle, true));
-    }
-    let costs = cost::of_run(design)?;
-    cost::refuse(design, &costs, memory)?;
-    if let Some(announcement) = cost::announcement(&costs) {
-        progress.note(&announcement);
-    }
-    let staging = Staging::within(folder)?;
-    let Made {
-        run,
-        pictures,
-        fields: (fields, wanted),
-        of_cycle,
-    } = made(design, exports, (folder, &staging), store, progress).map_err(|error| located(design, error))?;
-    progress.stage("writing files");
-    let mut files = files(design, &run, &pictures, exports)?;
-    files.extend(of_cycle);
-    let json = files.iter().find(|file| file.path == Path::new(LAST));
-    let bundle = Bundle {
-        json: json.map_or_else(String::new, |file| String::from_utf8_lossy(&file.content).into_owned()),
-        files,
-        text: words(&run),
-        checks: run.result.checks,
-        fields,
-    };
-    let place = || {
-        // Every file, whether or not it is the same as before: a comparison would cost more.
-        let write = |file: &File| staging.write_unsynced(&file.path, &file.content);
-        bundle.files.par_iter().try_for_each(write)?;
-        wanted.write(&staging)?;
-        staging.place(&outdated, Path::new(LAST))
-    };
-    let (placed, ()) = rayon::join(place, || store.save::<_, Postcard>(RUN, &key, &bundle));
-    store.take_notes().iter().for_each(|note| progress.note(note));
-    placed?;
-    Ok((bundle, false))
+/// A request for a run and its files.
+pub struct Delivery<'a> {
+    /// The design.
+    pub design: &'a Design,
+    /// The folder for the files.
+    pub folder: &'a Path,
+    /// The files on request.
+    pub exports: Exports,
+    /// Whether a few draws are made for a design that no study serves.
+    pub screening: bool,
+    /// The result in words.
+    pub words: Words,
+    /// The store of the results.
+    pub store: &'a Store,
+    /// The memory that the run may use.
+    pub memory: MemoryLimit,
+    /// Target of the progress.
+    pub progress: &'a Progress,
 }
 
-/// Runs a design and makes its report, and no other file.
-///
-/// # Errors
-/// Those of [`Chain::run`].
-pub fn page(graph: &Graph, design: &Design) -> Result<(Run, String), Error> {
-    let made = || {
-        let (chain, pictures) = with_pictures(graph, design)?;
-        let mut outputs = chain.outputs();
-        outputs.push(&pictures);
-        graph.prepare(&outputs)?;
-        let run = chain.run(design)?;
-        let recordings = heard_at(&output::of_microphones(&run)?, &run, IN_THE_REPORT);
-        let report = report::run(design, &run, &*pictures.get()?, &recordings);
-        Ok((run, report))
-    };
-    made().map_err(|error| located(design, error))
+/// The output of a run whose files are in their places.
+pub struct Delivered {
+    /// The output.
+    pub bundle: Bundle,
+    /// Whether the store contained it, so that nothing was computed.
+    pub unchanged: bool,
+}
+
+impl Delivery<'_> {
+    /// Runs the design and leaves its files in the folder, those of the exports among them: all of them, or the folder as
+    /// it was. Nothing is computed if the store contains the output of this very design and of its study.
+    ///
+    /// All files are of one result, whose intervals are decided before the first is written. If they need a screening, the
+    /// files first state that it has not ended, so that an interrupted command leaves a complete result; then those that
+    /// show intervals are rendered again from the complete one.
+    ///
+    /// # Errors
+    /// [`Problem::TooCostly`](crate::design::Problem::TooCostly) before anything is computed that needs more than the
+    /// memory. Those of [`Chain::run`], and [`Error::Write`] with the file that could not be written.
+    pub fn deliver(&self) -> Result<Delivered, Error> {
+        let Self {
+            design,
+            folder,
+            exports,
+            store,
+            progress,
+            ..
+        } = *self;
+        // Also where no file differs and none is written.
+        staging::sweep(folder);
+        let source = StudySource::find(store, design, self.screening);
+        let key = key(design, exports, &source)?;
+        let kept = store.load::<Bundle, Postcard>(RUN, &key).and_then(|bundle| {
+            let fields = bundle.fields.wanted(folder, store)?;
+            Some((bundle, fields))
+        });
+        store.take_notes().iter().for_each(|note| progress.note(note));
+        let outdated = output::outdated_fields(folder, &design.digest(), exports.films);
+        if let Some((bundle, fields)) = kept {
+            progress.stage("the design has not changed: its files are those kept from the last run");
+            bundle.restore(folder, &fields, &outdated)?;
+            return Ok(Delivered {
+                bundle,
+                unchanged: true,
+            });
+        }
+        let costs = cost::of_run(design)?;
+        cost::refuse(design, &costs, self.memory)?;
+        if let Some(announcement) = cost::announcement(&costs) {
+            progress.note(&announcement);
+        }
+        let staging = Staging::within(folder)?;
+        let made = made(design, exports, (folder, &staging), store, progress);
+        let Made {
+            mut run,
+            pictures,
+            fields: (fields, wanted),
+            of_cycle,
+        } = made.map_err(|error| located(design, error))?;
+        let study = source.of_run(design, &run.result);
+        run.result.state_study(study);
+        progress.stage("writing files");
+        let of_microphones = output::of_microphones(&run)?;
+        let recordings = heard_at(&of_microphones, &run, IN_THE_REPORT);
+        let (rest, shown) = rayon::join(
+            || of_shot(design, &run, exports),
+            || of_result(design, &run, &pictures, &recordings),
+        );
+        let mut bundle = Bundle {
+            json: String::new(),
+            text: (self.words)(&run.result),
+            checks: run.result.numerical_checks().cloned().collect(),
+            contradiction: run.result.study.contradiction(),
+            files: [of_cycle, of_microphones, rest?].concat(),
+            fields,
+        };
+        bundle.take(shown?);
+        let place = || {
+            // Every file, whether or not it is the same as before: a comparison would cost more.
+            let write = |file: &File| staging.write_unsynced(&file.path, &file.content);
+            bundle.files.par_iter().try_for_each(write)?;
+            wanted.write(&staging)?;
+            staging.place(&outdated, Path::new(LAST))
+        };
+        let save = |key: &Digest, bundle: &Bundle| store.save::<_, Postcard>(RUN, key, bundle);
+        let pending = source.awaits_screening(design, &run.result);
+        let (placed, ()) = rayon::join(place, || {
+            if !pending {
+                save(&key, &bundle)
+            }
+        });
+        store.take_notes().iter().for_each(|note| progress.note(note));
+        placed?;
+        if pending {
+            let source = source.screened(store, design, progress);
+            let study = source.of_run(design, &run.result);
+            run.result.state_study(study);
+            progress.stage("writing the intervals");
+            bundle.take(of_result(design, &run, &pictures, &recordings)?);
+            bundle.text = (self.words)(&run.result);
+            bundle.contradiction = run.result.study.contradiction();
+            if let Err(error) = bundle.restore(folder, &Wanted::default(), &[]) {
+                progress.note(&format!("the files lack the intervals of the levels: {error}"));
+            }
+            // A screening that failed is tried again by the next run.
+            if run.result.study.known().is_some() {
+                save(&self::key(design, exports, &source)?, &bundle);
+                store.take_notes().iter().for_each(|note| progress.note(note));
+            }
+        }
+        Ok(Delivered {
+            bundle,
+            unchanged: false,
+        })
+    }
+}
+
+/// A run with the inputs of its report.
+pub struct Reported {
+    /// The run.
+    pub run: Run,
+    pictures: Arc<Pictures>,
+    recordings: Vec<Recording>,
+}
+
+impl Reported {
+    /// Runs a design and writes no file.
+    ///
+    /// # Errors
+    /// Those of [`Chain::run`].
+    pub fn new(graph: &Graph, design: &Design) -> Result<Self, Error> {
+        let made = || {
+            let (chain, pictures) = with_pictures(graph, design)?;
+            let mut outputs = chain.outputs();
+            outputs.push(&pictures);
+            graph.prepare(&outputs)?;
+            let run = chain.run(design)?;
+            let recordings = heard_at(&output::of_microphones(&run)?, &run, IN_THE_REPORT);
+            Ok(Self {
+                pictures: pictures.get()?,
+                recordings,
+                run,
+            })
+        };
+        made().map_err(|error| located(design, error))
+    }
+
+    /// Its report, by the current state of the result.
+    pub fn page(&self, design: &Design) -> String {
+        report::run(design, &self.run, &self.pictures, &self.recordings)
+    }
 }
 
 /// The chain of a design whose bodies a run can use, and the pictures of its report.
@@ -313,8 +398,8 @@ fn field_files(
     Ok((files, Wanted::default()))
 }
 
-/// Everything the files depend on: all values, their texts, and which files are requested.
-fn key(design: &Design, exports: Exports) -> Result<Digest, Error> {
+/// Everything the files depend on: all values, their texts, which files are requested, and the study.
+fn key(design: &Design, exports: Exports, study: &StudySource) -> Result<Digest, Error> {
     let entries: Vec<_> = design
         .entries()
         .into_iter()
@@ -336,18 +421,23 @@ fn key(design: &Design, exports: Exports) -> Result<Digest, Error> {
         .with(design.name())
         .with(&design.digest())
         .with(&entries)
+        .with(&design.study().require)
+        .with(&study.digest())
         .digest())
 }
 
-/// All files but the fields and those of the cycle.
-fn files(design: &Design, run: &Run, pictures: &Pictures, exports: Exports) -> Result<Vec<File>, Error> {
-    let of_microphones = output::of_microphones(run)?;
-    let recordings = heard_at(&of_microphones, run, IN_THE_REPORT);
-    let report = || File::new("report.html", report::run(design, run, pictures, &recordings));
-    let (files, report) = rayon::join(|| output::files(run, exports), report);
+/// Files that show the study of a run: the ranking, the report and the result.
+fn of_result(design: &Design, run: &Run, pictures: &Pictures, recordings: &[Recording]) -> Result<Vec<File>, Error> {
+    let report = || File::new("report.html", report::run(design, run, pictures, recordings));
+    let (files, report) = rayon::join(|| output::of_result(&run.result), report);
     let mut files = files?;
-    files.extend(of_microphones);
     files.push(report);
+    Ok(files)
+}
+
+/// Files of a run other than fields and those of cycle, microphones and [`of_result`].
+fn of_shot(design: &Design, run: &Run, exports: Exports) -> Result<Vec<File>, Error> {
+    let mut files = output::of_shot(run, exports)?;
     if exports.figures {
         let level = run.result.total.lwa_db;
         let level = level.map_or_else(|| "silent".to_owned(), |level| format!("L_{{WA,1s}} {level:.1} dB"));
@@ -373,6 +463,15 @@ fn heard_at(files: &[File], run: &Run, microphone: usize) -> Vec<Recording> {
 }
 
 impl Bundle {
+    /// Takes files in place of those with the same paths.
+    fn take(&mut self, files: Vec<File>) {
+        self.files
+            .retain(|own| files.iter().all(|other| other.path != own.path));
+        self.files.extend(files);
+        let json = self.files.iter().find(|file| file.path == Path::new(LAST));
+        self.json = json.map_or_else(String::new, |file| String::from_utf8_lossy(&file.content).into_owned());
+    }
+
     /// Writes the files that differ from those in `folder`, and nothing if all are in their places.
     fn restore(&self, folder: &Path, fields: &Wanted, outdated: &[PathBuf]) -> Result<(), Error> {
         let differs = |file: &&File| !fs::read(folder.join(&file.path)).is_ok_and(|there| there == file.content);

@@ -6,13 +6,12 @@ use std::process::ExitCode;
 use clap::Args;
 use serde::Serialize;
 
-use super::intervals::{Known, OwnShot};
 use super::table::{dash, decibels, fixed, table};
 use super::{
     Changes, Keeping, Memory, Threads, comparison_page, comparison_sounds, folder_of, message, print, print_json,
     progress, status_of,
 };
-use crate::bundle::deliver;
+use crate::bundle::Delivery;
 use crate::comparison::{Comparison, Finished, Labelled, Levels, Limit};
 use crate::cost;
 use crate::design::Design;
@@ -220,20 +219,17 @@ fn finish(
     progress.note(&format!("design {}", design.name()));
     let name = free_name(design.name(), before);
     let folder = folder_of(&arguments.out, &name, design.path())?;
-    let (bundle, _) = deliver(
-        &design,
-        &folder,
-        Exports::default(),
-        super::run::text,
-        cache,
-        arguments.memory.limit(),
+    let delivery = Delivery {
+        design: &design,
+        folder: &folder,
+        exports: Exports::default(),
+        screening: false,
+        words: super::run::text,
+        store: cache,
+        memory: arguments.memory.limit(),
         progress,
-    )?;
-    // Without it the report of an earlier run would lose its intervals.
-    let study = Known::of(cache, &design, &OwnShot::parse(&bundle.json)?).transpose();
-    if let Some(study) = study {
-        super::run::add_study(&folder, study.as_ref(), &bundle)?;
-    }
+    };
+    let bundle = delivery.deliver()?.bundle;
     checks.extend(bundle.checks.into_iter().map(|check| check.of(&name)));
     Ok((Finished::parse(&folder, &bundle.json)?, Some(folder)))
 }

@@ -14,7 +14,7 @@ use crate::shipped;
 use crate::stages::Progress;
 use crate::staging;
 use crate::store::Store;
-use crate::study::{Draws, ProvidedStudy, Request, StudyResult};
+use crate::study::{self, Draws, ProvidedStudy, Request, StudyResult};
 
 /// Draws of a provided study at least: the pages and the intervals of `run` rest on them.
 const FEWEST: usize = 128;
@@ -85,7 +85,7 @@ fn all(folder: &Path, store: &Store, request: &Request, progress: &Progress) -> 
             failed.push(format!("{path}: the design cannot be read"));
             continue;
         };
-        match super::study::compute(store, &design, request, progress) {
+        match study::study(store, &design, request, progress) {
             Ok((result, made)) => {
                 let result = result.with_surrogates(&design, &made);
                 let own = command(path, &result, "");

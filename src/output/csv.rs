@@ -153,16 +153,27 @@ fn in_order(result: &RunResult) -> Vec<&RankedSource> {
     sources
 }
 
-/// `ranking.csv`: the sources, loudest first, and the total.
+/// `ranking.csv`: the sources, loudest first, and the total; columns of a study are empty without one.
 pub(super) fn ranking(result: &RunResult) -> Result<Vec<u8>, Error> {
-    let sources = result.ranking.iter().map(|source| {
+    let over_draws = |source: &str| {
+        let study = result.study.known();
+        let spread = study.map(|study| study.spread(source));
         [
+            level(spread.and_then(|own| own.low_db)),
+            level(spread.and_then(|own| own.high_db)),
+            optional(spread.and_then(|own| own.first), 4),
+            study.map_or_else(String::new, |study| study.draws.to_string()),
+        ]
+    };
+    let sources = result.ranking.iter().map(|source| {
+        let own = [
             source.source.clone(),
             level(source.lwa_db),
             level(source.lw_db),
             format!("{:.6}", source.share),
             source.method.replace(", ", "; ").replace(',', ";"),
-        ]
+        ];
+        own.into_iter().chain(over_draws(&source.source))
     });
     let total = [
         TOTAL.to_owned(),
@@ -177,8 +188,12 @@ pub(super) fn ranking(result: &RunResult) -> Result<Vec<u8>, Error> {
         "L_W [dB]",
         "share of A-weighted energy [-]",
         "method",
+        "interval low L_WA [dB]",
+        "interval high L_WA [dB]",
+        "P(first) [-]",
+        "draws",
     ];
-    table(header, sources.chain([total]))
+    table(header, sources.chain([total.into_iter().chain(over_draws(TOTAL))]))
 }
 
 /// Titles of a column of each quantity for each source and the total.

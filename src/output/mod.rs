@@ -22,6 +22,7 @@ use nalgebra::DMatrix;
 use serde::{Deserialize, Serialize};
 
 use crate::error::Error;
+use crate::result::RunResult;
 use crate::run::Run;
 use crate::stages::bodies::Body;
 use crate::stages::spectra::{Driven, MovingBody};
@@ -71,17 +72,16 @@ pub struct Exports {
     pub histories: bool,
 }
 
-/// Files of a run in addition to its [fields](BodyFields), [`of_cycle`] and [`of_microphones`]: `ranking.csv`,
-/// `levels.csv`, `intervals.csv`, `power.csv` and `paraview.py`. If a source's power is evaluated twice,
-/// `radiation.csv` and `radiation-modes.csv` (for the tool's body `radiation-body.csv`) follow. If the design has
+/// Files of a run whose content no study changes, in addition to its [fields](BodyFields), [`of_cycle`] and
+/// [`of_microphones`]: `levels.csv`, `intervals.csv`, `power.csv` and `paraview.py`. If a source's power is evaluated
+/// twice, `radiation.csv` and `radiation-modes.csv` (for the tool's body `radiation-body.csv`) follow. If the design has
 /// sensors, `sensors.csv`, `sensors-spectrum.csv` and `sensors.uff` follow, if it has pressure transducers,
-/// `transducers.csv` and `transducers.uff`, and last `result.json`.
+/// `transducers.csv` and `transducers.uff`.
 ///
 /// # Errors
-/// [`Error::Json`] and those of the sensors' spectra.
-pub fn files(run: &Run, exports: Exports) -> Result<Vec<File>, Error> {
+/// Those of the sensors' spectra.
+pub fn of_shot(run: &Run, exports: Exports) -> Result<Vec<File>, Error> {
     let mut files = sensors::files(run, exports.histories)?;
-    files.push(File::new("ranking.csv", csv::ranking(&run.result)?));
     files.push(File::new("levels.csv", csv::levels(&run.result)?));
     for (source, name) in [("workpiece", "radiation"), ("body", "radiation-body")] {
         let tables = [
@@ -95,10 +95,20 @@ pub fn files(run: &Run, exports: Exports) -> Result<Vec<File>, Error> {
     files.push(File::new("intervals.csv", csv::intervals(&run.result)?));
     files.push(File::new("power.csv", csv::power(run)?));
     files.push(File::new("paraview.py", PARAVIEW));
-    let mut json = serde_json::to_vec_pretty(&run.result).map_err(Error::Json)?;
-    json.push(b'\n');
-    files.push(File::new("result.json", json));
     Ok(files)
+}
+
+/// Files of a result that state its intervals: `ranking.csv` and `result.json`.
+///
+/// # Errors
+/// [`Error::Json`].
+pub fn of_result(result: &RunResult) -> Result<Vec<File>, Error> {
+    let mut json = serde_json::to_vec_pretty(result).map_err(Error::Json)?;
+    json.push(b'\n');
+    Ok(vec![
+        File::new("ranking.csv", csv::ranking(result)?),
+        File::new("result.json", json),
+    ])
 }
 
 /// Files of the bodies of a shot: `modes.csv`, and for ParaView `fields/*`, with the films on request.
