@@ -1,7 +1,7 @@
 //! nailnoise predicts how much sound power each source of a pneumatic nailer radiates, from its design.
 //!
 //! [`design`] reads the design file, [`chain`] assembles its stages, [`run`] ranks its sources, [`output`] makes files
-//! of them, [`figures`] draws them, [`drawing`] shows the tool, and [`report`] makes a page of them. [`bundle`] stores
+//! of them, [`figures`] draws them, [`drawing`] shows the tool, and [`report`] makes a page of them. [`artifacts`] stores
 //! all of it for the next run, [`comparison`] lays results side by side, [`watch`] serves the page of a design that is
 //! being changed, and [`commands`] is the command line over all of it. [`measurement`] takes the recordings of a test
 //! to levels, [`penetration`] compares penetration laws, [`scaling`] makes a design of another tool, [`cost`] estimates
@@ -9,7 +9,7 @@
 //! shot.
 #![forbid(unsafe_code)]
 
-pub mod bundle;
+pub mod artifacts;
 pub mod chain;
 pub mod commands;
 pub mod comparison;

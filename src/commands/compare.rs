@@ -11,7 +11,7 @@ use super::{
     Changes, Keeping, Memory, Threads, comparison_page, comparison_sounds, folder_of, message, print, print_json,
     progress, status_of,
 };
-use crate::bundle::Delivery;
+use crate::artifacts::Delivery;
 use crate::comparison::{Comparison, Finished, Labelled, Levels, Limit};
 use crate::cost;
 use crate::design::Design;
@@ -224,14 +224,14 @@ fn finish(
         folder: &folder,
         exports: Exports::default(),
         screening: false,
-        words: super::run::text,
+        printer: super::run::printed,
         store: cache,
         memory: arguments.memory.limit(),
         progress,
     };
-    let bundle = delivery.deliver()?.bundle;
-    checks.extend(bundle.checks.into_iter().map(|check| check.of(&name)));
-    Ok((Finished::parse(&folder, &bundle.json)?, Some(folder)))
+    let artifacts = delivery.deliver()?.artifacts;
+    checks.extend(artifacts.checks.into_iter().map(|check| check.of(&name)));
+    Ok((Finished::parse(&folder, &artifacts.json)?, Some(folder)))
 }
 
 /// The name, followed by a number if another result of the comparison has it.

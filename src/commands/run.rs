@@ -8,7 +8,7 @@ use clap::Args;
 use super::progress::noted;
 use super::table::{dash, decibels, fixed, table};
 use super::{Common, Keeping, message, print, progress, status_of};
-use crate::bundle::{Delivered, Delivery, Text};
+use crate::artifacts::{Delivered, Delivery, PrintedResult};
 use crate::chain::{Chain, Options};
 use crate::declaration;
 use crate::error::Error;
@@ -60,19 +60,19 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
         },
         // Scripts do not wait for a screening.
         screening: !common.json,
-        words: text,
+        printer: printed,
         store: &cache,
         memory: common.memory.limit(),
         progress: &progress,
     };
-    let (Delivered { bundle, unchanged }, checks) = delivered(&delivery)?;
+    let (Delivered { artifacts, unchanged }, checks) = delivered(&delivery)?;
     progress.end();
     if common.json {
-        print(&bundle.json)?;
+        print(&artifacts.json)?;
     } else {
-        print(&shown(&bundle.text))?;
+        print(&shown(&artifacts.printed))?;
         if arguments.components {
-            print(&bundle.text.parts)?;
+            print(&artifacts.printed.parts)?;
         }
         if unchanged {
             print("  unchanged design: result from the cache\n")?;
@@ -83,7 +83,7 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
         ))?;
     }
     let status = status_of(&checks);
-    match bundle.contradiction {
+    match artifacts.contradiction {
         // The numbers are right: the design is outside its limits.
         Some(check) if status == ExitCode::SUCCESS => {
             message(&format!("check failed: {}", check.name));
@@ -97,7 +97,7 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
 /// fields.
 pub(super) fn delivered(delivery: &Delivery<'_>) -> Result<(Delivered, Vec<Check>), Error> {
     let delivered = delivery.deliver()?;
-    let mut checks = delivered.bundle.checks.clone();
+    let mut checks = delivered.artifacts.checks.clone();
     if delivery.exports.films {
         let (design, progress) = (delivery.design, delivery.progress);
         let graph = Graph::new(Arc::new(delivery.store.clone()), progress.observer());
@@ -111,7 +111,7 @@ pub(super) fn delivered(delivery: &Delivery<'_>) -> Result<(Delivered, Vec<Check
 }
 
 /// A result for standard output.
-fn shown(text: &Text) -> String {
+fn shown(text: &PrintedResult) -> String {
     let notes = match noted(&text.notes) {
         notes if notes.is_empty() => notes,
         notes => format!("\n{notes}"),
@@ -295,7 +295,7 @@ fn checked(result: &RunResult) -> String {
 }
 
 /// The result as a terminal shows it.
-pub(super) fn text(result: &RunResult) -> Text {
+pub(super) fn printed(result: &RunResult) -> PrintedResult {
     let mut levels = levels(result);
     if let Some(starts) = &result.starts {
         levels.push_str(&format!(
@@ -308,7 +308,7 @@ pub(super) fn text(result: &RunResult) -> Text {
     if let Some(coupling) = &result.coupling {
         levels.push_str(&coupled(coupling));
     }
-    Text {
+    PrintedResult {
         headline: result.headline.clone(),
         levels,
         notes: in_short(result),

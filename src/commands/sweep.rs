@@ -12,7 +12,7 @@ use super::run::delivered;
 use super::study_text::probability;
 use super::table::{decibels, table};
 use super::{Common, Keeping, print, print_json, progress, status_of};
-use crate::bundle::Delivery;
+use crate::artifacts::Delivery;
 use crate::error::Error;
 use crate::figures::{self, Chart};
 use crate::graph::Graph;
@@ -116,7 +116,7 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
                 folder: &folder.join(name),
                 exports: films,
                 screening: false,
-                words: super::run::text,
+                printer: super::run::printed,
                 store: graph.store(),
                 memory: limit,
                 progress: &progress,

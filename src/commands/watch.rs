@@ -13,7 +13,7 @@ use miette::{Diagnostic, GraphicalReportHandler, GraphicalTheme};
 use super::progress::note;
 use super::table::decibels;
 use super::{Changes, Keeping, Memory, Threads, print, progress};
-use crate::bundle::Reported;
+use crate::artifacts::ReportedRun;
 use crate::cost;
 use crate::design::Design;
 use crate::error::Error;
@@ -120,9 +120,7 @@ impl Watching<'_> {
         cost::refuse(&design, &cost::of_run(&design)?, self.arguments.memory.limit())?;
         let graph = Graph::new(Arc::new(self.store.clone()), progress.observer());
         let source = StudySource::find(&self.store, &design, true);
-        let mut reported = Reported::new(&graph, &design)?;
-        let study = source.of_run(&design, &reported.run.result);
-        reported.run.result.state_study(study);
+        let mut reported = ReportedRun::new(&graph, &design, &source)?;
         self.runs += 1;
         let shot = Shot::new(self.runs, begin.elapsed().as_secs_f64(), &design, &reported.run.result);
         let [before, pinned] = self.board.show(shot.clone(), warnings, reported.page(&design));
@@ -138,8 +136,7 @@ impl Watching<'_> {
         if source.awaits_screening(&design, &reported.run.result) {
             self.board.begin("how sure the levels are");
             let source = source.screened(&self.store, &design, progress);
-            let study = source.of_run(&design, &reported.run.result);
-            reported.run.result.state_study(study);
+            reported.state(&design, &source);
             self.board.complete(reported.page(&design));
         }
         Ok(())

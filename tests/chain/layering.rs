@@ -200,7 +200,16 @@ fn a_circle_would_be_found() {
 
 /// Modules of the program that no stage may import from.
 const ABOVE_STAGES: [&str; 10] = [
-    "bundle", "chain", "commands", "graph", "output", "report", "staging", "store", "study", "watch",
+    "artifacts",
+    "chain",
+    "commands",
+    "graph",
+    "output",
+    "report",
+    "staging",
+    "store",
+    "study",
+    "watch",
 ];
 
 #[test]

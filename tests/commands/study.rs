@@ -1,5 +1,6 @@
 //! `nailnoise study`: the draws as a user makes them.
 
+use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Output;
@@ -425,6 +426,16 @@ fn run(folder: &Path, design: &str, arguments: &[&str]) -> Output {
         .unwrap()
 }
 
+/// Files in the folder of a run, without its subfolders.
+fn files_of_run(folder: &Path) -> BTreeMap<String, Vec<u8>> {
+    let entries = fs::read_dir(folder.join("out"))
+        .unwrap()
+        .map(|entry| entry.unwrap().path());
+    let name = |path: &PathBuf| path.file_name().unwrap().to_str().unwrap().to_owned();
+    let files = entries.filter(|path| path.is_file());
+    files.map(|path| (name(&path), fs::read(&path).unwrap())).collect()
+}
+
 fn result_of(folder: &Path) -> Value {
     serde_json::from_slice(&fs::read(folder.join("out/result.json")).unwrap()).unwrap()
 }
@@ -469,8 +480,13 @@ fn every_file_of_a_run_states_the_study_that_serves_it() {
         let printed = run(&folder, &design, &["--json"]).stdout;
         assert_eq!(printed, fs::read(folder.join("out/result.json")).unwrap());
     };
+    let before = files_of_run(&folder);
     assert!(run(&folder, &design, &[]).status.success());
     states(4);
+    let after = files_of_run(&folder);
+    let changed = after.iter().filter(|(name, bytes)| before[*name] != **bytes);
+    let changed: Vec<&str> = changed.map(|(name, _)| name.as_str()).collect();
+    assert_eq!(changed, ["ranking.csv", "report.html", "result.json"]);
     let again = String::from_utf8(run(&folder, &design, &[]).stdout).unwrap();
     assert!(
         again.contains("unchanged design") && again.contains("4 draws dB"),
