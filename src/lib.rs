@@ -35,6 +35,7 @@ pub mod stages;
 pub mod staging;
 pub mod store;
 pub mod study;
+mod table;
 pub(crate) mod tables;
 mod threads;
 pub mod watch;

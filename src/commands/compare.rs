@@ -6,7 +6,7 @@ use std::process::ExitCode;
 use clap::Args;
 use serde::Serialize;
 
-use super::table::{dash, decibels, fixed, table};
+use super::table::{dash, decibels, fixed, table, with_legend};
 use super::{
     Changes, Keeping, Memory, Threads, comparison_page, comparison_sounds, folder_of, message, print, print_json,
     progress, status_of,
@@ -283,6 +283,9 @@ fn text(comparison: &Comparison, bands: bool, intervals: bool) -> String {
         .map(|row| level_row(&row.source, &row.levels))
         .chain([level_row("total", &comparison.total)]);
     text.push_str(&table(&with_changes("source"), &sources.collect::<Vec<_>>()));
+    if let Some(intervals) = comparison.intervals() {
+        text.push_str(&format!("\nintervals of the levels\n\n{}", with_legend(&intervals)));
+    }
     for row in &comparison.sources {
         let methods: Vec<&str> = row.methods.iter().flatten().map(String::as_str).collect();
         if methods.windows(2).any(|pair| pair[0] != pair[1]) {

@@ -5,11 +5,12 @@
 
 mod consistency;
 mod finished;
+mod intervals;
 mod ranges;
 
 use serde::Serialize;
 
-use crate::result::RankedSource;
+use crate::result::{RankedSource, StudySummary};
 use crate::stages::headline::{Headline, unlike};
 use crate::wording::{Placed, unit_of_figure};
 
@@ -40,6 +41,8 @@ pub struct Comparison {
     pub sources: Vec<SourceRow>,
     /// A-weighted level of all sources together \[dB re 1 pW s\].
     pub total: Levels,
+    /// Intervals of the levels of each design by the study that serves it; null without one.
+    pub studies: Vec<Option<StudySummary>>,
     /// Sources of each design, loudest first.
     pub rankings: Vec<Vec<String>>,
     /// Figures of the cycle, SI units.
@@ -203,6 +206,7 @@ impl Comparison {
             unlike,
             sources: sources.iter().map(|source| source_row(source, results)).collect(),
             total: Levels::new(each(&|r| r.total.lwa_db)),
+            studies: results.iter().map(Finished::study).collect(),
             rankings: results
                 .iter()
                 .map(|r| r.ranking.iter().map(|s| s.source.clone()).collect())

@@ -8,6 +8,7 @@ use crate::figures::in_palette;
 use crate::output::{EVENT_NAMES, event_name};
 use crate::result::{RankedSource, RunResult, loudest};
 use crate::study::legend;
+use crate::table::Table;
 use crate::wording::{band, readable, rounded, unit_of_figure};
 
 /// Keys of a ranked source with a dedicated form in the report.
@@ -75,6 +76,22 @@ pub(super) fn ranking(result: &RunResult) -> Markup {
             }
         } }
         @for line in legend::legend(result) { p.quiet { (with_code(&line)) } }
+    }
+}
+
+/// A table with its legend; the last row is a sum.
+pub(super) fn with_legend(shown: &Table) -> Markup {
+    let last = shown.rows.len().saturating_sub(1);
+    html! {
+        div.scroll { table.pinned {
+            thead { tr { @for (place, heading) in shown.headings.iter().enumerate() { th.n[place > 0] { (heading) } } } }
+            tbody { @for (place, row) in shown.rows.iter().enumerate() { tr.sum[place == last] {
+                @for (column, cell) in row.iter().enumerate() {
+                    @if column == 0 { th scope="row" { (cell) } } @else { td.n { (cell) } }
+                }
+            } } }
+        } }
+        @for line in &shown.legend { p.quiet { (with_code(line)) } }
     }
 }
 

@@ -546,3 +546,42 @@ fn a_screening_that_fails_is_named_in_a_complete_result() {
     assert!(text.contains(reason), "{text}");
     assert_eq!(output.status.code(), Some(0));
 }
+
+/// `compare` shows the intervals of designs that studies serve, in the terminal, on the page and as JSON.
+#[test]
+fn a_comparison_of_a_design_with_a_study_shows_its_intervals() {
+    let (folder, design) = made("compared");
+    json(&study(&folder, &design, &["-n", "3", "--json"]));
+    let other = format!("{ROOT}/{SMALL}");
+    let compare = |more: &[&str]| {
+        let arguments = [&["compare", &design, &other, "--out", "out"], more].concat();
+        let output = command(&arguments)
+            .current_dir(&folder)
+            .env("NAILNOISE_CACHE", folder.join("cache"))
+            .output()
+            .unwrap();
+        (String::from_utf8(output.stdout).unwrap(), output.status)
+    };
+    let (text, status) = compare(&["--json"]);
+    assert!(status.success());
+    let compared: Value = serde_json::from_str(&text).unwrap();
+    assert_eq!(compared["studies"][0]["draws"], 3);
+    assert_eq!(compared["studies"][1], Value::Null);
+    let total = &compared["studies"][0]["total"];
+    let [low, high] = ["low_db", "high_db"].map(|end| total[end].as_f64().unwrap());
+    let own = compared["total"]["level_db"][0].as_f64().unwrap();
+    assert!(low <= own && own <= high, "{low} .. {own} .. {high}");
+    let interval = format!("{low:.1} .. {high:.1}");
+    let (text, _) = compare(&[]);
+    assert!(
+        text.contains("intervals of the levels") && text.contains(&interval),
+        "{text}"
+    );
+    assert!(text.contains("lowest to highest level of 3 draws"), "{text}");
+    let page = text
+        .lines()
+        .find_map(|line| line.trim().strip_prefix("as a page: "))
+        .unwrap();
+    let page = fs::read_to_string(folder.join(page)).unwrap();
+    assert!(page.contains("Intervals of the levels") && page.contains(&interval));
+}
