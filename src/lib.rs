@@ -2,7 +2,7 @@
 //!
 //! [`design`] reads the design file, [`chain`] assembles its stages, [`model`] has one
 //! module for each source, [`run`] ranks its sources, [`output`] makes files
-//! of them, [`figures`] draws them, [`drawing`] shows the tool, and [`report`] makes a page of them. [`bundle`] stores
+//! of them, [`figures`] draws them, [`drawing`] shows the tool, and [`report`] makes a page of them. [`artifacts`] stores
 //! all of it for the next run, [`comparison`] lays results side by side, [`watch`] serves the page of a design that is
 //! being changed, and [`commands`] is the command line over all of it. [`measurement`] takes the recordings of a test
 //! to levels, [`virtual_test`] makes such recordings from a design and compares it with measured levels, [`penetration`] compares penetration laws, [`scaling`] makes a design of another tool, [`cost`] estimates
@@ -10,7 +10,7 @@
 //! shot.
 #![forbid(unsafe_code)]
 
-pub mod bundle;
+pub mod artifacts;
 pub mod chain;
 pub mod commands;
 pub mod comparison;
@@ -36,6 +36,7 @@ pub mod stages;
 pub mod staging;
 pub mod store;
 pub mod study;
+mod table;
 mod threads;
 pub mod virtual_test;
 pub mod watch;

@@ -26,7 +26,6 @@ mod effects;
 mod explain;
 mod faults;
 mod init;
-mod intervals;
 mod list;
 mod manual;
 mod measure;

@@ -15,7 +15,7 @@ use crate::shipped;
 use crate::stages::Progress;
 use crate::staging;
 use crate::store::Store;
-use crate::study::{ProvidedStudy, Request};
+use crate::study::{self, ProvidedStudy, Request};
 
 /// Draws of a provided study at least: the pages and the intervals of `run` rest on them.
 const FEWEST: usize = 128;
@@ -144,14 +144,14 @@ impl Studies<'_> {
                 return Ok(Current::Unchanged);
             }
             let few = Request::new(REPEATED.min(request.draws), request.seed);
-            let (_, made) = super::study::compute(&self.store, design, &few, &self.progress)?;
+            let (_, made) = study::study(&self.store, design, &few, &self.progress)?;
             if let Some(renewed) = there.renewed(&made) {
                 staging::write(&file, renewed.file()?.as_bytes())?;
                 return Ok(Current::Renewed);
             }
             self.progress.note(&format!("{path}: the levels have changed"));
         }
-        let (result, made) = super::study::compute(&self.store, design, request, &self.progress)?;
+        let (result, made) = study::study(&self.store, design, request, &self.progress)?;
         let result = result.with_surrogates(design, &made);
         let command = super::study::command(path, &result, "");
         let provided = ProvidedStudy::new(path, design, &command, &result, &made)?;

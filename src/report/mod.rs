@@ -55,12 +55,13 @@ use surface::ColouredSurface;
 pub use surface::Surroundings;
 
 /// Keys of a result with a dedicated form in the report.
-const SHOWN: [&str; 18] = [
+const SHOWN: [&str; 19] = [
     "schema",
     "design",
     "inputs",
     "ranking",
     "total",
+    "study",
     "outcome",
     "headline",
     "cycle",
@@ -259,11 +260,6 @@ fn surfaces(result: &RunResult, pictures: &Pictures, view: &str) -> Markup {
         (PreEscaped(view))
         @if !without.is_empty() { p.quiet { "Sources without a vibrating surface in this model: " (without.join(", ")) "." } }
     }
-}
-
-/// The report of a run with the intervals of its levels, which follow from a study and not from the run.
-pub fn with_intervals(report: &str, intervals: &Intervals) -> String {
-    tables::with_intervals(report, intervals)
 }
 
 /// The report of a study with these charts.
