@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 use nailnoise_acoustics::Air;
 use nailnoise_acoustics::exhaust::{
     ExhaustNoise, ExhaustSettings, FlowHistory, Jet, Opening, PipeFitting, PlenumResonance, UNSTEADY_FLOW, ValveNoise,
-    exhaust_noise, screech_track, valve_noise_energy,
+    exhaust_noise, screech_track,
 };
 use nailnoise_acoustics::fourier::TransformSettings;
 use nailnoise_acoustics::levels::{SourceSpectrum, Weighting, energy_level, energy_weights};
@@ -21,9 +21,12 @@ use super::{Code, Input, Progress, Stage, Stored, Uncached, code};
 use crate::error::Error;
 use crate::result::{Check, CrossCheck, Uncertainty};
 
-/// Uncertainty of the exhaust's level \[dB\]: half the 8 dB by which jet correlations and valve noise efficiencies may
-/// differ for one blow-down.
+/// Uncertainty of the exhaust's level \[dB\]: the distance of the jet correlations from a published fit to measured
+/// millimetre jets at 6 atmospheres, the largest up to there.
 const MODEL_BAND: f64 = 4.0;
+
+/// The basis of [`MODEL_BAND`] in words.
+const MODEL_BASIS: &str = "distance of the jet correlations from a published fit to measured jets of millimetre holes";
 
 /// Largest relative difference between the mass that leaves in the cycle and that of the expanded jets.
 const MASS_GAP: f64 = 0.05;
@@ -67,7 +70,7 @@ pub enum Muffler {
 /// Properties of the exhaust noise that stand beside its energy.
 #[derive(Debug, Clone)]
 pub struct ExhaustDetails {
-    /// Unweighted level of the jets by the efficiencies of IEC 60534-8-3, an independent estimate \[dB re 1 pW s\].
+    /// Unweighted level of the jets by the efficiencies of IEC 60534-8-3:2010, an independent estimate \[dB re 1 pW s\].
     pub valve_noise_lw: Option<f64>,
     /// Unweighted level of the jets by the correlations used, over all frequencies \[dB re 1 pW s\].
     pub jets_lw: Option<f64>,
@@ -281,7 +284,7 @@ pub fn noise(
     let outside_range = noise.mixing_outside_range;
     let method = noise.spectrum.method.clone();
     let mut jets_energy = noise.mixing_energy + noise.shock_energy;
-    let mut valve_noise = valve_noise_energy(&flow, air, &ValveNoise::default());
+    let mut valve_noise = ValveNoise::DRILLED_PLATE.energy(&flow, air);
     let mut openings = vec![noise];
     if let Some(Muffler::Chamber { outlet_area, .. }) = inputs.muffler {
         // The sound of the holes' outflow has already passed the muffler; the tail pipe adds its own jet only.
@@ -297,7 +300,7 @@ pub fn noise(
         };
         let noise = exhaust_noise("muffler outlet", &tail, &round(outlet_area), air, &outlet)?;
         jets_energy += noise.mixing_energy + noise.shock_energy;
-        valve_noise += valve_noise_energy(&tail, air, &ValveNoise::default());
+        valve_noise += ValveNoise::DRILLED_PLATE.energy(&tail, air);
         parts.push(noise.spectrum.clone());
         openings.push(noise);
     }
@@ -316,7 +319,7 @@ pub fn noise(
         Some(fitting) => amplified_jets(fitting, &openings[0], &spectrum, air)?,
         None => [0.0, 0.0],
     };
-    let mut basis = "distance of the jet correlations from the efficiencies of IEC 60534-8-3".to_owned();
+    let mut basis = MODEL_BASIS.to_owned();
     if inputs.fitting.is_some() {
         basis.push_str("; jets inside the fitting radiate unchanged, or as its resonances amplify the outflow");
     }
@@ -332,7 +335,7 @@ pub fn noise(
         cross_check: Some(CrossCheck {
             quantity: "jets of the exhaust over all frequencies, before a muffler".into(),
             lw_db: jets_lw,
-            other: "IEC 60534-8-3".into(),
+            other: ValveNoise::STANDARD.into(),
             other_lw_db: valve_noise_lw,
         }),
         radiation: None,
@@ -359,7 +362,7 @@ fn vent_alone(vent: &ExhaustNoise) -> Sound {
         uncertainty: Uncertainty {
             minus: Some(MODEL_BAND),
             plus: Some(MODEL_BAND),
-            basis: "distance of the jet correlations from the efficiencies of IEC 60534-8-3".to_owned(),
+            basis: MODEL_BASIS.to_owned(),
         },
         cross_check: None,
         radiation: None,
