@@ -6,7 +6,7 @@
 //! being changed, and [`commands`] is the command line over all of it. [`measurement`] takes the recordings of a test
 //! to levels, [`penetration`] compares penetration laws, [`scaling`] makes a design of another tool, [`cost`] estimates
 //! the cost of a run before it begins; [`sensitivity`] and [`study`] quantify how the ranges of a design affect its
-//! shot.
+//! shot. [`verification`] computes public benchmarks beside their references.
 #![forbid(unsafe_code)]
 
 pub mod bundle;
@@ -37,6 +37,7 @@ pub mod store;
 pub mod study;
 pub(crate) mod tables;
 mod threads;
+pub mod verification;
 pub mod watch;
 mod wording;
 

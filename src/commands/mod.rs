@@ -45,6 +45,7 @@ mod sweep;
 mod table;
 mod test;
 mod user_folders;
+mod verify;
 mod watch;
 
 use std::io::{ErrorKind, IsTerminal, Write};
@@ -129,6 +130,8 @@ enum Command {
     Test(test::Arguments),
     /// Levels of the sources from the recordings of a wrapping test
     Measure(measure::Arguments),
+    /// Compute public benchmarks on this machine beside their references
+    Verify(verify::Arguments),
     /// Print the woods, nails, worktables and designs that the program knows by name
     List(list::Arguments),
     /// List, verify or clear cached results
@@ -383,6 +386,7 @@ fn execute(cli: &Cli) -> Result<ExitCode, Error> {
         Command::Prf(arguments) => prf::execute(arguments),
         Command::Test(arguments) => test::execute(arguments),
         Command::Measure(arguments) => measure::execute(arguments),
+        Command::Verify(arguments) => verify::execute(arguments),
         Command::List(arguments) => list::execute(arguments),
         Command::Cache(arguments) => cache::execute(arguments),
         Command::Schema(arguments) => schema::execute(arguments),
