@@ -2,8 +2,9 @@
 
 use std::path::{Path, PathBuf};
 
+use nailnoise_documents::read_regular;
 use nailnoise_meshes::msh::{self, Imported};
-use nailnoise_meshes::{MeshError, SolidGeometry, read_regular};
+use nailnoise_meshes::{MeshError, SolidGeometry};
 use serde::Serialize;
 use sha2::{Digest as _, Sha256};
 
