@@ -45,6 +45,9 @@ const THIN: f64 = 0.05;
 /// Elements along each side of a thin plate.
 const DIVISIONS: usize = 24;
 
+/// Differences \[Hz\] from the reference of modes 5 and 6, which lies 2.1 % above thin-plate theory, see `docs/limits.md`.
+const ABOVE_THEORY: [f64; 2] = [-0.25, 0.0];
+
 /// Pressure \[Pa\] and damping ratio of the forced plate.
 const PRESSURE: f64 = 100.0;
 const DAMPING: f64 = 0.02;
@@ -185,7 +188,8 @@ fn step_peak(shares: &[Share]) -> f64 {
 pub(super) fn supported() -> Result<Vec<Row>, Error> {
     let (mesh, basis) = supported_plate()?;
     let reference = [2.377, 5.961, 5.961, 9.483, 12.133, 12.133, 15.468, 15.468];
-    let mut rows = frequencies(R0016, &basis, &reference, 1.5e-2);
+    let rows = frequencies(R0016, &basis, &reference, 1e-2).into_iter();
+    let mut rows: Vec<Row> = rows.map(|row| row.documented(ABOVE_THEORY)).collect();
     let surface = Surface::of(&mesh);
     let load = LoadVector::pressure(&surface, &["top"], |_| true)?.participation(&basis.shapes) * -PRESSURE;
     let centre = Point3::new(0.5 * SIDE, 0.5 * SIDE, 0.0);
