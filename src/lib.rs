@@ -7,7 +7,7 @@
 //! being changed, and [`commands`] is the command line over all of it. [`measurement`] takes the recordings of a test
 //! to levels, [`virtual_test`] makes such recordings from a design and compares it with measured levels, [`penetration`] compares penetration laws, [`scaling`] makes a design of another tool, [`cost`] estimates
 //! the cost of a run before it begins; [`sensitivity`] and [`study`] quantify how the ranges of a design affect its
-//! shot.
+//! shot. [`verification`] computes public benchmarks beside their references.
 #![forbid(unsafe_code)]
 
 pub mod artifacts;
@@ -38,6 +38,7 @@ pub mod store;
 pub mod study;
 mod table;
 mod threads;
+pub mod verification;
 pub mod virtual_test;
 pub mod watch;
 mod wording;

@@ -2,6 +2,7 @@
 //!
 //! The JSON Schema of `run --json` and of `result.json` is derived from these types.
 
+mod design_id;
 mod study;
 
 use std::borrow::Cow;
@@ -23,6 +24,7 @@ use serde_json::Value;
 use crate::design::Design;
 use crate::stages::headline::Headline;
 
+pub use design_id::DesignId;
 pub use study::{DecidingInput, Ends, LevelSpread, NoStudy, OrderShare, Provided, RunStudy, StudySummary, Weighting};
 
 /// Version of the layout of [`RunResult`]; it changes when a reader of the old layout would misread the new one.
@@ -118,16 +120,6 @@ fn unescape(schema: &mut Schema) {
             .iter()
             .fold(std::mem::take(text), |text, (from, to)| text.replace(from, to));
     }
-}
-
-/// Name and content digest of a design.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-pub struct DesignId {
-    /// Name of the file without its extension.
-    pub name: String,
-    /// SHA-256 of every value the result depends on.
-    #[schemars(regex(pattern = "^[0-9a-f]{64}$"))]
-    pub digest: String,
 }
 
 impl From<&Design> for DesignId {

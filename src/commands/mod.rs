@@ -45,6 +45,7 @@ mod sweep;
 mod table;
 mod test;
 mod user_folders;
+mod verify;
 mod watch;
 
 use std::io::{ErrorKind, IsTerminal, Write};

@@ -49,7 +49,6 @@ pub use result::LAST;
 pub use sound_fields::{outdated_fields, write_sound_fields};
 pub(crate) use table::table;
 
-
 /// Files that a run writes on request.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize)]
 pub struct Exports {

@@ -4,7 +4,7 @@ use nailnoise_quantities::Check;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::DesignId;
+use super::design_id::DesignId;
 
 /// Levels of a run over the draws of a study that serves its design, or why there are none.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
