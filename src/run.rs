@@ -18,7 +18,6 @@ use crate::stages::apart::Apart;
 use crate::stages::bodies::{FoundSurface, Origin};
 use crate::stages::convention::{counted, received, spectra};
 use crate::stages::microphones::Microphones;
-use crate::stages::radiation::OpenFaces;
 use crate::stages::ranking::SoundPower;
 use crate::stages::sensors::SensorRecord;
 use crate::stages::sound::{SoundSource, SourceHistory};
@@ -180,7 +179,6 @@ impl Chain {
         });
         let parameters = inputs::cycle::parameters(design)?;
         let headline = headline(&self.graph, design, &record)?;
-        let support = supports::of(design);
         let notes = notes::notes(
             &notes::NoteInputs {
                 shot: headline
