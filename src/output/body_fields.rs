@@ -53,6 +53,7 @@ impl Stage for BodyFields {
         meshes,
         fem,
         acoustics,
+        stages_apart,
         stages_bodies,
         stages_intervals,
         stages_microphones,

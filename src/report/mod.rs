@@ -106,6 +106,7 @@ impl Stage for BodyPictures {
         meshes,
         fem,
         acoustics,
+        stages_apart,
         stages_bodies,
         stages_cycle,
         stages_headline,
