@@ -211,10 +211,24 @@ pub enum Error {
         /// Its support.
         support: &'static str,
     },
+    /// Measured levels over another range than those of a design.
+    #[error("{} has levels over {:.0} to {:.0} Hz, the design {design} over {:.0} to {:.0} Hz", path.display(), measured[0], measured[1],
+        predicted[0], predicted[1])]
+    #[diagnostic(help("add --set \"analysis.range_low={} Hz\" --set \"analysis.range_high={} Hz\"", measured[0], measured[1]))]
+    MeasuredRange {
+        /// The file of measurements.
+        path: PathBuf,
+        /// Its range \[Hz\].
+        measured: [f64; 2],
+        /// Name of the design.
+        design: String,
+        /// Its range \[Hz\].
+        predicted: [f64; 2],
+    },
     /// A measurement cannot be used.
     #[error(transparent)]
     #[diagnostic(transparent)]
-    Measurement(#[from] crate::measurement::error::MeasurementError),
+    Measurement(#[from] nailnoise_measurement::MeasurementError),
     /// A penetration law cannot be evaluated.
     #[error(transparent)]
     #[diagnostic(help("{}", _0.remedy()))]

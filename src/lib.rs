@@ -4,9 +4,9 @@
 //! of them, [`figures`] draws them, [`drawing`] shows the tool, and [`report`] makes a page of them. [`artifacts`] stores
 //! all of it for the next run, [`comparison`] lays results side by side, [`watch`] serves the page of a design that is
 //! being changed, and [`commands`] is the command line over all of it. [`measurement`] takes the recordings of a test
-//! to levels, [`penetration`] compares penetration laws, [`scaling`] makes a design of another tool, [`cost`] estimates
-//! the cost of a run before it begins; [`sensitivity`] and [`study`] quantify how the ranges of a design affect its
-//! shot.
+//! to levels, [`virtual_test`] makes such recordings from a design and compares it with measured levels,
+//! [`penetration`] compares penetration laws, [`scaling`] makes a design of another tool, [`cost`] estimates the cost
+//! of a run before it begins; [`sensitivity`] and [`study`] quantify how the ranges of a design affect its shot.
 #![forbid(unsafe_code)]
 
 pub mod artifacts;
@@ -22,7 +22,6 @@ pub mod figures;
 pub mod graph;
 pub mod headline;
 mod interrupt;
-pub mod measurement;
 pub mod output;
 pub mod penetration;
 pub mod report;
@@ -36,10 +35,11 @@ pub mod staging;
 pub mod store;
 pub mod study;
 mod table;
-pub(crate) mod tables;
 mod threads;
+pub mod virtual_test;
 pub mod watch;
 mod wording;
 
 pub use design::Design;
 pub use error::Error;
+pub use nailnoise_measurement as measurement;

@@ -2,6 +2,8 @@
 
 use std::borrow::Cow;
 
+pub(crate) use nailnoise_quantities::rounded;
+
 /// A text as a terminal may show it: control characters, which could move its cursor or set its title, and those that
 /// reverse the direction of writing as escapes. `colours` leaves the sequences of colours, `ESC [ ... m`, unchanged.
 ///
@@ -42,16 +44,6 @@ fn colour(text: &str) -> Option<usize> {
 /// Bytes in hexadecimal digits.
 pub(crate) fn hexadecimal(bytes: &[u8]) -> String {
     bytes.iter().map(|byte| format!("{byte:02x}")).collect()
-}
-
-/// A number to so many significant digits without a tail of zeros, and with an exponent below 0.001 and from `large` on.
-pub(crate) fn rounded(value: f64, digits: usize, large: f64) -> String {
-    let rounded: f64 = format!("{value:.*e}", digits - 1).parse().unwrap_or(value);
-    if rounded == 0.0 || (1e-3..large).contains(&rounded.abs()) {
-        format!("{rounded}")
-    } else {
-        format!("{rounded:e}")
-    }
 }
 
 /// A number to so many decimals without a tail of zeros.

@@ -11,10 +11,10 @@ use nailnoise::measurement::arrangement::Arrangement;
 use nailnoise::measurement::processing::process_recordings;
 use nailnoise::measurement::result::Processing;
 use nailnoise::measurement::subtraction::Reading;
-use nailnoise::measurement::virtual_test::exact::exact;
-use nailnoise::measurement::virtual_test::{VirtualTest, wrapping};
 use nailnoise::measurement::wrapping::Wrapping;
 use nailnoise::stages::Progress;
+use nailnoise::virtual_test::exact::exact;
+use nailnoise::virtual_test::{VirtualTest, wrapping};
 use pyo3::prelude::*;
 
 use crate::design::{NativeDesign, store};
@@ -55,9 +55,11 @@ pub(crate) fn measure(
             .warnings
             .iter()
             .for_each(|warning| progress.note(&format!("warning: {warning}")));
-        let arrangement = Arrangement::of(&manifest)?;
+        let arrangement = Arrangement::of(&manifest).map_err(nailnoise::Error::from)?;
         let step = |_, _| progress.observer().step();
-        let mut measured = process_recordings(&manifest, &arrangement, processing, step, |_| Ok(()))?;
+        let mut measured = process_recordings(&manifest, &arrangement, processing, step, |_| {
+            Ok::<(), nailnoise::Error>(())
+        })?;
         measured.result.manifest = path.display().to_string();
         let charts = drawn(&figures::measurement(&measured));
         Ok((measured.result, charts))

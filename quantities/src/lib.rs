@@ -18,6 +18,6 @@ pub use group::{read_key, visit_key};
 pub use kind::{Kind, Sign, any, component, fraction, gas_pressure, modulus, nonnegative, positive};
 pub use measure::measure;
 pub use spec::{GroupSpec, KeySpec, MEMBER, dotted};
-pub use text::{Measured, QuantityError, quantity, range};
+pub use text::{Measured, QuantityError, quantity, range, rounded};
 pub use units::UnitError;
 pub use value::{Assign, Held, Value};

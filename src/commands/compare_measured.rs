@@ -10,12 +10,13 @@ use crate::cost;
 use crate::design::Design;
 use crate::error::Error;
 use crate::graph::Graph;
-use crate::measurement::comparison::{ComparedQuantity, MeasuredComparison, Measurements, Predicted, compare, predict};
-use crate::measurement::error::MeasurementError;
-use crate::measurement::virtual_test::{VirtualTest, wrapping};
 use crate::report;
 use crate::staging;
 use crate::study::{Draws, Request, common_draws, nominal};
+use crate::virtual_test::comparison::{
+    ComparedQuantity, MeasuredComparison, Measurements, Predicted, compare, predict,
+};
+use crate::virtual_test::{VirtualTest, wrapping};
 use crate::wording::drawn_structures;
 
 /// Draws where `--draws` gives no number.
@@ -34,13 +35,12 @@ pub(super) fn execute(arguments: &Arguments, file: &Path) -> Result<ExitCode, Er
     for design in &designs {
         let predicted = [design.analysis.range_low, design.analysis.range_high];
         if let Some(range) = measured.range_hz.filter(|range| *range != predicted) {
-            return Err(MeasurementError::Range {
+            return Err(Error::MeasuredRange {
                 path: file.to_owned(),
                 measured: range,
                 design: design.name().to_owned(),
                 predicted,
-            }
-            .into());
+            });
         }
         cost::refuse(design, &cost::of_run(design)?, arguments.memory.limit())?;
     }
@@ -80,7 +80,7 @@ pub(super) fn execute(arguments: &Arguments, file: &Path) -> Result<ExitCode, Er
 fn prediction(
     graph: &Graph,
     design: &Design,
-    (test, shot): (&VirtualTest<'_>, &crate::measurement::virtual_test::BareShot),
+    (test, shot): (&VirtualTest<'_>, &crate::virtual_test::BareShot),
     (request, drawn): (&Request, &Draws),
 ) -> Result<Predicted, Error> {
     let levels = nominal(graph, design, request)?.ok_or(Error::Upstream { stage: "levels" })?;

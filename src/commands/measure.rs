@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-use clap::Args;
+use clap::{Args, ValueEnum};
 
 use super::progress::noted;
 use super::table::{dash, decibels, table};
@@ -31,7 +31,7 @@ pub(super) struct Arguments {
     manifest: PathBuf,
     /// Which lines the subtraction of the residual sets to zero
     #[arg(long, value_enum, default_value_t)]
-    reading: Reading,
+    reading: ZeroedLines,
     /// Subtract the residual of the same repeat instead of the mean of all
     #[arg(long)]
     paired: bool,
@@ -54,6 +54,28 @@ pub(super) struct Arguments {
     threads: Threads,
 }
 
+/// [`Reading`] on the command line.
+#[derive(Debug, Clone, Copy, Default, ValueEnum)]
+enum ZeroedLines {
+    /// Lines less than 3 dB above the residual (ISO 3746)
+    #[default]
+    Margin,
+    /// Lines whose corrected level is less than 3 dB above the residual, 4.8 dB before correction
+    Corrected,
+    /// Lines whose corrected level is less than 3 dB re 20 uPa
+    Literal,
+}
+
+impl From<ZeroedLines> for Reading {
+    fn from(lines: ZeroedLines) -> Self {
+        match lines {
+            ZeroedLines::Margin => Self::Margin,
+            ZeroedLines::Corrected => Self::Corrected,
+            ZeroedLines::Literal => Self::Literal,
+        }
+    }
+}
+
 pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
     arguments.threads.start()?;
     let path = &arguments.manifest;
@@ -71,7 +93,7 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
     let arrangement = Arrangement::of(&manifest)?;
     let staging = Staging::within(&folder)?;
     let processing = Processing {
-        reading: arguments.reading,
+        reading: arguments.reading.into(),
         paired: arguments.paired,
         total_less_residual: arguments.total_less_residual,
     };
@@ -80,7 +102,7 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
     let read = |done: u64, of: u64| progress.done(done, of);
     let keep = |shot: CorrectedShot| {
         if shot.repeat > 0 && !arguments.signals {
-            return Ok(());
+            return Ok::<(), Error>(());
         }
         let (file, bytes, full_scale) = output::measurement::corrected_signal(&shot)?;
         staging.write_unsynced(&file, &bytes)?;

@@ -1,6 +1,7 @@
 //! `nailnoise provide`: the studies of all shipped designs that come with the program, and whether they are those of today. It is
 //! for those who change the program, and is not listed by `--help`.
 
+use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
@@ -19,9 +20,13 @@ use crate::study::{self, Draws, ProvidedStudy, Request, StudyResult};
 /// Draws of a provided study at least: the pages and the intervals of `run` rest on them.
 const FEWEST: usize = 128;
 
+/// Draws that are computed again where only the code has changed. Each passes through all of it.
+const REPEATED: usize = 8;
+
 #[derive(Args)]
 #[command(after_help = examples!(
-    "nailnoise provide designs/studies" => "makes the studies of all shipped designs anew",
+    "nailnoise provide designs/studies" => "makes the studies of all shipped designs that are not of today",
+    "nailnoise provide designs/studies --anew" => "makes all of them",
     "nailnoise provide --check" => "lists which are in the program, and whether they are of today",
 ))]
 pub(super) struct Arguments {
@@ -34,6 +39,9 @@ pub(super) struct Arguments {
     /// Seed of the draws
     #[arg(long, value_name = "SEED", default_value_t = 1)]
     seed: u64,
+    /// Make all studies, also those whose first draws have the same levels with the code of today
+    #[arg(long, conflicts_with = "check")]
+    anew: bool,
     /// Compute nothing: list the studies that are in the program, with status 1 if one is missing, small or outdated
     #[arg(long, conflicts_with = "folder")]
     check: bool,
@@ -49,7 +57,14 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
     };
     arguments.threads.start()?;
     let request = Request::new(arguments.draws as usize, arguments.seed);
-    all(folder, &arguments.keeping.cache()?, &request, &progress())
+    let studies = Studies {
+        folder,
+        anew: arguments.anew,
+        store: arguments.keeping.cache()?,
+        request,
+        progress: progress(),
+    };
+    studies.provide()
 }
 
 /// What made a study, in words.
@@ -75,44 +90,90 @@ fn file_name(path: &str) -> String {
     path.trim_end_matches(".toml").replace('/', "-") + ".json"
 }
 
-/// Studies every shipped design and writes the studies to a folder, one after the other: they share shots and structures by the
-/// cache. A design whose study fails is named, and the others are made.
-fn all(folder: &Path, store: &Store, request: &Request, progress: &Progress) -> Result<ExitCode, Error> {
-    let mut failed = Vec::new();
-    for (number, (path, _)) in (1..).zip(shipped::DESIGNS) {
-        progress.note(&format!("study {number} of {}: {path}", shipped::DESIGNS.len()));
-        let Some(design) = Design::shipped(path) else {
-            failed.push(format!("{path}: the design cannot be read"));
-            continue;
-        };
-        match study::study(store, &design, request, progress) {
-            Ok((result, made)) => {
-                let result = result.with_surrogates(&design, &made);
-                let own = command(path, &result, "");
-                write(&folder.join(file_name(path)), (path, &own), (&design, &result, &made))?;
-                if result.candidates.failures > 0 {
-                    failed.push(format!(
-                        "{path}: {} draws or shots cannot be computed",
-                        result.candidates.failures
-                    ));
+/// The studies of all shipped designs in a folder.
+struct Studies<'a> {
+    folder: &'a Path,
+    /// Whether those are made anew that are of today.
+    anew: bool,
+    store: Store,
+    request: Request,
+    progress: Progress,
+}
+
+/// A study of a shipped design that is of today.
+enum Current {
+    /// It is of today's design and code.
+    Unchanged,
+    /// The code has changed, and its first draws have the same levels.
+    Renewed,
+    /// It was made anew, with so many draws or shots that cannot be computed.
+    Made(usize),
+}
+
+impl Studies<'_> {
+    /// Brings the study of each shipped design up to date, one after the other: they share shots and structures by the cache. A
+    /// design whose study fails is named, and the others are made.
+    fn provide(&self) -> Result<ExitCode, Error> {
+        let (mut failed, mut counts) = (Vec::new(), [0; 3]);
+        for (number, (path, _)) in (1..).zip(shipped::DESIGNS) {
+            self.progress
+                .note(&format!("study {number} of {}: {path}", shipped::DESIGNS.len()));
+            let Some(design) = Design::shipped(path) else {
+                failed.push(format!("{path}: the design cannot be read"));
+                continue;
+            };
+            match self.of(path, &design) {
+                Ok(Current::Unchanged) => counts[0] += 1,
+                Ok(Current::Renewed) => counts[1] += 1,
+                Ok(Current::Made(0)) => counts[2] += 1,
+                Ok(Current::Made(failures)) => {
+                    failed.push(format!("{path}: {failures} draws or shots cannot be computed"))
                 }
+                Err(error) => failed.push(format!("{path}: {error}")),
             }
-            Err(error) => failed.push(format!("{path}: {error}")),
         }
+        self.progress.end();
+        failed.iter().for_each(|reason| message(reason));
+        let [unchanged, renewed, made] = counts;
+        print(&format!(
+            "{made} studies made, {renewed} renewed because {REPEATED} draws repeated their levels, {unchanged} unchanged, {} failed, \
+             in {}; a program that is built now has them\n",
+            failed.len(),
+            self.folder.display()
+        ))?;
+        Ok(if failed.is_empty() {
+            ExitCode::SUCCESS
+        } else {
+            ExitCode::from(3)
+        })
     }
-    progress.end();
-    failed.iter().for_each(|reason| message(reason));
-    print(&format!(
-        "{} of {} studies without a fault, in {}; a program that is built now has them\n",
-        shipped::DESIGNS.len() - failed.len(),
-        shipped::DESIGNS.len(),
-        folder.display()
-    ))?;
-    Ok(if failed.is_empty() {
-        ExitCode::SUCCESS
-    } else {
-        ExitCode::from(3)
-    })
+
+    /// Brings the study of a design up to date.
+    fn of(&self, path: &str, design: &Design) -> Result<Current, Error> {
+        let (file, request) = (self.folder.join(file_name(path)), &self.request);
+        let there = match fs::read_to_string(&file) {
+            Ok(text) if !self.anew => ProvidedStudy::read(&text)?,
+            _ => None,
+        };
+        if let Some(there) = there
+            && there.is_of(design, request.draws, request.seed)?
+        {
+            if there.is_of_this_code() {
+                return Ok(Current::Unchanged);
+            }
+            let few = Request::new(REPEATED.min(request.draws), request.seed);
+            let (_, made) = study::study(&self.store, design, &few, &self.progress)?;
+            if let Some(renewed) = there.renewed(&made) {
+                staging::write(&file, renewed.file()?.as_bytes())?;
+                return Ok(Current::Renewed);
+            }
+            self.progress.note(&format!("{path}: the levels have changed"));
+        }
+        let (result, made) = study::study(&self.store, design, request, &self.progress)?;
+        let result = result.with_surrogates(design, &made);
+        write(&file, (path, &command(path, &result, "")), (design, &result, &made))?;
+        Ok(Current::Made(result.candidates.failures))
+    }
 }
 
 /// Lists the studies that are in the program. The status is 1 where a design has none, or one with too few draws or of another design
@@ -127,7 +188,10 @@ fn check() -> Result<ExitCode, Error> {
             let state = match (own.draws, own.changed.as_slice()) {
                 (None, _) => "none".to_owned(),
                 (Some(draws), []) if draws < FEWEST => format!("fewer than {FEWEST} draws"),
-                (Some(_), []) => "of today".to_owned(),
+                (Some(_), []) => own.repeated.map_or_else(
+                    || "of today".to_owned(),
+                    |repeated| format!("of today: {repeated} draws repeated their levels"),
+                ),
                 (Some(_), changed) => format!("{} changed since", changed.join(" and ")),
             };
             let draws = own.draws.map_or_else(|| "-".to_owned(), |draws| draws.to_string());

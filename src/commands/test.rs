@@ -14,13 +14,13 @@ use crate::design::Design;
 use crate::error::Error;
 use crate::graph::Graph;
 use crate::headline::{self, Headline};
-use crate::measurement::virtual_test::bare::{BareLevels, BareSource};
-use crate::measurement::virtual_test::exact::{ExactTest, exact};
-use crate::measurement::virtual_test::{VirtualTest, wrapping};
 use crate::measurement::wrapping::{Configuration, SOURCES, Wrapping};
 use crate::output::virtual_test::{SensorPeaks, manifest, sensors, sounds};
 use crate::result::DesignId;
 use crate::staging::Staging;
+use crate::virtual_test::bare::{BareLevels, BareSource};
+use crate::virtual_test::exact::{ExactTest, exact};
+use crate::virtual_test::{VirtualTest, wrapping};
 
 /// The last file to be written, so that a folder with it has all the rest.
 const LAST: &str = "manifest.toml";

@@ -5,7 +5,6 @@
 
 mod bodies;
 mod means;
-mod memory;
 
 use means::RadiatingSurface;
 use nailnoise_fem::ModalCost;
@@ -17,7 +16,7 @@ use crate::design::{BemEquations, BodyModel, Convention, Design, RadiationMethod
 use crate::error::Error;
 use crate::stages::bodies::BodyKind;
 
-pub use memory::{MemoryLimit, address_space, available};
+pub use nailnoise_documents::{MemoryLimit, address_space, available};
 
 /// Estimated cost of a stage that is computed anew.
 #[derive(Debug, Clone, PartialEq, Serialize)]

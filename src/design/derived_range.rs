@@ -17,11 +17,11 @@ use super::distribution::Distribution;
 use super::error::{DesignError, Problem};
 use super::groups::Values;
 use super::merged::Merged;
-use super::place::Place;
 use super::provenance::Provenance;
 use super::range::{DefaultRange, GivenRange, Ranged, includes, inherited};
 use super::settings::{Given, GivenDerived};
 use super::show::show;
+use nailnoise_documents::Place;
 
 /// A derived quantity that a study draws.
 #[derive(Debug, Clone)]

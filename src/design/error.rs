@@ -6,11 +6,11 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 use miette::{Diagnostic, LabeledSpan, Severity, SourceCode};
+use nailnoise_documents::{DocumentError, Place};
 use nailnoise_quantities::dimension::LENGTH;
 use nailnoise_quantities::{Dimension, UnitError};
 
 use super::conflict::Conflict;
-use super::place::Place;
 use super::sensors::SensorProblem;
 use super::show::show;
 use super::springs::Sprung;
@@ -348,6 +348,18 @@ impl DesignError {
         problem.at(at.cloned().map(Box::new))
     }
 
+    /// A file that is not TOML.
+    pub(crate) fn not_toml(path: &Path, error: DocumentError) -> Self {
+        match error {
+            DocumentError::NotText { line } => Problem::NotText {
+                path: path.to_owned(),
+                line,
+            }
+            .at(None::<Box<Place>>),
+            DocumentError::Syntax { message, at } => Problem::Syntax { message }.at(at),
+        }
+    }
+
     /// Place of the error; none if an entire file is missing or unreadable.
     pub fn place(&self) -> Option<&Place> {
         self.at.as_deref()
@@ -577,7 +589,7 @@ impl Diagnostic for DesignError {
     }
 
     fn source_code(&self) -> Option<&dyn SourceCode> {
-        self.place().map(|place| &place.source as &dyn SourceCode)
+        self.place().map(Place::source_code)
     }
 
     fn labels(&self) -> Option<Box<dyn Iterator<Item = LabeledSpan> + '_>> {
@@ -685,7 +697,7 @@ impl Diagnostic for Warning {
     }
 
     fn source_code(&self) -> Option<&dyn SourceCode> {
-        Some(&self.place().source)
+        Some(self.place().source_code())
     }
 
     fn labels(&self) -> Option<Box<dyn Iterator<Item = LabeledSpan> + '_>> {
@@ -700,10 +712,7 @@ impl Diagnostic for Warning {
 }
 
 fn labels<'a>(place: &Place, label: &str) -> Option<Box<dyn Iterator<Item = LabeledSpan> + 'a>> {
-    Some(Box::new(std::iter::once(LabeledSpan::new_with_span(
-        Some(label.to_owned()),
-        place.span.clone(),
-    ))))
+    Some(Box::new(std::iter::once(place.label(label))))
 }
 
 /// The design file in the same folder whose name is most like that of `path`.

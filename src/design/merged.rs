@@ -3,10 +3,10 @@
 use nailnoise_quantities::KeySpec;
 
 use super::distribution::Distribution;
-use super::place::Place;
 use super::provenance::Provenance;
 use super::range::GivenRange;
 use super::settings::Given;
+use nailnoise_documents::Place;
 
 /// Values, ranges and texts of one key from the files, the nearest file last.
 #[derive(Debug)]

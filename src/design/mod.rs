@@ -27,7 +27,6 @@ pub mod inputs;
 mod json_schema;
 mod lists;
 mod merged;
-mod place;
 mod provenance;
 mod range;
 mod reference;
@@ -62,8 +61,8 @@ pub use error::{DesignError, Problem, Warning};
 pub use facts::{KeyFacts, Measurement, OutsideValue, facts};
 pub use groups::*;
 pub use json_schema::json_schema;
+pub use nailnoise_documents::Place;
 pub use nailnoise_quantities::{Dimension, GroupSpec, KeySpec, Kind, Sign, UnitError, Value};
-pub use place::Place;
 pub use provenance::Provenance;
 pub use range::RangeOrigin;
 pub use reference::reference;
@@ -79,10 +78,9 @@ use crate::wording::hexadecimal;
 use derived_range::DerivedRange;
 use resolve::{Record, Records, Resolved};
 
-pub(crate) use settings::found;
+pub(crate) use nailnoise_documents::nearest as nearest_word;
 pub(crate) use show::{mm as length_in_words, show as quantity_in_words};
 pub(crate) use source::File;
-pub(crate) use suggest::word as nearest_word;
 
 /// A design: every quantity in SI units, with its origin.
 ///

@@ -15,9 +15,8 @@ use serde::Serialize;
 use toml::de::{DeTable, DeValue};
 
 use super::error::{DesignError, Problem};
-use super::settings::found;
 use super::source::File;
-use super::suggest;
+use nailnoise_documents::{found, nearest};
 
 /// Maximum number of characters of a text: it appears in the head of a page.
 const LONGEST: usize = 2000;
@@ -80,7 +79,7 @@ impl ReportSettings {
             let Some(text) = self.text(key) else {
                 let known = KEYS.map(|(key, _)| key.to_owned()).to_vec();
                 return Err(Problem::UnknownKey {
-                    nearest: suggest::word(known.iter().map(String::as_str), key).map(|near| format!("report.{near}")),
+                    nearest: nearest(known.iter().map(String::as_str), key).map(|near| format!("report.{near}")),
                     key: full,
                     known,
                 }

@@ -13,7 +13,6 @@ use super::distribution::Distribution;
 use super::error::{DesignError, Problem, Warning};
 use super::groups::Values;
 use super::merged::Merged;
-use super::place::Place;
 use super::provenance::Provenance;
 use super::range::{DefaultRange, RangeOrigin, Ranged, includes, inherited};
 use super::report::ReportSettings;
@@ -24,6 +23,7 @@ use super::source::File;
 use super::springs::Sprung;
 use super::study::{self, StudyLayer, StudySettings};
 use super::surfaces::SurfaceProblem;
+use nailnoise_documents::Place;
 
 /// A key with its resolved value and the facts about it.
 #[derive(Debug, Clone)]
@@ -228,7 +228,7 @@ fn complete(merged: &HashMap<String, Merged>, chain: &[File]) -> Result<(), Desi
         .iter()
         .filter(|(other, _)| is_member && other.rsplit_once('.').is_some_and(|(own, _)| own == group));
     let places = beside.filter_map(|(_, merged)| merged.value.as_ref().map(|(.., place)| (merged.depth, place)));
-    let first = places.min_by_key(|(depth, place)| (*depth, place.span.start));
+    let first = places.min_by_key(|(depth, place)| (*depth, place.span().start));
     let mut error = missing(key, count, example, chain);
     if let Some((_, place)) = first {
         error.at = Some(place.clone());
@@ -356,7 +356,7 @@ fn conflicting(conflict: super::Conflict, records: &Records) -> DesignError {
         .into_iter()
         .filter_map(|key| records.get(key).map(|record| (key, record)))
         .collect();
-    places.sort_by_key(|(_, record)| (record.depth, usize::MAX - record.place.span.start));
+    places.sort_by_key(|(_, record)| (record.depth, usize::MAX - record.place.span().start));
     let others = places
         .iter()
         .skip(1)
@@ -399,7 +399,7 @@ pub(crate) fn too_costly(
     records: &Records,
 ) -> DesignError {
     let set = keys.iter().filter_map(|(key, _)| records.get(*key));
-    let last = set.min_by_key(|record| (record.depth, usize::MAX - record.place.span.start));
+    let last = set.min_by_key(|record| (record.depth, usize::MAX - record.place.span().start));
     Problem::TooCostly {
         stage,
         needs,
@@ -413,7 +413,7 @@ pub(crate) fn too_costly(
 fn last_set(list: &str, name: &str, keys: &[&str], records: &Records) -> Option<Box<Place>> {
     let member = dotted(list, name);
     let set = keys.iter().filter_map(|key| records.get(&dotted(&member, key)));
-    let last = set.min_by_key(|record| (record.depth, usize::MAX - record.place.span.start));
+    let last = set.min_by_key(|record| (record.depth, usize::MAX - record.place.span().start));
     last.map(|record| record.place.clone())
 }
 

@@ -12,11 +12,12 @@ use toml::de::{DeArray, DeTable, DeValue};
 use super::derived::Derived;
 use super::distribution::Distribution;
 use super::error::{DesignError, Problem};
-use super::place::Place;
 use super::provenance::Provenance;
 use super::range::GivenRange;
 use super::source::File;
 use super::suggest;
+use nailnoise_documents::Place;
+use nailnoise_documents::{found, found_value, nearest};
 
 /// What stands beside a key before gauge pressures are made absolute.
 #[derive(Debug, Clone)]
@@ -232,8 +233,7 @@ impl Reader<'_> {
                     let known = known.map(str::to_owned).to_vec();
                     return Err(Problem::UnknownKey {
                         key: dotted(derived.key, other),
-                        nearest: suggest::word(known.iter().map(String::as_str), other)
-                            .map(|near| dotted(derived.key, near)),
+                        nearest: nearest(known.iter().map(String::as_str), other).map(|near| dotted(derived.key, near)),
                         known,
                     }
                     .at(self.file.place(name.span())));
@@ -278,7 +278,7 @@ impl Reader<'_> {
                     let known = known.map(str::to_owned).to_vec();
                     return Err(Problem::UnknownKey {
                         key: dotted(&key, other),
-                        nearest: suggest::word(known.iter().map(String::as_str), other).map(|near| dotted(&key, near)),
+                        nearest: nearest(known.iter().map(String::as_str), other).map(|near| dotted(&key, near)),
                         known,
                     }
                     .at(self.file.place(name.span())));
@@ -366,7 +366,7 @@ impl Field<'_> {
         let same = words.iter().copied().find(|own| plain(own) == plain(word));
         let nearest = same.or_else(|| {
             let lower: Vec<String> = words.iter().map(|own| own.to_lowercase()).collect();
-            let near = suggest::word(lower.iter().map(String::as_str), word)?;
+            let near = nearest(lower.iter().map(String::as_str), word)?;
             words.iter().copied().find(|own| own.to_lowercase() == near)
         });
         Problem::UnknownName {
@@ -544,33 +544,5 @@ fn one_of(words: &[&str]) -> String {
     match quoted.as_slice() {
         [one] => format!("as {one}"),
         _ => format!("as one of {}", quoted.join(", ")),
-    }
-}
-
-/// The value as it is written, for a message.
-pub(super) fn found_value(value: &DeValue<'_>) -> String {
-    match value {
-        DeValue::String(text) => format!("\"{text}\""),
-        DeValue::Integer(integer) => integer.to_string(),
-        DeValue::Float(float) => float.as_str().to_owned(),
-        DeValue::Boolean(on) => on.to_string(),
-        other => format!("{} {}", article(other.type_str()), other.type_str()),
-    }
-}
-
-/// What kind of value it is, with the value where it is short.
-pub(crate) fn found(value: &DeValue<'_>) -> String {
-    match value {
-        DeValue::String(_) => format!("the text {}", found_value(value)),
-        DeValue::Integer(_) | DeValue::Float(_) => format!("the number {}", found_value(value)),
-        _ => found_value(value),
-    }
-}
-
-fn article(noun: &str) -> &'static str {
-    if noun.starts_with(['a', 'e', 'i', 'o', 'u']) {
-        "an"
-    } else {
-        "a"
     }
 }

@@ -4,15 +4,11 @@ use std::fs;
 use std::io::ErrorKind;
 use std::ops::Range;
 use std::path::{Component, Path, PathBuf};
-use std::sync::Arc;
 
-use miette::NamedSource;
-use nailnoise_meshes::read_regular;
-use toml::Spanned;
+use nailnoise_documents::{Document, Place, found, read_regular};
 use toml::de::{DeTable, DeValue};
 
 use super::error::{DesignError, Problem, Warning};
-use super::place::Place;
 use crate::shipped;
 
 /// The name of the command line in the places of errors and entries.
@@ -24,19 +20,15 @@ const LARGEST: u64 = 4 << 20;
 /// The text of one design file.
 #[derive(Debug)]
 pub(crate) struct File {
-    path: PathBuf,
-    text: Arc<str>,
+    document: Document,
     /// Whether it comes with the program and is not a file.
     is_shipped: bool,
 }
 
 impl File {
     pub(crate) fn new(path: &Path, text: &str) -> Self {
-        // A byte order mark does not belong to the first key.
-        let text = text.strip_prefix('\u{feff}').unwrap_or(text);
         Self {
-            path: path.to_owned(),
-            text: text.into(),
+            document: Document::new(path, text),
             is_shipped: false,
         }
     }
@@ -44,64 +36,44 @@ impl File {
     /// A design that comes with the program, by the name of its file.
     pub(crate) fn shipped(name: &str) -> Option<Self> {
         let (path, text) = shipped::design(name).filter(|_| name.ends_with(".toml"))?;
+        let path = PathBuf::from(format!("{path} of nailnoise {}", env!("CARGO_PKG_VERSION")));
         Some(Self {
-            path: PathBuf::from(format!("{path} of nailnoise {}", env!("CARGO_PKG_VERSION"))),
-            text: text.into(),
+            document: Document::new(&path, text),
             is_shipped: true,
         })
     }
 
     pub(crate) fn read(path: &Path, at: Option<&Place>) -> Result<Self, DesignError> {
         let bytes = read_regular(path, LARGEST).map_err(|source| DesignError::unreadable(path, source, at))?;
-        match String::from_utf8(bytes) {
-            Ok(text) => Ok(Self::new(path, &text)),
-            Err(error) => {
-                let at = error.utf8_error().valid_up_to();
-                let line = error.as_bytes()[..at].iter().filter(|byte| **byte == b'\n').count() + 1;
-                Err(Problem::NotText {
-                    path: path.to_owned(),
-                    line,
-                }
-                .at(None::<Box<Place>>))
-            }
-        }
+        let document = Document::from_bytes(path, bytes).map_err(|error| DesignError::not_toml(path, error))?;
+        Ok(Self {
+            document,
+            is_shipped: false,
+        })
+    }
+
+    fn path(&self) -> &Path {
+        self.document.path()
     }
 
     pub(crate) fn place(&self, span: Range<usize>) -> Box<Place> {
-        let start = (0..=span.start.min(self.text.len()))
-            .rev()
-            .find(|at| self.text.is_char_boundary(*at))
-            .unwrap_or(0);
-        let end = span.end.clamp(start, self.text.len());
-        let before = &self.text[..start];
-        let line = before.matches('\n').count() + 1;
-        let column = before.rsplit('\n').next().unwrap_or("").chars().count() + 1;
-        let source = NamedSource::new(self.path.to_string_lossy(), Arc::clone(&self.text)).with_language("TOML");
-        Box::new(Place {
-            source,
-            span: start..end,
-            line,
-            column,
-        })
+        self.document.place(span)
     }
 
     pub(crate) fn table(&self) -> Result<DeTable<'_>, DesignError> {
-        DeTable::parse(&self.text).map(Spanned::into_inner).map_err(|error| {
-            Problem::Syntax {
-                message: error.message().to_owned(),
-            }
-            .at(self.place(error.span().unwrap_or(0..0)))
-        })
+        self.document
+            .table()
+            .map_err(|error| DesignError::not_toml(self.path(), error))
     }
 
     /// Whether it is a value given on the command line.
     pub(crate) fn is_command_line(&self) -> bool {
-        self.path == Path::new(COMMAND_LINE)
+        self.path() == Path::new(COMMAND_LINE)
     }
 
     /// A file relative to the folder of this one.
     pub(crate) fn beside(&self, name: &str) -> PathBuf {
-        self.path.with_file_name("").join(name)
+        self.document.sibling(name)
     }
 
     /// The value of `base`.
@@ -114,7 +86,7 @@ impl File {
         let DeValue::String(name) = value.get_ref() else {
             return Err(Problem::WrongKind {
                 key: "base".to_owned(),
-                found: super::settings::found(value.get_ref()),
+                found: found(value.get_ref()),
                 expected: "as the name of a design file, in quotes".to_owned(),
             }
             .at(place));
@@ -124,7 +96,7 @@ impl File {
 
     /// The path of a base, relative to the folder of this file.
     fn base_path(&self, name: &str) -> PathBuf {
-        let folder = self.path.parent().unwrap_or(Path::new(""));
+        let folder = self.path().parent().unwrap_or(Path::new(""));
         tidy(&folder.join(name))
     }
 
@@ -153,7 +125,7 @@ impl File {
     /// This file and those it inherits from, the nearest first.
     pub(crate) fn chain(self) -> Result<Vec<Self>, DesignError> {
         let mut chain = vec![self];
-        let mut seen: Vec<PathBuf> = chain.iter().map(|file| identity(&file.path)).collect();
+        let mut seen: Vec<PathBuf> = chain.iter().map(|file| identity(file.path())).collect();
         while let Some((name, at)) = chain[chain.len() - 1].base()? {
             let base = &chain[chain.len() - 1];
             // Before it is read: a loop is the nearer cause.
@@ -162,10 +134,7 @@ impl File {
                 && let Some(first) = seen.iter().position(|other| *other == own)
             {
                 let path = base.base_path(&name);
-                let names = chain[first..]
-                    .iter()
-                    .map(|file| file.path.as_path())
-                    .chain([path.as_path()]);
+                let names = chain[first..].iter().map(File::path).chain([path.as_path()]);
                 let chain = names.map(|path| path.display().to_string()).collect();
                 return Err(Problem::InheritanceLoop { chain }.at(at));
             }

@@ -29,11 +29,12 @@ use toml::de::{DeTable, DeValue};
 
 use super::catalogue::Names;
 use super::error::{DesignError, Problem};
-use super::place::Place;
 use super::range::{DefaultRange, GivenRange};
-use super::settings::{Field, Given, found, found_value};
+use super::settings::{Field, Given};
 use super::source::File;
 use super::suggest;
+use nailnoise_documents::Place;
+use nailnoise_documents::{found, found_value, nearest};
 
 /// Draws of a screening at most: more are a study.
 const MOST_SCREENED: u32 = 8;
@@ -243,7 +244,7 @@ impl Reader<'_> {
         let name = key.get_ref().as_ref();
         Problem::UnknownKey {
             key: format!("{group}.{name}"),
-            nearest: suggest::word(known.iter().copied(), name).map(|near| dotted(group, near)),
+            nearest: nearest(known.iter().copied(), name).map(|near| dotted(group, near)),
             known: known.iter().map(|known| (*known).to_owned()).collect(),
         }
         .at(self.file.place(key.span()))

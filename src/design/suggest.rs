@@ -1,21 +1,7 @@
 //! The known name that is most like an unknown one.
 
+use nailnoise_documents::nearest as nearest_word;
 use nailnoise_quantities::{GroupSpec, dotted};
-
-/// Edits that still count as a slip of the finger, for a name of this length.
-fn tolerance(name: &str) -> usize {
-    (name.chars().count() / 4).clamp(1, 3)
-}
-
-/// The word most like `name`, if any is near.
-pub(crate) fn word<'a>(words: impl Iterator<Item = &'a str>, name: &str) -> Option<&'a str> {
-    let name = name.to_lowercase();
-    words
-        .map(|word| (strsim::damerau_levenshtein(word, &name), word))
-        .min_by_key(|(edits, _)| *edits)
-        .filter(|(edits, _)| *edits <= tolerance(&name))
-        .map(|(_, word)| word)
-}
 
 /// The key most like `full`: the same name in another group, or a slip within the full name or only within its last
 /// part.
@@ -43,7 +29,7 @@ fn collect(group: &'static GroupSpec, path: &str, names: &mut Vec<String>) {
 fn nearest(names: &[String], full: &str) -> Option<String> {
     let last = |name: &str| name.rsplit('.').next().unwrap_or(name).to_owned();
     let own = last(full);
-    if let Some(near) = word(names.iter().map(String::as_str), full) {
+    if let Some(near) = nearest_word(names.iter().map(String::as_str), full) {
         return Some(near.to_owned());
     }
     if let Some(same) = names.iter().find(|name| last(name) == own) {
@@ -55,6 +41,6 @@ fn nearest(names: &[String], full: &str) -> Option<String> {
         .iter()
         .filter(|name| name.strip_suffix(last(name).as_str()) == Some(group));
     let lasts: Vec<String> = beside.map(|name| last(name)).collect();
-    let near = word(lasts.iter().map(String::as_str), &own)?;
+    let near = nearest_word(lasts.iter().map(String::as_str), &own)?;
     Some(format!("{group}{near}"))
 }

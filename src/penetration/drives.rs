@@ -8,8 +8,8 @@ use nailnoise_dynamics::prf::fit::{Conditions, Driving, Masses};
 use sha2::{Digest as _, Sha256};
 
 use super::{PenetrationError, nail, read_bytes, unreadable, wood};
-use crate::tables::{Table, TableFault, number};
 use crate::wording::hexadecimal;
+use nailnoise_documents::tables::{Table, TableFault, number};
 
 /// Columns of `drives.csv`.
 pub const COLUMNS: [&str; 18] = [

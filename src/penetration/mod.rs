@@ -9,14 +9,14 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 use miette::Diagnostic;
+use nailnoise_documents::read_regular;
 use nailnoise_dynamics::machine::{MachineError, PlanError};
 use nailnoise_dynamics::prf::fit::{FitError, FittedLaw, FormError};
 use nailnoise_dynamics::prf::{CurveError, ForceTable, NAILS, NailSize, PenetrationLaw, TableError, WOODS, WoodKind};
-use nailnoise_meshes::read_regular;
 use nailnoise_quantities::dimension;
 use thiserror::Error;
 
-use crate::tables::{ColumnOf, Table, TableFault};
+use nailnoise_documents::tables::{ColumnOf, Table, TableFault};
 
 /// Why laws cannot be compared.
 #[derive(Debug, Clone, PartialEq, Error, Diagnostic)]

@@ -8,7 +8,7 @@ use nailnoise_quantities::Dimension;
 
 use super::drives::{Row, digest};
 use super::{DEPTH, FORCE, PenetrationError, TIME, read_bytes, unreadable};
-use crate::tables::{Heading, Table, si_of};
+use nailnoise_documents::tables::{Heading, Table, si_of};
 
 /// Specific data types of a universal file: time and frequency.
 const TIME_TYPE: i64 = 17;

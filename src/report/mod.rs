@@ -35,13 +35,13 @@ use crate::comparison::Comparison;
 use crate::design::Design;
 use crate::error::Error;
 use crate::figures;
-use crate::measurement::comparison::MeasuredComparison;
 use crate::measurement::result::MeasurementResult;
 use crate::result::RunResult;
 use crate::run::Run;
 use crate::stages::spectra::{Driven, MovingBody};
 use crate::stages::{Code, Input, Postcard, Progress, Stage, code};
 use crate::study::StudyResult;
+use crate::virtual_test::comparison::MeasuredComparison;
 
 pub(crate) use head::{capitalised, missed as missed_shot};
 pub use sound::Recording;

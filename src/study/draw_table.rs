@@ -52,6 +52,25 @@ impl DrawTable {
         }
     }
 
+    /// Whether its first draws are those of another table: the same places, and levels that differ by one in the last decimal at most.
+    pub(super) fn begins_with(&self, other: &Self) -> bool {
+        let count = other.len();
+        let near = |(own, other): (&Option<f64>, &Option<f64>)| match (own, other) {
+            (Some(own), Some(other)) => (own - other).abs() < 1.5 / DECIMALS,
+            (own, other) => own == other,
+        };
+        let levels = |(name, other): (&String, &Vec<Option<f64>>)| {
+            let own = self.levels_db.get(name);
+            own.is_some_and(|own| own.len() >= count && own.iter().zip(other).all(near))
+        };
+        let places = |(key, other): (&String, &String)| self.places.get(key).is_some_and(|own| own.starts_with(other));
+        count > 0
+            && self.levels_db.len() == other.levels_db.len()
+            && self.places.len() == other.places.len()
+            && other.levels_db.iter().all(levels)
+            && other.places.iter().all(places)
+    }
+
     /// Number of draws.
     pub fn len(&self) -> usize {
         self.levels_db.get(TOTAL).map_or(0, Vec::len)

@@ -30,6 +30,9 @@ pub struct ProvidedStudy {
     /// Version of the program that made it.
     pub version: String,
     code: String,
+    /// Draws that were computed again after a change of the code, with equal levels; none where the code made all draws.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    repeated: Option<usize>,
     population: Population,
     /// Its results, without bands and intervals between events.
     pub result: StudyResult,
@@ -53,6 +56,8 @@ pub struct ProvidedState {
     pub draws: Option<usize>,
     /// Inputs that have changed since it was made.
     pub changed: Vec<&'static str>,
+    /// Draws that were computed again after a change of the code, with equal levels.
+    pub repeated: Option<usize>,
 }
 
 /// A provided study that serves a design.
@@ -76,6 +81,7 @@ impl ProvidedStudy {
             command: command.to_owned(),
             version: env!("CARGO_PKG_VERSION").to_owned(),
             code: code(),
+            repeated: None,
             population: Population::of(design, result)?,
             result: brief(result),
             draws: DrawTable::of(made),
@@ -115,6 +121,37 @@ impl ProvidedStudy {
         Ok(largest)
     }
 
+    /// Reads the text of a file; nothing from one of another layout.
+    ///
+    /// # Errors
+    /// A file of this layout that does not follow it.
+    pub fn read(text: &str) -> Result<Option<Self>, Error> {
+        if !text.contains(&layout()) {
+            return Ok(None);
+        }
+        serde_json::from_str(text).map(Some).map_err(Error::Json)
+    }
+
+    /// Whether it has so many draws of this seed from the ranges of today's design.
+    ///
+    /// # Errors
+    /// A design that cannot be digested.
+    pub fn is_of(&self, design: &Design, draws: usize, seed: u64) -> Result<bool, Error> {
+        let same = (self.result.draws, self.result.seed) == (draws, seed);
+        Ok(same && self.draws.len() == draws && self.population.difference(design)? == Difference::None)
+    }
+
+    /// The same study of today's code, if its first draws are equal to these, which today's code made.
+    pub fn renewed(mut self, made: &Draws) -> Option<Self> {
+        let repeated = DrawTable::of(made);
+        self.draws.begins_with(&repeated).then(|| {
+            code().clone_into(&mut self.code);
+            env!("CARGO_PKG_VERSION").clone_into(&mut self.version);
+            self.repeated = Some(repeated.len());
+            self
+        })
+    }
+
     /// Whether the code of the levels is that of today.
     pub fn is_of_this_code(&self) -> bool {
         self.code == code()
@@ -134,6 +171,7 @@ impl ProvidedStudy {
                     design: path,
                     draws: None,
                     changed: Vec::new(),
+                    repeated: None,
                 });
             };
             let same = match Design::shipped(path) {
@@ -146,6 +184,7 @@ impl ProvidedStudy {
                 design: path,
                 draws: Some(study.result.draws),
                 changed: of_design.into_iter().chain(of_code).collect(),
+                repeated: study.repeated,
             })
         };
         shipped::DESIGNS.iter().map(state).collect()
@@ -162,9 +201,14 @@ fn brief(result: &StudyResult) -> StudyResult {
     brief
 }
 
+/// The text that only files of this layout contain.
+fn layout() -> String {
+    format!("\"schema\":\"{SCHEMA}\"")
+}
+
 /// The files of this layout.
 fn current() -> impl Iterator<Item = &'static (&'static str, &'static str)> {
-    let schema = format!("\"schema\":\"{SCHEMA}\"");
+    let schema = layout();
     shipped::STUDIES.iter().filter(move |(_, text)| text.contains(&schema))
 }
 
@@ -221,6 +265,38 @@ mod tests {
                 );
             }
         }
+    }
+
+    /// A provided study of these draws, with another code and with levels that differ by `offset_db`.
+    fn outdated(offset_db: f64) -> ProvidedStudy {
+        let (path, text) = shipped::STUDIES[0];
+        let mut own = ProvidedStudy::read(text).unwrap().unwrap_or_else(|| panic!("{path}"));
+        own.code = "of another day".to_owned();
+        for level in own.draws.levels_db.values_mut().flatten().flatten() {
+            *level += offset_db;
+        }
+        own
+    }
+
+    #[test]
+    fn equal_levels_of_repeated_draws_renew_a_study_and_others_do_not() {
+        let first = |count| {
+            let mut table = outdated(0.0).draws;
+            table.levels_db.values_mut().for_each(|levels| levels.truncate(count));
+            table.places.values_mut().for_each(|places| places.truncate(3 * count));
+            table
+        };
+        assert!(outdated(0.0).draws.begins_with(&first(8)));
+        assert!(
+            outdated(0.01).draws.begins_with(&first(8)),
+            "the last digit may round the other way"
+        );
+        assert!(!outdated(0.02).draws.begins_with(&first(8)));
+        let mut silent = first(8);
+        silent.levels_db.get_mut(TOTAL).unwrap()[7] = None;
+        assert!(!outdated(0.0).draws.begins_with(&silent));
+        assert!(!first(8).begins_with(&first(9)), "fewer draws");
+        assert!(!first(8).begins_with(&DrawTable::default()), "no draw");
     }
 
     #[test]

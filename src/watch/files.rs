@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 use std::thread::sleep;
 use std::time::{Duration, Instant, SystemTime};
 
-use nailnoise_meshes::read_regular;
+use nailnoise_documents::read_regular;
 
 use crate::design::{Assignment, dependencies};
 use crate::store::{Checksum, checksum};

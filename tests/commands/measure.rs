@@ -4,7 +4,7 @@ use std::path::Path;
 
 use serde_json::Value;
 
-use crate::common::{SMALL, folder, nailnoise};
+use crate::common::{SMALL, folder, messages, nailnoise};
 
 /// Recordings of the small design at 48 kHz, two shots a configuration.
 fn recorded(name: &str, more: &[&str]) -> (Value, std::path::PathBuf) {
@@ -226,4 +226,40 @@ fn an_own_test_stands_beside_its_prediction() {
         output.status.code() == Some(2) && message.contains("analysis.range_high=10000 Hz"),
         "{message}"
     );
+}
+
+/// A manifest with one channel and one configuration.
+const MANIFEST: &str = r#"
+setup = "worktable"
+centre = [0, 0, 0.938]
+plane = "floor"
+temperature = "21 degC"
+[channels]
+mic5 = { file = "{c}-{k}.wav", channel = 1, sensitivity = "50 mV/Pa", full_scale = "10 V", position = [1, 1, 1.938] }
+[configurations]
+W-1 = { repeats = 1, trigger = "12.5 ms" }
+"#;
+
+#[test]
+fn a_wrong_manifest_and_a_wrong_recording_end_with_status_2_and_show_their_place() {
+    let folder = folder("wrong-manifest");
+    let manifest = folder.join("test.toml");
+    let refused = |text: &str, words: &[&str]| {
+        std::fs::write(&manifest, text).unwrap();
+        let output = nailnoise(&["measure", manifest.to_str().unwrap()]);
+        let shown = messages(&output);
+        assert_eq!(output.status.code(), Some(2), "{shown}");
+        for word in words {
+            assert!(shown.contains(word), "\"{word}\" is not in: {shown}");
+        }
+    };
+    refused("plane = ", &["test.toml:1:", "not TOML"]);
+    refused("plane = 0", &["`setup` is missing"]);
+    refused(
+        &MANIFEST.replace("\"21 degC\"", "21"),
+        &["test.toml:5:", "temperature = 21", "is 21 K", "SI units"],
+    );
+    refused(MANIFEST, &["W-1-1.wav", "channel mic5", "`repeats`"]);
+    std::fs::write(folder.join("W-1-1.wav"), "no sound").unwrap();
+    refused(MANIFEST, &["W-1-1.wav"]);
 }

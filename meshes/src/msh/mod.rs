@@ -21,7 +21,9 @@ pub use build::Imported;
 pub use error::MshError;
 pub use write::{Format, to_bytes};
 
-use crate::{MeshError, read_regular};
+use crate::read_regular;
+
+use crate::MeshError;
 
 /// First bytes of a compressed file (RFC 1952).
 const GZIP: [u8; 2] = [0x1f, 0x8b];

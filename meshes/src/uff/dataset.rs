@@ -188,7 +188,7 @@ impl Dataset<'_> {
             }
             None => {}
         }
-        let text = crate::text::characters(self.text);
+        let text = nailnoise_documents::text::characters(self.text);
         let lines: Vec<&str> = text.lines().collect();
         read(&Block {
             path,

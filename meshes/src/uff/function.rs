@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use super::dataset::{Binary, Block, UffError, datasets};
-use crate::text::utf8;
+use nailnoise_documents::text::utf8;
 
 /// Samples of a quantity over time or another abscissa.
 #[derive(Debug, Clone, PartialEq)]

@@ -40,7 +40,7 @@ const UNITS: std::ops::RangeInclusive<f64> = 1e-9..=1e9;
 /// # Errors
 /// [`UffError`].
 pub fn read(path: &Path) -> Result<Measurement, UffError> {
-    let bytes = crate::read_regular(path, LARGEST).map_err(|source| UffError::Read {
+    let bytes = nailnoise_documents::read_regular(path, LARGEST).map_err(|source| UffError::Read {
         path: path.to_owned(),
         source,
     })?;

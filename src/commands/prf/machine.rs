@@ -19,7 +19,7 @@ use crate::penetration::drives::COLUMNS;
 use crate::penetration::machine::machine as read_machine;
 use crate::penetration::read_bytes;
 use crate::staging::Staging;
-use crate::tables::{Table, TableFault, number};
+use nailnoise_documents::tables::{Table, TableFault, number};
 
 /// Largest residual of the energy, as a part of the projectile's.
 const BALANCE: f64 = 1e-8;

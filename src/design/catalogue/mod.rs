@@ -14,9 +14,9 @@ use toml::de::{DeTable, DeValue};
 
 use super::error::DesignError;
 use super::groups::Values;
-use super::place::Place;
 use super::settings::{Given, Layer, Setting};
 use super::source::File;
+use nailnoise_documents::Place;
 
 pub use names::{NailKind, Species};
 

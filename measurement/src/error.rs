@@ -1,0 +1,102 @@
+//! Why a measurement cannot be used: what is wrong, in which file and channel, and what to do about it.
+
+use std::fmt::Display;
+use std::path::PathBuf;
+
+use miette::{Diagnostic, LabeledSpan, SourceCode};
+use nailnoise_acoustics::InputError;
+use nailnoise_documents::{DocumentError, KeyError, Place};
+
+use super::recordings::Fault;
+
+/// Why a measurement cannot be used. As a [`Diagnostic`] it shows the place in the manifest and the remedy.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum MeasurementError {
+    /// A file that cannot be read.
+    #[error("cannot read {}{}: {cause}", path.display(), channel.as_ref().map_or_else(String::new, |name| format!(", channel {name}")))]
+    Unreadable {
+        /// The file.
+        path: PathBuf,
+        /// The channel that it should hold; none for the manifest.
+        channel: Option<String>,
+        /// What the system said.
+        cause: String,
+        /// What to do about it.
+        help: String,
+    },
+    /// A manifest that is no TOML.
+    #[error(transparent)]
+    Document(#[from] DocumentError),
+    /// A key of the manifest that is wrong, or missing.
+    #[error(transparent)]
+    Manifest(#[from] KeyError),
+    /// A recording that cannot be used.
+    #[error("{}, channel {channel}: {fault}", path.display())]
+    Recording {
+        /// The file.
+        path: PathBuf,
+        /// Name of the channel.
+        channel: String,
+        /// What is wrong with it.
+        fault: Box<Fault>,
+    },
+    /// Air or a room that cannot be.
+    #[error(transparent)]
+    Input(#[from] InputError),
+    /// A shot that the manifest does not have.
+    #[error("the manifest has no shot {repeat} of configuration {configuration}, both counted from 0")]
+    NoShot {
+        /// Index of the configuration.
+        configuration: usize,
+        /// Index of the repeat.
+        repeat: usize,
+    },
+    /// Signals of a shot that cannot be evaluated.
+    #[error("{configuration}, repeat {repeat}: {problem}")]
+    Shot {
+        /// Name of the configuration.
+        configuration: String,
+        /// The repeat, from 1.
+        repeat: usize,
+        /// What is wrong.
+        problem: String,
+        /// What to do about it.
+        help: String,
+    },
+}
+
+/// How a manifest is written.
+const SYNTAX: &str = "write `key = value`, texts in quotes: temperature = \"21 degC\"; groups as `[channels]`";
+
+impl MeasurementError {
+    /// The place in the manifest that it points at.
+    pub fn place(&self) -> Option<&Place> {
+        match self {
+            Self::Manifest(KeyError { at, .. }) | Self::Document(DocumentError::Syntax { at, .. }) => Some(at),
+            _ => None,
+        }
+    }
+}
+
+impl Diagnostic for MeasurementError {
+    fn help<'a>(&'a self) -> Option<Box<dyn Display + 'a>> {
+        match self {
+            Self::Unreadable { help, .. } | Self::Manifest(KeyError { help, .. }) | Self::Shot { help, .. } => {
+                Some(Box::new(help))
+            }
+            Self::Document(_) => Some(Box::new(SYNTAX)),
+            Self::Recording { fault, .. } => Some(Box::new(fault.remedy())),
+            Self::Input(_) => None,
+            Self::NoShot { .. } => Some(Box::new("ask for configurations and repeats that the manifest lists")),
+        }
+    }
+
+    fn source_code(&self) -> Option<&dyn SourceCode> {
+        self.place().map(Place::source_code)
+    }
+
+    fn labels(&self) -> Option<Box<dyn Iterator<Item = LabeledSpan> + '_>> {
+        Some(Box::new(std::iter::once(self.place()?.label("here"))))
+    }
+}
