@@ -56,8 +56,8 @@ pub fn run(graph: &Graph, design: &Design, options: Options) -> Result<Run, Erro
 const UNKNOWN: &str = "no study was looked for";
 
 impl RunResult {
-    /// The same result with the intervals of a study: they decide K, and a contradiction of the design and its draws is a check
-    /// that fails, in front of the others.
+    /// States the intervals of a study in the result: they decide K. A contradiction of the design and its draws is a
+    /// check that fails, in front of the others.
     pub fn state_study(&mut self, study: RunStudy) {
         let before = self.study.contradiction();
         self.checks

@@ -54,15 +54,17 @@ pub struct Delivered {
     pub artifacts: RunArtifacts,
     /// Whether the store contained it, so that nothing was computed.
     pub unchanged: bool,
+    /// Why the files lack the intervals of its levels; none if they state them.
+    pub incomplete: Option<Error>,
 }
 
 impl Delivery<'_> {
-    /// Runs the design and leaves its files in the folder, those of the exports among them: all of them, or the folder as
-    /// it was. Nothing is computed if the store contains the output of this very design and of its study.
+    /// Runs the design and leaves its files in the folder, those of the exports among them: all of them, or the
+    /// folder as it was. Nothing is computed if the store contains the output of this very design and of its study.
     ///
-    /// All files are of one result, whose intervals are decided before the first is written. If they need a screening, the
-    /// files first state that it has not ended, so that an interrupted command leaves a complete result; then those that
-    /// show intervals are rendered again from the complete one.
+    /// All files are of one result, whose intervals are decided before the first is written. If they need a screening,
+    /// the files first state that it has not ended, so that an interrupted command leaves a complete result. Those that
+    /// show intervals are then rendered again.
     ///
     /// # Errors
     /// [`Problem::TooCostly`](crate::design::Problem::TooCostly) before anything is computed that needs more than the
@@ -92,6 +94,7 @@ impl Delivery<'_> {
             return Ok(Delivered {
                 artifacts,
                 unchanged: true,
+                incomplete: None,
             });
         }
         let costs = cost::of_run(design)?;
@@ -136,22 +139,26 @@ impl Delivery<'_> {
         let (placed, ()) = rayon::join(place, save);
         store.take_notes().iter().for_each(|note| progress.note(note));
         placed?;
-        if awaits_screening {
-            self.complete(&mut artifacts, reported, source)?;
-        }
+        let incomplete = if awaits_screening {
+            self.complete(&mut artifacts, reported, source)?
+        } else {
+            None
+        };
         Ok(Delivered {
             artifacts,
             unchanged: false,
+            incomplete,
         })
     }
 
-    /// Makes the screening of a run whose files are in their places, and the files that show it again.
+    /// Makes the screening of a run whose files are in their places, and the files that show it again; returns why these
+    /// could not be put in their places.
     fn complete(
         &self,
         artifacts: &mut RunArtifacts,
         mut reported: ReportedRun,
         source: StudySource,
-    ) -> Result<(), Error> {
+    ) -> Result<Option<Error>, Error> {
         let Self {
             design,
             folder,
@@ -167,15 +174,13 @@ impl Delivery<'_> {
         let result = &reported.run.result;
         artifacts.printed = (self.printer)(result);
         artifacts.contradiction = result.study.contradiction();
-        if let Err(error) = artifacts.restore(folder, &PendingFields::default(), &[]) {
-            progress.note(&format!("the files lack the intervals of the levels: {error}"));
-        }
+        let placed = artifacts.restore(folder, &PendingFields::default(), &[]);
         // A screening that failed is tried again by the next run.
         if result.study.known().is_some() {
             store.save::<_, Postcard>(RUN, &key(design, exports, &source)?, artifacts);
             store.take_notes().iter().for_each(|note| progress.note(note));
         }
-        Ok(())
+        Ok(placed.err())
     }
 
     /// Runs the design and the exports of its bodies side by side. Files of fields that are new are written at once.

@@ -65,8 +65,16 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
         memory: common.memory.limit(),
         progress: &progress,
     };
-    let (Delivered { artifacts, unchanged }, checks) = delivered(&delivery)?;
+    let (delivered, checks) = delivered(&delivery)?;
+    let Delivered {
+        artifacts,
+        unchanged,
+        incomplete,
+    } = delivered;
     progress.end();
+    if let Some(error) = incomplete {
+        message(&format!("the files lack the intervals of the levels: {error}"));
+    }
     if common.json {
         print(&artifacts.json)?;
     } else {
@@ -93,8 +101,8 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
     }
 }
 
-/// Runs a design and leaves its files in a folder; with films, the sound fields, too. The checks include those of the sound
-/// fields.
+/// Runs a design and leaves its files in a folder; with films, the sound fields, too. The checks include those of the
+/// sound fields.
 pub(super) fn delivered(delivery: &Delivery<'_>) -> Result<(Delivered, Vec<Check>), Error> {
     let delivered = delivery.deliver()?;
     let mut checks = delivered.artifacts.checks.clone();

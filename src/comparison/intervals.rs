@@ -35,7 +35,8 @@ impl Comparison {
                 format!("{name}: {ends} of {} draws", study.draws)
             }
         });
-        let sharing = "designs share most of their errors, so that a change is surer than the levels: `--draws` states its interval";
+        let sharing = "designs share most of their errors, so that a change is more certain than the levels: \
+                       `--draws` states its interval";
         Some(Table {
             headings: std::iter::once("source".to_owned()).chain(headings).collect(),
             rows: sources.map(row).collect(),

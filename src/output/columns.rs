@@ -13,8 +13,8 @@ pub struct Column<'a> {
     pub values: &'a [f64],
 }
 
-/// The columns of a group of the record. A history of the group without a column does not compile: the pattern names all
-/// fields, and each name that is not used is an error. `flags` are no histories of a quantity.
+/// The columns of a group of the record. The pattern names all fields of the group, so that a history without a column
+/// does not compile. `flags` are fields that are not quantities.
 macro_rules! group {
     ($group:expr, $type:ident { $($field:ident: $name:expr, $unit:literal;)* } $(flags $($flag:ident),*)?) => {{
         let $type { $($field,)* $($($flag: _,)*)? } = $group;

@@ -70,8 +70,10 @@ fn note(report: &MicrophoneReport) -> String {
     let [low, high] = report.range_hz;
     let mut text = format!(
         "Sound pressure from the trigger on, {SAMPLE_RATE} samples a second, 24 bits; a full-scale sample is {} Pa.\n\
-         All files hold {low} Hz to {high} Hz and nothing outside, with the energy that microphones.csv states. By the convention\n\
-         of wrapping, exhaust and body have parts that sound together with the other source: there only the total does.\n\n",
+         All files hold {low} Hz to {high} Hz and nothing outside, with the energy that microphones.csv states. \
+         By the convention\n\
+         of wrapping, exhaust and body have parts that sound together with the other source: \
+         there only the total does.\n\n",
         report.full_scale_pa
     );
     for source in &report.sources {
@@ -85,7 +87,8 @@ fn note(report: &MicrophoneReport) -> String {
         text.push_str(&format!("{}: {}; {phases}.\n", source.source, source.how));
     }
     text.push_str(
-        "\nJet noise is random: the exhaust files hold one realisation. Peaks of synthetic parts and of jets are those of one realisation.\n",
+        "\nJet noise is random: the exhaust files hold one realisation. Peaks of synthetic parts and of jets are those \
+         of one realisation.\n",
     );
     text
 }

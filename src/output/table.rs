@@ -13,8 +13,8 @@ const BLOCK: usize = 128;
 /// Most bytes of a number with nine digits, its sign and its comma.
 const WIDTH: usize = 18;
 
-/// A table of text; fields with commas are quoted, and a text that a spreadsheet would take for a formula begins with an
-/// apostrophe, by which spreadsheets mark text.
+/// A table of text; fields with commas are quoted, and a text that a spreadsheet would take for a formula begins with
+/// an apostrophe, by which spreadsheets mark text.
 ///
 /// # Errors
 /// [`Error::Table`] where a row is longer or shorter than the header.

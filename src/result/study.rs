@@ -46,8 +46,8 @@ pub struct StudySummary {
     pub sources: Vec<LevelSpread>,
     /// Level of all sources together.
     pub total: LevelSpread,
-    /// Sources, and the total, whose level in the run lies outside their interval: the values of the design and its ranges
-    /// contradict each other. No P(first), no order, no K and no deciding inputs are then stated.
+    /// Sources, and the total, whose level in the run lies outside their interval: the values of the design and its
+    /// ranges contradict each other. No P(first), no order, no K and no deciding inputs are then stated.
     pub outside: Vec<String>,
     /// Orders of the sources, the most frequent first.
     pub orders: Vec<OrderShare>,
@@ -76,8 +76,8 @@ pub struct LevelSpread {
     pub median_db: Option<f64>,
     /// Upper end of the interval.
     pub high_db: Option<f64>,
-    /// Share of the draws in which it is the loudest source, an estimate of P(first); null for the total, or where it is not
-    /// stated.
+    /// Share of the draws in which it is the loudest source, an estimate of P(first); null for the total, or where it
+    /// is not stated.
     pub first: Option<f64>,
 }
 

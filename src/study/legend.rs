@@ -1,10 +1,10 @@
-//! Intervals of a run in words, the same for the terminal and the page. A line break in a text is where a terminal breaks the
-//! line.
+//! Intervals of a run in words, the same for the terminal and the page. A terminal breaks a line where its text does.
 
 use super::tolerance::{STATED_FROM, content, next_within};
 use crate::result::{Ends, RunResult, RunStudy, StudySummary};
 
-/// Headings of the columns that a study adds to the table of the sources: interval, and probability of being the loudest.
+/// Headings of the columns that a study adds to the table of the sources: interval, and probability of being the
+/// loudest.
 pub fn headings(study: &StudySummary) -> [String; 2] {
     match study.ends {
         Ends::Percentiles => ["90 % of draws dB".to_owned(), "P(first)".to_owned()],
@@ -62,7 +62,8 @@ fn of_study(study: &StudySummary, result: &RunResult) -> Vec<String> {
         match own.current {
             true => made,
             false => format!(
-                "{made};\nthe code has changed since, so that its levels may differ from those of today; the command makes it anew"
+                "{made};\nthe code has changed since, so that its levels may differ from those of today; \
+                 the command makes it anew"
             ),
         }
     }));
@@ -74,8 +75,8 @@ fn of_study(study: &StudySummary, result: &RunResult) -> Vec<String> {
         let outside = study.outside.iter();
         let outside = outside.map(|name| format!("{name} {} dB, draws {} dB", level_of(name), interval(study, name)));
         lines.push(format!(
-            "the design lies outside its own interval: {};\nits values and ranges contradict each other, so that no P(first), no \
-             order and no K are stated;\n`nailnoise study` lists the values at an end of their range",
+            "the design lies outside its own interval: {};\nits values and ranges contradict each other, so that \
+             no P(first), no order and no K are stated;\n`nailnoise study` lists the values at an end of their range",
             outside.collect::<Vec<_>>().join("; ")
         ));
     }
@@ -104,7 +105,8 @@ fn basis(study: &StudySummary) -> String {
             weighting.effective
         ),
         (None, Ends::Percentiles) => format!(
-            "90 % of draws, P(first): {} draws from the ranges, {structures}{condition};\n`nailnoise study` has the details",
+            "90 % of draws, P(first): {} draws from the ranges, {structures}{condition};\n\
+             `nailnoise study` has the details",
             study.draws
         ),
         (None, Ends::Extremes) => {
@@ -115,9 +117,11 @@ fn basis(study: &StudySummary) -> String {
                 )
             });
             format!(
-                "{} draws: lowest and highest level of draws from the ranges and of the design, {structures}{condition};\n\
+                "{} draws: lowest and highest level of draws from the ranges and of the design, \
+                 {structures}{condition};\n\
                  a further draw lies between with a probability of {:.0} %{content};\n\
-                 percentiles, P(first) and K need {STATED_FROM} draws: `nailnoise study`, which also says which inputs decide",
+                 percentiles, P(first) and K need {STATED_FROM} draws: `nailnoise study`, \
+                 which also says which inputs decide",
                 study.draws,
                 100.0 * next_within(study.draws)
             )

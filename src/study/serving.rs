@@ -157,8 +157,8 @@ fn contradicting_outcome(design: &Design, run: &RunResult) -> Option<NoStudy> {
     let [own, counted] = [outcome.to_owned(), require.join(" or ")].map(|words| words.replace('_', " "));
     Some(NoStudy {
         reason: format!(
-            "the shot ends as \"{own}\", and `study.require` counts only \"{counted}\": no interval, no P(first) and no K are \
-             stated; correct values of the design, or the condition"
+            "the shot ends as \"{own}\", and `study.require` counts only \"{counted}\": no interval, no P(first) and no \
+             K are stated; correct values of the design, or the condition"
         ),
         unmet: Some(counted),
     })
@@ -212,7 +212,8 @@ impl StudySource {
     pub fn screened(self, store: &Store, design: &Design, progress: &Progress) -> Self {
         let Self::Screening(request) = self else { return self };
         progress.note(&format!(
-            "no study serves this design: {} draws give a first impression of the uncertainty; `nailnoise study` makes more",
+            "no study serves this design: {} draws give a first impression of the uncertainty; \
+             `nailnoise study` makes more",
             request.draws
         ));
         match study(store, design, &request, progress) {
