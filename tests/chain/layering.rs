@@ -172,13 +172,8 @@ const OTHER_NAMES: [(&str, &[&str], &str); 11] = [
     ("src/drawing/surroundings.rs", &["workpiece"], "a label"),
     ("src/drawing/tool_views.rs", &["workpiece"], "a label"),
     ("src/figures/cycle.rs", &["exhaust"], "a curve of the cycle"),
-    (
-        "src/measurement/wrapping.rs",
-        &["workpiece", "exhaust", "body"],
-        "roles of the wrapping test",
-    ),
     ("src/model/sources", &["workpiece", "exhaust", "body"], "the sources"),
-    ("src/output/csv.rs", &["body"], "a heading"),
+    ("src/output", &["workpiece", "body"], "a body of the cycle, headings"),
     ("src/report", &["workpiece", "body"], "headings"),
     (
         "src/stages/bodies",

@@ -4,6 +4,12 @@ use nailnoise_meshes::JOINT;
 use nalgebra::Point3;
 use serde::Serialize;
 
+use crate::stages::bodies::BodyKind;
+
+/// Names of the bodies of the structure.
+pub(super) const WORKPIECE: &str = BodyKind::Workpiece.name();
+pub(super) const WORKTABLE: &str = BodyKind::Worktable.name();
+
 /// The faces of a workpiece that radiate into the air.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 pub enum OpenFaces {
@@ -35,11 +41,11 @@ impl CoveredFaces {
         let [x, y] = self.half_sides;
         match (body, patch) {
             (_, "floor") => true,
-            ("workpiece", "top") => false,
-            ("workpiece", "bottom") => self.workpiece != OpenFaces::All,
-            ("workpiece", _) => self.workpiece == OpenFaces::FlushTop,
-            ("worktable", "bottom") => true,
-            ("worktable", "top") => at.x.abs() < x && at.y.abs() < y,
+            (WORKPIECE, "top") => false,
+            (WORKPIECE, "bottom") => self.workpiece != OpenFaces::All,
+            (WORKPIECE, _) => self.workpiece == OpenFaces::FlushTop,
+            (WORKTABLE, "bottom") => true,
+            (WORKTABLE, "top") => at.x.abs() < x && at.y.abs() < y,
             _ => false,
         }
     }

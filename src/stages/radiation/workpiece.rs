@@ -16,15 +16,11 @@ use nalgebra::DMatrix;
 use serde::Serialize;
 
 use super::boundary_elements::{LOWEST_SAMPLE, MOST_AT_GAPS, MeshRanges, Places, Resolution, Solution};
-use super::covered::{CoveredFaces, OpenFaces};
+use super::covered::{CoveredFaces, OpenFaces, WORKPIECE, WORKTABLE};
 use super::flush::{FlushTop, top_of};
 use crate::error::Error;
 use crate::stages::Progress;
-use crate::stages::bodies::{BodyKind, MovingSurface};
-
-/// Names of the bodies.
-const WORKPIECE: &str = BodyKind::Workpiece.name();
-const WORKTABLE: &str = BodyKind::Worktable.name();
+use crate::stages::bodies::MovingSurface;
 
 /// Tops of the ranges with separate meshes, over the top of all.
 const RANGES: [f64; 4] = [0.16, 0.4, 0.65, 1.0];
