@@ -1,8 +1,8 @@
 //! Digests the code of every crate and of every stage, so that a kept result is used only by the code that made it.
 //!
-//! Comments, documentation, layout and unit tests do not count: they change no result. Files that code includes count whole.
-//! The digest of a crate includes those of the workspace crates it depends on, and the lock file, which fixes all other
-//! dependencies.
+//! Comments, documentation, layout and unit tests do not count: they change no result. Files that code includes count
+//! whole. The digest of a crate includes those of the workspace crates it depends on, and the lock file, which fixes
+//! all other dependencies.
 
 use std::collections::BTreeMap;
 use std::error::Error;
@@ -132,8 +132,9 @@ fn describe(root: &Path) {
     println!("cargo:rustc-env=NAILNOISE_FEATURES={features}");
 }
 
-/// The commit of the sources, if they are those of a repository or of a package made from one. The script runs when a source
-/// changes and not when a commit is made, which changes no source: it may name the commit before, and the changes since.
+/// The commit of the sources, if they are those of a repository or of a package made from one. The script runs when a
+/// source changes and not when a commit is made, which changes no source: it may name the commit before, and the
+/// changes since.
 fn commit(root: &Path) -> Option<String> {
     if let Ok(package) = fs::read_to_string(root.join(".cargo_vcs_info.json")) {
         let hash = package.split("\"sha1\"").nth(1)?.split('"').nth(1)?;
@@ -197,7 +198,8 @@ fn digest_code(root: &Path, path: &Path, digest: &mut Sha256) -> Result<(), Box<
     Ok(())
 }
 
-/// Files that code includes by `include_str!("...")` or `include_bytes!("...")`: geometries, meshes, styles and scripts.
+/// Files that code includes by `include_str!("...")` or `include_bytes!("...")`: geometries, meshes, styles and
+/// scripts.
 fn included_files(tokens: TokenStream) -> Vec<String> {
     let tokens: Vec<TokenTree> = tokens.into_iter().collect();
     let mut names = Vec::new();

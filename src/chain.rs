@@ -1,7 +1,7 @@
 //! The chain from a design to ranked sources: which stage reads which, from top to bottom.
 //!
-//! [`Chain::new`] adds the stages of a design to a graph without computing any. [`Chain::run`] (`run.rs`) makes the outputs
-//! that a result needs, side by side, and ranks the sources.
+//! [`Chain::new`] adds the stages of a design to a graph without computing any. [`Chain::run`] (`run.rs`) makes the
+//! outputs that a result needs, side by side, and ranks the sources.
 
 mod bodies;
 mod context;

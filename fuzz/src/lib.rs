@@ -1,5 +1,5 @@
-//! What each fuzz target does with bytes of any kind: reads them as the program reads a file, and goes as far as a command
-//! goes before it spends time. Nothing may panic, hang or need much memory; errors are as good as values.
+//! What each fuzz target does with bytes of any kind: reads them as the program reads a file, and goes as far as a
+//! command goes before it spends time. Nothing may panic, hang or need much memory; errors are as good as values.
 
 use std::path::Path;
 

@@ -207,8 +207,8 @@ pub fn configurations(shares: &[[f64; 3]; 5], sources: &[f64; 3], background: f6
 /// min_E sum_c (sum_s T_cs E_s + B - E_c)^2,   E_s >= 0
 /// ```
 ///
-/// With three sources, all eight sets of sources that may be positive are tried: the least sum of squares among the solutions
-/// without negative values is the minimum (the problem is convex).
+/// With three sources, all eight sets of sources that may be positive are tried: the least sum of squares among the
+/// solutions without negative values is the minimum (the problem is convex).
 pub fn sources(shares: &[[f64; 3]; 5], energies: &[f64; 5], background: f64) -> [f64; 3] {
     let (mut best, mut least) = ([0.0; 3], f64::INFINITY);
     for set in 0..8_u32 {
@@ -358,7 +358,8 @@ mod tests {
         assert_eq!((found.bound, found.closure), (3.0, 1.0));
     }
 
-    /// Wraps of 10, 20 and 30 dB that hide nothing: each source low, and the closure high, by 10 lg(1/(1 - 10^(-D/10))).
+    /// Wraps of 10, 20 and 30 dB that hide nothing: each source low, and the closure high, by 10 lg(1/(1 -
+    /// 10^(-D/10))).
     #[test]
     fn leaking_wraps_lower_the_sources_by_what_they_leak() {
         for (loss, expected) in [(10.0, 0.458), (20.0, 0.0436), (30.0, 0.0043)] {

@@ -75,8 +75,8 @@ pub(crate) fn cycle<'py>(
     Ok((json_of(&CycleFigures::from(&record))?, histories, charts))
 }
 
-/// Modes of a body (`workpiece`, `worktable` or `tool`): frequencies \[Hz\], which of them are rigid, loss factor, and points and
-/// displacements at the nodes (row by row, three values a node, a mode after the other).
+/// Modes of a body (`workpiece`, `worktable` or `tool`): frequencies \[Hz\], which of them are rigid, loss factor, and
+/// points and displacements at the nodes (row by row, three values a node, a mode after the other).
 #[pyfunction]
 pub(crate) fn modes<'py>(
     py: Python<'py>,

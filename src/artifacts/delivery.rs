@@ -151,8 +151,8 @@ impl Delivery<'_> {
         })
     }
 
-    /// Makes the screening of a run whose files are in their places, and the files that show it again; returns why these
-    /// could not be put in their places.
+    /// Makes the screening of a run whose files are in their places, and the files that show it again; returns why
+    /// these could not be put in their places.
     fn complete(
         &self,
         artifacts: &mut RunArtifacts,

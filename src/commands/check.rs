@@ -27,7 +27,8 @@ pub(super) struct Arguments {
     input: Input,
     /// Draw the tool at the dimensions of the design, every key at its place, in place of the check
     /// [default FILE: out/NAME/drawing.svg]
-    #[arg(long, value_name = "FILE", num_args = 0..=1, conflicts_with = "body", value_parser = super::drawing::svg_path)]
+    #[arg(long, value_name = "FILE", num_args = 0..=1, conflicts_with = "body",
+        value_parser = super::drawing::svg_path)]
     drawing: Option<Option<PathBuf>>,
     /// Print exactly one JSON value instead of text
     #[arg(long)]

@@ -61,8 +61,8 @@ enum Command {
     Sweep(sweep::Arguments),
     /// Look for the design of the lowest level under constraints (needs the Python package)
     Optimise(optimise::Arguments),
-    /// Compute one nailing cycle: pressures, motions, forces and events; with --json, files are written only with --out or
-    /// --figures
+    /// Compute one nailing cycle: pressures, motions, forces and events; with --json, files are written only with --out
+    /// or --figures
     Cycle(cycle::Arguments),
     /// Compute the vibration modes of a body
     Modes(modes::Arguments),

@@ -38,8 +38,8 @@ pub(super) struct Arguments {
     /// Design files or finished results (a folder with result.json, or the file); the first is the reference
     #[arg(required = true, num_args = 1.., value_name = "DESIGN")]
     pub(super) designs: Vec<PathBuf>,
-    /// Compare with measurements instead: measurement.json of `measure`, a file as designs/measured/n80cb.json, or n80cb for
-    /// the published ones. One design, or one on the worktable and one in the sandbox, as they were tested
+    /// Compare with measurements instead: measurement.json of `measure`, a file as designs/measured/n80cb.json, or
+    /// n80cb for the published ones. One design, or one on the worktable and one in the sandbox, as they were tested
     #[arg(long, value_name = "FILE", conflicts_with_all = ["bands", "intervals", "fail_above"])]
     pub(super) measured: Option<PathBuf>,
     /// Print exactly one JSON value instead of tables
@@ -68,9 +68,10 @@ pub(super) struct Arguments {
     /// Seed of --draws
     #[arg(long, value_name = "SEED", default_value_t = 1, requires = "draws")]
     pub(super) seed: u64,
-    /// Draw the structures (block, table, tool body), too, each for N of the draws; without it they are those of the designs.
-    /// Modes and radiation of a new structure take minutes
-    #[arg(long, value_name = "N", num_args = 0..=1, require_equals = true, default_missing_value = "8", requires = "draws")]
+    /// Draw the structures (block, table, tool body), too, each for N of the draws; without it they are those of the
+    /// designs. Modes and radiation of a new structure take minutes
+    #[arg(long, value_name = "N", num_args = 0..=1, require_equals = true, default_missing_value = "8",
+        requires = "draws")]
     #[arg(value_parser = clap::value_parser!(u16).range(1..))]
     pub(super) structures: Option<u16>,
     /// End with status 1 if a design other than the reference is louder: total=100, exhaust=95.5

@@ -27,7 +27,8 @@ const LAST: &str = "events.csv";
 #[derive(Args)]
 #[command(after_help = examples!(
     "nailnoise cycle my-tool.toml --figures" => "pressures, motion and forces of one shot, with charts",
-    "nailnoise cycle my-tool.toml --sensitivity --outputs speed,penetration" => "which parameters decide speed and depth",
+    "nailnoise cycle my-tool.toml --sensitivity --outputs \
+     speed,penetration" => "which parameters decide speed and depth",
 ))]
 pub(super) struct Arguments {
     #[command(flatten)]

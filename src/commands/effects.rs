@@ -72,7 +72,8 @@ impl Effects {
             .map(|own| (own.variable.clone(), own.effect_db.abs()));
         Some(Self::new(
             format!(
-                "change of the total between the outer thirds of each input, from a study of {} draws; inputs whose effect is \
+                "change of the total between the outer thirds of each input, from a study of {} draws; inputs whose \
+                 effect is \
                  within chance are left out",
                 study.draws
             ),
@@ -84,10 +85,13 @@ impl Effects {
 
     fn of_changes(own: &OneAtATime) -> Self {
         Self::new(
-            "largest change of the total with each input at the 5th or 95th percentile of its range, all others as in the design"
+            "largest change of the total with each input at the 5th or 95th percentile of its range, all others as in \
+             the design"
                 .to_owned(),
             "dB",
-            own.inputs.iter().map(|input| (input.variable.clone(), input.largest(0))),
+            own.inputs
+                .iter()
+                .map(|input| (input.variable.clone(), input.largest(0))),
         )
     }
 
@@ -148,7 +152,8 @@ impl Effects {
             }
         }
         Ok(Self::new(
-            "largest change of the depth of the nail's tip with each input at an end of its range, all others as in the design; no \
+            "largest change of the depth of the nail's tip with each input at an end of its range, all others as in \
+             the design; no \
              study of this design is known: --effects computes the effects on the total in dB, which takes minutes"
                 .to_owned(),
             "mm",

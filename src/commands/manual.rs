@@ -20,8 +20,8 @@ pub(super) struct Arguments {
     /// The command whose page is printed [default: the program as a whole]
     #[arg(value_name = "COMMAND")]
     command: Vec<String>,
-    /// Write all pages where `man` looks for those of this program: in `share` beside the folder `bin` that holds it, else
-    /// in the user's
+    /// Write all pages where `man` looks for those of this program: in `share` beside the folder `bin` that holds it,
+    /// else in the user's
     #[arg(long, conflicts_with = "command")]
     install: bool,
     /// Write all pages into this folder
@@ -62,7 +62,8 @@ pub(super) fn execute(arguments: &Arguments, program: Command) -> Result<ExitCod
     let first = name(&program);
     staging.place(&[], first.as_ref())?;
     print(&format!(
-        "{count} pages in {}\n  `man nailnoise` shows the first; if it is not found, add the folder above man1 to MANPATH\n",
+        "{count} pages in {}\n  `man nailnoise` shows the first; if it is not found, add the folder above man1 to \
+         MANPATH\n",
         folder.display()
     ))?;
     Ok(ExitCode::SUCCESS)

@@ -177,7 +177,8 @@ impl Changes {
             outside.into_iter().for_each(|warning| report(warning.clone()));
         } else {
             message(&format!(
-                "warning: {} values are outside the ranges that the design gives:\n\n{}\n  give each its own range if it is meant; \
+                "warning: {} values are outside the ranges that the design gives:\n\n{}\n  give each its own range if \
+                 it is meant; \
                  `nailnoise check` states the consequences",
                 outside.len(),
                 outside_table(&design.outside_values())

@@ -1,5 +1,5 @@
-//! `nailnoise provide`: the studies of all shipped designs that come with the program, and whether they are those of today. It is
-//! for those who change the program, and is not listed by `--help`.
+//! `nailnoise provide`: the studies of all shipped designs that come with the program, and whether they are those of
+//! today. It is for those who change the program, and is not listed by `--help`.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -34,7 +34,8 @@ pub(super) struct Arguments {
     #[arg(value_name = "DIR", required_unless_present = "check")]
     folder: Option<PathBuf>,
     /// Number of draws
-    #[arg(short = 'n', long, value_name = "N", default_value_t = 128, value_parser = clap::value_parser!(u32).range(1..=4096))]
+    #[arg(short = 'n', long, value_name = "N", default_value_t = 128,
+        value_parser = clap::value_parser!(u32).range(1..=4096))]
     draws: u32,
     /// Seed of the draws
     #[arg(long, value_name = "SEED", default_value_t = 1)]
@@ -93,8 +94,8 @@ enum Current {
 }
 
 impl Studies<'_> {
-    /// Brings the study of each shipped design up to date, one after the other: they share shots and structures by the cache. A
-    /// design whose study fails is named, and the others are made.
+    /// Brings the study of each shipped design up to date, one after the other: they share shots and structures by the
+    /// cache. A design whose study fails is named, and the others are made.
     fn provide(&self) -> Result<ExitCode, Error> {
         let (mut failed, mut counts) = (Vec::new(), [0; 3]);
         for (number, (path, _)) in (1..).zip(shipped::DESIGNS) {
@@ -118,7 +119,8 @@ impl Studies<'_> {
         failed.iter().for_each(|reason| message(reason));
         let [unchanged, renewed, made] = counts;
         print(&format!(
-            "{made} studies made, {renewed} renewed because {REPEATED} draws repeated their levels, {unchanged} unchanged, {} failed, \
+            "{made} studies made, {renewed} renewed because {REPEATED} draws repeated their levels, {unchanged} \
+             unchanged, {} failed, \
              in {}; a program that is built now has them\n",
             failed.len(),
             self.folder.display()
@@ -160,8 +162,8 @@ impl Studies<'_> {
     }
 }
 
-/// Lists the studies that are in the program. The status is 1 where a design has none, or one with too few draws or of another design
-/// or code.
+/// Lists the studies that are in the program. The status is 1 where a design has none, or one with too few draws or of
+/// another design or code.
 fn check() -> Result<ExitCode, Error> {
     let states = ProvidedStudy::states()?;
     let is_good =

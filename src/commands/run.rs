@@ -21,7 +21,8 @@ use crate::wording::{band, order, readable};
 #[derive(Args)]
 #[command(after_help = examples!(
     "nailnoise run my-tool.toml" => "ranks the sources; files and report in out/my-tool/",
-    "nailnoise run my-tool.toml --set supply.pressure=80psig --out out/80psig" => "the same tool at another pressure, in a folder of its own",
+    "nailnoise run my-tool.toml --set supply.pressure=80psig --out \
+     out/80psig" => "the same tool at another pressure, in a folder of its own",
     "nailnoise run my-tool.toml --json | jq .total.lwa_db" => "one number of the result, for a script",
 ))]
 pub(super) struct Arguments {
@@ -32,8 +33,9 @@ pub(super) struct Arguments {
     /// Draw third-octave levels, levels between events, and sound power over time as SVG
     #[arg(long)]
     figures: bool,
-    /// Write films and the sound field for ParaView: the bodies over the shot and over the bands; the sound on surfaces, in
-    /// planes and by direction, in third octaves. With boundary elements this takes about four times as long as a first run
+    /// Write films and the sound field for ParaView: the bodies over the shot and over the bands; the sound on
+    /// surfaces, in planes and by direction, in third octaves. With boundary elements this takes about four times as
+    /// long as a first run
     #[arg(long)]
     fields: bool,
     /// Write every sample of the histories of the cycle and of the sensors, instead of one each 10 us or more

@@ -123,7 +123,8 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
     Ok(ExitCode::SUCCESS)
 }
 
-/// Writes the recordings of all configurations with their manifest; returns the number of shots, and their sources bare.
+/// Writes the recordings of all configurations with their manifest; returns the number of shots, and their sources
+/// bare.
 fn record(
     design: &Design,
     test: &VirtualTest<'_>,
@@ -204,7 +205,8 @@ fn text(result: &TestResult) -> String {
     }
     text.push_str(&table(&titles, &rows));
     text.push_str(
-        "\n  bare: as the nine microphones measure it alone; less residual: what the test makes of it;\n  least squares: from all five, \
+        "\n  bare: as the nine microphones measure it alone; less residual: what the test makes of it;\n  least \
+         squares: from all five, \
          given the losses of the wraps; bound: the total less exhaust and body\n",
     );
     if recorded {

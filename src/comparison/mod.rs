@@ -162,7 +162,8 @@ impl std::str::FromStr for Limit {
 }
 
 impl Comparison {
-    /// Warnings that precede the levels: unlike ranges of frequency, unlike outcomes, and how each shot ended that does not drive.
+    /// Warnings that precede the levels: unlike ranges of frequency, unlike outcomes, and how each shot ended that does
+    /// not drive.
     pub fn alarms(&self) -> Vec<String> {
         let named = self.designs.iter().zip(&self.headlines);
         let ends = named.filter_map(|(name, headline)| Some((name, headline.as_ref()?)));

@@ -26,8 +26,8 @@ fn nominal_area(kind: BodyKind) -> f64 {
     }
 }
 
-/// Elements and nodes of a mesh, and the solids it is made of for the count of modes: volume \[m3\] and thickness of the
-/// walls \[m\] with the part's place among the materials.
+/// Elements and nodes of a mesh, and the solids it is made of for the count of modes: volume \[m3\] and thickness of
+/// the walls \[m\] with the part's place among the materials.
 struct Count {
     elements: f64,
     nodes: f64,

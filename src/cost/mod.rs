@@ -128,8 +128,8 @@ fn response(design: &Design, modes: f64) -> StageCost {
     }
 }
 
-/// Boundary elements of the workpiece with its support: unknowns of the four sectors grow with the area and the square of
-/// the top frequency; memory with their square and work with their cube, until the equations are compressed.
+/// Boundary elements of the workpiece with its support: unknowns of the four sectors grow with the area and the square
+/// of the top frequency; memory with their square and work with their cube, until the equations are compressed.
 fn radiation(design: &Design, modes: f64) -> Option<StageCost> {
     let support = supports::of(design);
     let flush = support.open_faces() == OpenFaces::FlushTop;
@@ -240,7 +240,8 @@ pub fn announcement(stages: &[StageCost]) -> Option<String> {
     let longest = stages.iter().max_by(|a, b| a.cpu_seconds.total_cmp(&b.cpu_seconds))?;
     (total > LONG).then(|| {
         format!(
-            "this takes about {:.1} hours of processor time unless it is kept from an earlier run, most of it for the {} ({})",
+            "this takes about {:.1} hours of processor time unless it is kept from an earlier run, most of it for the \
+             {} ({})",
             total / 3600.0,
             longest.stage,
             longest.counted()

@@ -191,8 +191,8 @@ impl Design {
         &self.warnings
     }
 
-    /// Draws the fitted penetration law of this design by standard normal scores: the specimen's, then one a principal component
-    /// of the covariance of the coefficients. Without scores it is the law itself.
+    /// Draws the fitted penetration law of this design by standard normal scores: the specimen's, then one a principal
+    /// component of the covariance of the coefficients. Without scores it is the law itself.
     pub(crate) fn draw_law(&mut self, scores: Vec<f64>) {
         self.law_scores = scores;
     }

@@ -1,8 +1,8 @@
 //! The drawing of a tool: a section at the design's own dimensions, with every key at the length that it means.
 //!
-//! [`Drawing::new`] turns a design into views: shapes and annotated dimensions, in metres and without any notion of a page.
-//! [`Sheet`] chooses a scale for each view and places the labels; `svg` renders it. Parts for which the design has no
-//! key (thickness of the piston, height of the head valve, trigger valve) are schematic, see [`layout`].
+//! [`Drawing::new`] turns a design into views: shapes and annotated dimensions, in metres and without any notion of a
+//! page. [`Sheet`] chooses a scale for each view and places the labels; `svg` renders it. Parts for which the design
+//! has no key (thickness of the piston, height of the head valve, trigger valve) are schematic, see [`layout`].
 
 mod label;
 pub mod layout;

@@ -1,6 +1,7 @@
 //! The contents of a drawing: parts with a material, lines, and annotations that show the length of a key.
 //!
-//! Coordinates are in metres in the plane of a view: x to the right, z up. Shapes do not depend on how they are rendered.
+//! Coordinates are in metres in the plane of a view: x to the right, z up. Shapes do not depend on how they are
+//! rendered.
 
 /// A point of a view, x and z \[m\].
 pub type Point = [f64; 2];
@@ -84,8 +85,8 @@ impl Part {
         }
     }
 
-    /// Volume of the solid of revolution about x = 0 \[m3\], if half of the part lies on each side: 2 pi times the first
-    /// moment of the half with x > 0 (Pappus). Circles are left out.
+    /// Volume of the solid of revolution about x = 0 \[m3\], if half of the part lies on each side: 2 pi times the
+    /// first moment of the half with x > 0 (Pappus). Circles are left out.
     pub fn volume_of_revolution(&self) -> f64 {
         let moment = |polygon: &Vec<Point>| {
             // First moment of area about x = 0, of |x|: each side of the axis contributes, hence the half.
@@ -209,8 +210,8 @@ impl Annotation {
         Self::new(key, side, at, vec![Mark::Area(area), Mark::Dot(at)])
     }
 
-    /// A horizontal dimension line at the height z between two abscissas, and extension lines from the heights where they are
-    /// measured.
+    /// A horizontal dimension line at the height z between two abscissas, and extension lines from the heights where
+    /// they are measured.
     pub(crate) fn across(key: &'static str, side: Side, [a, b]: [f64; 2], z: f64, from: [f64; 2]) -> Self {
         let marks = vec![
             Mark::Span([[a, z], [b, z]]),
@@ -221,8 +222,8 @@ impl Annotation {
         Self::new(key, side, [end, z], marks)
     }
 
-    /// A vertical dimension line at the abscissa x between two heights, and extension lines from the abscissas where they are
-    /// measured.
+    /// A vertical dimension line at the abscissa x between two heights, and extension lines from the abscissas where
+    /// they are measured.
     pub(crate) fn upright(key: &'static str, side: Side, [a, b]: [f64; 2], x: f64, from: [f64; 2]) -> Self {
         let marks = vec![
             Mark::Span([[x, a], [x, b]]),

@@ -67,8 +67,10 @@ pub fn levels(subject: &str, result: &RunResult) -> Vec<Chart> {
     charts.push(chart(
         "intervals",
         "Level between events",
-        "A-weighted levels of the energy radiated from each event to the next, dB re 1 pW s; lines across the bars: levels of \
-         the signal cut at both events, as a measurement finds them. The energies of a source's intervals sum to its total.",
+        "A-weighted levels of the energy radiated from each event to the next, dB re 1 pW s; lines across the bars: \
+         levels of \
+         the signal cut at both events, as a measurement finds them. The energies of a source's intervals sum to its \
+         total.",
         vec![intervals(result)],
     ));
     charts

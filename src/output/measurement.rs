@@ -10,7 +10,8 @@ use crate::measurement::repeats::RepeatedLevel;
 use crate::measurement::result::{MeasuredBand, MeasuredInterval, MeasurementResult};
 use crate::measurement::wrapping::Role;
 
-/// The corrected signals of a shot as a sound file with a channel for each microphone: its path, its bytes, its full scale \[Pa\].
+/// The corrected signals of a shot as a sound file with a channel for each microphone: its path, its bytes, its full
+/// scale \[Pa\].
 ///
 /// # Errors
 /// [`Error::Write`] if the file cannot store them.
@@ -30,8 +31,8 @@ pub fn corrected_signal(shot: &CorrectedShot) -> Result<(PathBuf, Vec<u8>, f64),
     Ok((path, bytes, full_scale))
 }
 
-/// `levels.csv`, `bands.csv`, `intervals.csv`, `markers.csv`, `accelerations.csv`, and `signals.csv` with the full scale of each
-/// sound file \[Pa\].
+/// `levels.csv`, `bands.csv`, `intervals.csv`, `markers.csv`, `accelerations.csv`, and `signals.csv` with the full
+/// scale of each sound file \[Pa\].
 ///
 /// # Errors
 /// Those of the tables.

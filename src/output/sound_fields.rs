@@ -26,8 +26,8 @@ struct Index {
     series: Vec<String>,
 }
 
-/// Writes the sound fields of a design to `folder/fields`, in place of those that are there: for each series `NAME.pvd` and
-/// the `.vtu` of each band, and `sound.json`, which names them.
+/// Writes the sound fields of a design to `folder/fields`, in place of those that are there: for each series `NAME.pvd`
+/// and the `.vtu` of each band, and `sound.json`, which names them.
 ///
 /// # Errors
 /// [`Error::Write`] or [`Error::Mesh`] with the file that could not be written; the folder is then unchanged.

@@ -57,7 +57,8 @@ pub(super) fn lead(design: &Design, result: &RunResult) -> Markup {
             }
         }
         p.quiet {
-            "Absolute levels are predictions; those of one tool stand beside published tests on the page Validation of the \
+            "Absolute levels are predictions; those of one tool stand beside published tests on the page Validation \
+             of the \
              documentation. Differences between designs of one tool are more reliable than levels. " a href="#assumptions" { "Assumptions" } " lists what is estimated."
         }
         @if numerical_failure {
@@ -153,7 +154,8 @@ fn today() -> String {
     format!("{year}-{month:02}-{day:02}")
 }
 
-/// Year, month and day of the Gregorian calendar, so many days after 1 January 1970: eras of 400 years that begin on 1 March.
+/// Year, month and day of the Gregorian calendar, so many days after 1 January 1970: eras of 400 years that begin on 1
+/// March.
 fn date(days: i64) -> [i64; 3] {
     let days = days + 719_468;
     let (era, of_era) = (days.div_euclid(146_097), days.rem_euclid(146_097));

@@ -216,7 +216,8 @@ pub fn run(design: &Design, run: &Run, pictures: &Pictures, recordings: &[Record
                 "Sensors",
                 html! {
                     @for kind in ["sensors", "transducers"] {
-                        @if value[kind].as_array().is_some_and(|own| !own.is_empty()) { (tables::generic(&value[kind])) }
+                        @if value[kind].as_array().is_some_and(|own| !own.is_empty()) { (tables::generic(&value[kind]))
+                            }
                     }
                 },
             )
@@ -259,7 +260,8 @@ fn surfaces(result: &RunResult, pictures: &Pictures, view: &str) -> Markup {
         .collect();
     html! {
         (PreEscaped(view))
-        @if !without.is_empty() { p.quiet { "Sources without a vibrating surface in this model: " (without.join(", ")) "." } }
+        @if !without.is_empty() { p.quiet { "Sources without a vibrating surface in this model: " (without.join(", "))
+            "." } }
     }
 }
 
@@ -289,7 +291,8 @@ fn ranking(result: &RunResult) -> Markup {
         @if let Some(range) = result.range() {
             p.quiet {
                 "Levels in dB re 1 pW s over the one-third-octave bands " (range) ", the same for all sources. "
-                a href="#methods" { "Methods" } " says how each was computed, of which parts it consists, and what limits it."
+                a href="#methods" { "Methods" } " says how each was computed, of which parts it consists, and what \
+                    limits it."
             }
         }
         (declared::section(result))
@@ -329,9 +332,11 @@ fn origin(result: &RunResult) -> Markup {
             tr { th { "layout of result.json" } td { (result.schema) } }
             tr { th { "design" } td { (result.design.name) } }
             tr { th { "its values (SHA-256)" } td.digest { (result.design.digest) } }
-            tr { th { "computed in" } td { (format!("{total:.1} s")) @if !stages.is_empty() { ": " (stages.join(", ")) } } }
+            tr { th { "computed in" } td { (format!("{total:.1} s"))
+                @if !stages.is_empty() { ": " (stages.join(", ")) } } }
             tr { th { "physics after" } td {
-                "Z. Nili Ahmadabadi, " i { "Noise source identification and dynamic modeling of a pneumatic nailing device" }
+                "Z. Nili Ahmadabadi, " i { "Noise source identification and dynamic modeling of a pneumatic nailing \
+                    device" }
                 " (\u{c9}TS Montr\u{e9}al, 2016), with corrections that close mass, energy and momentum"
             } }
         }

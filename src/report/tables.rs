@@ -51,7 +51,8 @@ pub(super) fn ranking(result: &RunResult) -> Markup {
         div.scroll { table.ranking {
             thead { tr {
                 th { "source" } th.n { "L" sub { "WA,1s" } " dB" } (headings)
-                th { "share of A-weighted energy" } th.n { "total without it" } th { "loudest band (A)" } th { "loudest after" }
+                th { "share of A-weighted energy" } th.n { "total without it" } th { "loudest band (A)" }
+                th { "loudest after" }
             } }
             tbody {
                 @for (place, source) in result.ranking.iter().enumerate() {
@@ -61,7 +62,8 @@ pub(super) fn ranking(result: &RunResult) -> Markup {
                         td.n { b { (decibels(source.lwa_db)) } }
                         (cells(&source.source))
                         td { div.share {
-                            div class={ "bar " (colour) } style={ "width:" (format!("{:.1}%", 100.0 * source.share)) } {}
+                            div class={ "bar " (colour) }
+                                style={ "width:" (format!("{:.1}%", 100.0 * source.share)) } {}
                             span { (format!("{:.1} %", 100.0 * source.share)) }
                         } }
                         td.n { (format!("\u{2212}{:.1} dB", without(source.share))) }
@@ -84,7 +86,8 @@ pub(super) fn with_legend(shown: &Table) -> Markup {
     let last = shown.rows.len().saturating_sub(1);
     html! {
         div.scroll { table.pinned {
-            thead { tr { @for (place, heading) in shown.headings.iter().enumerate() { th.n[place > 0] { (heading) } } } }
+            thead { tr { @for (place, heading) in shown.headings.iter().enumerate() { th.n[place > 0] { (heading) } } }
+                }
             tbody { @for (place, row) in shown.rows.iter().enumerate() { tr.sum[place == last] {
                 @for (column, cell) in row.iter().enumerate() {
                     @if column == 0 { th scope="row" { (cell) } } @else { td.n { (cell) } }
@@ -112,7 +115,8 @@ pub(super) fn source(source: &RankedSource) -> Markup {
         }
         @if !parts.is_empty() {
             div.scroll { table {
-                thead { tr { th { "part" } th.n { "L" sub { "WA,1s" } " dB" } th.n { "L" sub { "W,1s" } " dB" } th { "loudest band (A)" } } }
+                thead { tr { th { "part" } th.n { "L" sub { "WA,1s" } " dB" } th.n { "L" sub { "W,1s" } " dB" }
+                    th { "loudest band (A)" } } }
                 tbody { @for part in parts { tr {
                     td { (part.name) } td.n { (decibels(part.lwa_db)) } td.n { (decibels(part.lw_db)) }
                     td { @if let Some(band) = loudest(&part.bands, |band| band.lwa_db) { (band.hz) " Hz" } }
@@ -170,7 +174,8 @@ pub(super) fn checks(result: &RunResult) -> Markup {
             div.scroll { table {
                 thead { tr { th { "check" } th.n { "value" } th.n { "limit" } th {} } }
                 tbody { @for check in checks { tr.failed[!check.ok] {
-                    td { (check.name) } td.n { (format!("{:.2e}", check.value)) } td.n { (format!("{:.0e}", check.limit)) }
+                    td { (check.name) } td.n { (format!("{:.2e}", check.value)) }
+                    td.n { (format!("{:.0e}", check.limit)) }
                     td { (if check.ok { "ok" } else { "FAILED" }) }
                 } } }
             } }
@@ -219,7 +224,8 @@ pub(super) fn generic(value: &Value) -> Markup {
             }
             html! {
                 div.scroll { table {
-                    thead { tr { @for column in &columns { th.n[rows.iter().any(|row| row[column.as_str()].is_number())] { (titled(column)) } } } }
+                    thead { tr { @for column in &columns {
+                        th.n[rows.iter().any(|row| row[column.as_str()].is_number())] { (titled(column)) } } } }
                     tbody { @for row in rows.iter().take(ROWS) { tr {
                         @for column in &columns {
                             @let cell = &row[column.as_str()];

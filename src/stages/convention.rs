@@ -1,5 +1,5 @@
-//! Which source a part counts to. By the convention of selective wrapping the outer side of the cap counts to the exhaust and the
-//! trigger vent to the body; energies move between the two, and their sum stays.
+//! Which source a part counts to. By the convention of selective wrapping the outer side of the cap counts to the
+//! exhaust and the trigger vent to the body; energies move between the two, and their sum stays.
 
 use nailnoise_acoustics::levels::{SourceSpectrum, Weighting};
 

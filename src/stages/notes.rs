@@ -141,7 +141,8 @@ impl Landing {
 
     fn note(&self) -> String {
         format!(
-            "the tool lands on the workpiece after {:.1} ms, at {:.1} m/s, before the end of its cycle: levels include this \
+            "the tool lands on the workpiece after {:.1} ms, at {:.1} m/s, before the end of its cycle: levels \
+             include this \
              blow of up to {:.1} kN, which depends on `hand.mass`, `hand.force` and `contacts.nose_stiffness`",
             1e3 * self.time,
             self.speed,
@@ -155,9 +156,12 @@ pub fn radiation_note(what: &str, report: &RadiationReport) -> String {
     let [least, most] = report.limit_error_db;
     let blend = report.blend_error_db;
     format!(
-        "{what}: boundary elements at {} single frequencies up to {:.0} Hz, averaged over bands up to {:.0} Hz (power from the \
-         surface {:+.2} dB relative to the far field); the high-frequency limit above (error at the transition: {}; in the last \
-         three bands of the boundary elements: {least:+.1} to {most:+.1} dB); radiation efficiency 1 in all bands would give {}",
+        "{what}: boundary elements at {} single frequencies up to {:.0} Hz, averaged over bands up to {:.0} Hz (power \
+         from the \
+         surface {:+.2} dB relative to the far field); the high-frequency limit above (error at the transition: {}; \
+         in the last \
+         three bands of the boundary elements: {least:+.1} to {most:+.1} dB); radiation efficiency 1 in all bands \
+         would give {}",
         report.frequencies,
         report.solved_hz[0],
         report.solved_hz[1],
@@ -205,7 +209,8 @@ fn loading_note(sources: &[(&str, &FluidLoading)]) -> Option<String> {
     }
     let warning = heaviest.map_or_else(String::new, |mass: f64| {
         format!(
-            "; the added mass of the air is up to {:.1} % of a mode's mass: set `acoustics.fluid_loading = \"full\"` to include it",
+            "; the added mass of the air is up to {:.1} % of a mode's mass: set `acoustics.fluid_loading = \"full\"` \
+             to include it",
             100.0 * mass
         )
     });
@@ -218,7 +223,8 @@ fn complete_impedance_note(changes: &[FluidLoadingChange]) -> Option<String> {
         let acts = match change.complete_acts {
             true => "acts in this run",
             false => {
-                "with every contact bonded; this run uses the frozen impedance, because a contact can open or its cycle is \
+                "with every contact bonded; this run uses the frozen impedance, because a contact can open or its \
+                 cycle is \
                  coupled to the bodies"
             }
         };
@@ -227,7 +233,8 @@ fn complete_impedance_note(changes: &[FluidLoadingChange]) -> Option<String> {
     let parts: Vec<String> = changes.iter().filter_map(part).collect();
     (!parts.is_empty()).then(|| {
         format!(
-            "fluid loading, change by the complete impedance relative to the impedance frozen at each mode's resonance: {}",
+            "fluid loading, change by the complete impedance relative to the impedance frozen at each mode's \
+             resonance: {}",
             parts.join("; ")
         )
     })
@@ -243,8 +250,8 @@ mod tests {
     use super::*;
     use crate::design::Design;
 
-    /// A tool that a finger releases while it is in flight falls from its highest position at the acceleration of gravity
-    /// and push.
+    /// A tool that a finger releases while it is in flight falls from its highest position at the acceleration of
+    /// gravity and push.
     #[test]
     fn a_tool_lands_at_the_speed_of_its_fall() {
         let mut design = Design::shipped("n80cb.toml").unwrap();

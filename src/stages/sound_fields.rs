@@ -159,11 +159,14 @@ impl SoundFields {
                     method: "Rayleigh's integral".to_owned(),
                     notes: vec![
                         format!(
-                            "workpiece in sand by Rayleigh's integral at {} frequencies; error of the field between them \
-                             {:.1e} of its largest value; absorbing sand takes the same share of the sound in every direction",
+                            "workpiece in sand by Rayleigh's integral at {} frequencies; error of the field between \
+                             them \
+                             {:.1e} of its largest value; absorbing sand takes the same share of the sound in every \
+                             direction",
                             field.samples, field.error
                         ),
-                        "the pressure is that of the workpiece and the sand that moves with it alone: no exhaust, no tool; on \
+                        "the pressure is that of the workpiece and the sand that moves with it alone: no exhaust, no \
+                         tool; on \
                          the surface itself Rayleigh's integral is not evaluated"
                             .to_owned(),
                     ],
@@ -174,8 +177,10 @@ impl SoundFields {
             FieldMethod::Erp => Fields {
                 method: "equivalent radiated power".to_owned(),
                 notes: vec![
-                    "the workpiece radiates with efficiency 1 (acoustics.method = \"erp\"): this method gives no pressure and \
-                     no directivity, so the fields show the velocity of its surfaces and the energy that this velocity would \
+                    "the workpiece radiates with efficiency 1 (acoustics.method = \"erp\"): this method gives no \
+                     pressure and \
+                     no directivity, so the fields show the velocity of its surfaces and the energy that this \
+                     velocity would \
                      radiate; boundary elements (acoustics.method = \"bem\") give all of them"
                         .to_owned(),
                 ],
@@ -212,8 +217,10 @@ impl SoundFields {
         Ok(Fields {
             method: "boundary elements".to_owned(),
             notes: vec![format!(
-                "{source} by boundary elements at {} frequencies, in the bands up to {:.0} Hz that lie below the end of single \
-                 frequencies; error of the field between them {:.1e} of its largest value; the pressure is that of this source \
+                "{source} by boundary elements at {} frequencies, in the bands up to {:.0} Hz that lie below the end \
+                 of single \
+                 frequencies; error of the field between them {:.1e} of its largest value; the pressure is that of \
+                 this source \
                  alone, {}",
                 field.samples,
                 field.highest_hz,

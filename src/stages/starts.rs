@@ -1,8 +1,8 @@
 //! Scatter of the level of a bouncing workpiece.
 //!
 //! A block that leaves its support and lands magnifies small differences that no design specifies: gaps of a micrometre
-//! change when and how it lands, and so its vibration. The response is computed for several such starts; their spread is part
-//! of the level's uncertainty.
+//! change when and how it lands, and so its vibration. The response is computed for several such starts; their spread
+//! is part of the level's uncertainty.
 
 use nailnoise_acoustics::levels::{SourceSpectrum, Weighting};
 use serde::Serialize;

@@ -83,8 +83,8 @@ impl Place {
     }
 }
 
-/// The key of an entry: that of the stage's output, and the code that lays values out in bytes. Programs that lay them out
-/// differently share a folder without reading each other's entries.
+/// The key of an entry: that of the stage's output, and the code that lays values out in bytes. Programs that lay them
+/// out differently share a folder without reading each other's entries.
 fn in_this_layout(key: &Digest) -> Digest {
     Key::empty().with(env!("NAILNOISE_CODE_layout")).with(key).digest()
 }
@@ -317,13 +317,14 @@ impl Store {
         folder::remove(path)
     }
 
-    /// Whether a file was written by this or another version of the program, or is an obstacle: whether it may be removed.
+    /// Whether a file was written by this or another version of the program, or is an obstacle: whether it may be
+    /// removed.
     pub fn is_own(&self, path: &Path) -> bool {
         entry::is_own(path)
     }
 
-    /// Removes all entries and obstacles; returns how many entries there were, and the files that have the name of an entry, but
-    /// not its content. These are left: this program did not write them.
+    /// Removes all entries and obstacles; returns how many entries there were, and the files that have the name of an
+    /// entry, but not its content. These are left: this program did not write them.
     ///
     /// # Errors
     /// Those of the file system.

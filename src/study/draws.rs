@@ -78,15 +78,15 @@ pub(super) struct Planned {
 /// Makes the requested draws on a graph, and reports their number on `progress`.
 ///
 /// # Errors
-/// Those of the chain of the design itself; [`Error::NothingDrawn`] where no candidate is accepted; [`Error::NoLevels`] where those
-/// of no draw can be computed.
+/// Those of the chain of the design itself; [`Error::NothingDrawn`] where no candidate is accepted; [`Error::NoLevels`]
+/// where those of no draw can be computed.
 pub fn draws(graph: &Graph, design: &Design, request: &Request, progress: &Progress) -> Result<Draws, Error> {
     let made = common_draws(graph, &[design], request, progress)?;
     Ok(made.into_iter().next().unwrap_or_default())
 }
 
-/// Draws of several designs in common: in each draw, everything that the designs share is the same, so that it cancels in
-/// their differences. A draw counts where it counts in all of them. The draws of each design come in the same order.
+/// Draws of several designs in common: in each draw, everything that the designs share is the same, so that it cancels
+/// in their differences. A draw counts where it counts in all of them. The draws of each design come in the same order.
 ///
 /// # Errors
 /// As [`draws`].

@@ -60,7 +60,8 @@ pub struct InputEnd {
     pub outcome: String,
     /// Why there are no levels; empty where there are.
     pub refused: String,
-    /// Change of each level from that of the design \[dB\], in the order of `outputs`; null where one of both is silent.
+    /// Change of each level from that of the design \[dB\], in the order of `outputs`; null where one of both is
+    /// silent.
     pub change_db: Vec<Option<f64>>,
 }
 
@@ -84,7 +85,8 @@ fn outputs(levels: &Levels, errors: &[f64]) -> Vec<Option<f64>> {
         .collect()
 }
 
-/// Changes of the levels of the design, which are `nominal`, with each input of its draws at the ends of its distribution.
+/// Changes of the levels of the design, which are `nominal`, with each input of its draws at the ends of its
+/// distribution.
 ///
 /// # Errors
 /// Those of the chain of the design itself.

@@ -11,8 +11,8 @@ use super::variables::differing_keys;
 use crate::design::Design;
 use crate::result::TOTAL;
 
-/// A design against a reference over common draws. What both share is the same in each draw, the errors of methods included, and
-/// cancels in the change.
+/// A design against a reference over common draws. What both share is the same in each draw, the errors of methods
+/// included, and cancels in the change.
 #[derive(Debug, Clone, Serialize, JsonSchema)]
 pub struct PairedStudy {
     /// Name of the reference.

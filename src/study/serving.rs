@@ -157,7 +157,8 @@ fn contradicting_outcome(design: &Design, run: &RunResult) -> Option<NoStudy> {
     let [own, counted] = [outcome.to_owned(), require.join(" or ")].map(|words| words.replace('_', " "));
     Some(NoStudy {
         reason: format!(
-            "the shot ends as \"{own}\", and `study.require` counts only \"{counted}\": no interval, no P(first) and no \
+            "the shot ends as \"{own}\", and `study.require` counts only \"{counted}\": no interval, no P(first) and \
+             no \
              K are stated; correct values of the design, or the condition"
         ),
         unmet: Some(counted),

@@ -1,8 +1,8 @@
 //! Virtual wrapping tests: what the microphones and sensors of EN 12549 would record of a design, wrap by wrap.
 //!
-//! Each shot of each configuration is a shot of its own: supply pressure and the wood's resistance scatter, jets and background have
-//! new noise, the trigger comes at another instant. The sources' pressures pass the wraps by filters of minimum phase and add.
-//! [`exact`] does the same with energies, without recordings.
+//! Each shot of each configuration is a shot of its own: supply pressure and the wood's resistance scatter, jets and
+//! background have new noise, the trigger comes at another instant. The sources' pressures pass the wraps by filters of
+//! minimum phase and add. [`exact`] does the same with energies, without recordings.
 
 pub mod bare;
 pub mod comparison;

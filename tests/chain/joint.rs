@@ -13,7 +13,8 @@ use crate::common::{body, run, small, store};
 
 /// Slender, so that both pieces bend as beams.
 const BEAM: &str = "support.kind = \"floor\"\nworkpiece.length = 0.8\nworkpiece.width = 0.06\nnail.length = 0.032\n\
-                    analysis.workpiece_element = 0.02\nsupport.contact.points_along = 21\nsupport.contact.points_across = 3\n\
+                    analysis.workpiece_element = 0.02\nsupport.contact.points_along = \
+                    21\nsupport.contact.points_across = 3\n\
                     body.nose_width = 0.03\nbody.nose_depth = 0.03\nbody.nose_wall = 0.003\n";
 
 /// Cells of that contact.

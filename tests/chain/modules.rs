@@ -1,8 +1,8 @@
 //! The modules of a crate and the arrows between its files: from each file to those that define what it names.
 //!
-//! Items are followed through re-exports to the file that defines them, so that a `mod.rs` that only gathers its folder has
-//! no arrows to it. Names are read in `use` items, in paths of types, expressions and patterns, and in the arguments of
-//! macros. Code for tests is left out. Methods are not seen, because a path does not name them.
+//! Items are followed through re-exports to the file that defines them, so that a `mod.rs` that only gathers its folder
+//! has no arrows to it. Names are read in `use` items, in paths of types, expressions and patterns, and in the
+//! arguments of macros. Code for tests is left out. Methods are not seen, because a path does not name them.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;

@@ -234,8 +234,8 @@ fn a_synthetic_part_is_marked_in_table_and_note() {
 fn a_synthetic_part_follows_the_power_over_time() {
     let row = BEM.levels.iter().find(|row| row["source"] == "workpiece").unwrap();
     let signal = BEM.sound(row);
-    // The blow comes some 10 ms after the trigger; before it there is only what resonances and edges of bands spread, as the
-    // noise is shaped without phase. Steady noise would have a twentieth there.
+    // The blow comes some 10 ms after the trigger; before it there is only what resonances and edges of bands spread,
+    // as the noise is shaped without phase. Steady noise would have a twentieth there.
     let transform = RealTransform::new(LENGTH);
     let mut lines = transform.lines(signal);
     for (k, x) in lines.iter_mut().enumerate() {

@@ -267,7 +267,8 @@ fn results_do_not_depend_on_the_cache() {
     assert_eq!(
         entries(),
         20,
-        "requirements, order of elimination, modes, body and sensor modes of workpiece and worktable each; end, two sources, sensors, checks, pictures and fields \
+        "requirements, order of elimination, modes, body and sensor modes of workpiece and worktable each; end, two \
+         sources, sensors, checks, pictures and fields \
          of the bodies, checksums of their files, files of the run"
     );
     assert_eq!(run(&[]).0, anew);

@@ -331,7 +331,8 @@ fn designs_are_compared_over_drawn_structures_too() {
     );
 }
 
-/// Every quantity that is drawn is in one group, every draw has two partners for each group, and threads change nothing.
+/// Every quantity that is drawn is in one group, every draw has two partners for each group, and threads change
+/// nothing.
 #[test]
 fn groups_hold_every_quantity_and_each_draw_has_its_partners() {
     let (folder, design) = made("groups");
@@ -440,7 +441,8 @@ fn result_of(folder: &Path) -> Value {
     serde_json::from_slice(&fs::read(folder.join("out/result.json")).unwrap()).unwrap()
 }
 
-/// Result, ranking and report state the same intervals: without draws, of a screening, and of a larger study that follows it.
+/// Result, ranking and report state the same intervals: without draws, of a screening, and of a larger study that
+/// follows it.
 #[test]
 fn every_file_of_a_run_states_the_study_that_serves_it() {
     let (folder, design) = made("stated");

@@ -58,8 +58,8 @@ impl FluidLoads {
         }
     }
 
-    /// From the damping ratios, a diagonal element of X/omega (of a mode's number, a frequency in hertz), and R_jj; `first`
-    /// is the number of the body's first mode in `radiation`.
+    /// From the damping ratios, a diagonal element of X/omega (of a mode's number, a frequency in hertz), and R_jj;
+    /// `first` is the number of the body's first mode in `radiation`.
     pub(super) fn new(
         damping: Vec<f64>,
         omega: &[f64],
@@ -102,8 +102,8 @@ impl FluidLoads {
         (1.0 + mass).powf(-1.5) * self.resistance_ratio[mode]
     }
 
-    /// Radiated energy of a mode without radiation damping over that with it, (zeta + zeta_r)/zeta for the damping ratio zeta
-    /// of the structure.
+    /// Radiated energy of a mode without radiation damping over that with it, (zeta + zeta_r)/zeta for the damping
+    /// ratio zeta of the structure.
     pub(super) fn of_damping(&self, mode: usize, zeta: f64) -> f64 {
         if zeta > 0.0 {
             1.0 + self.damping[mode] / zeta

@@ -17,7 +17,8 @@ pub struct FluidLoading {
     pub damping_db: f64,
     /// Change by X as mass \[dB\], as above; null where the method gives no reactance.
     pub mass_db: Option<f64>,
-    /// Largest added mass of a mode up to the highest frequency that boundary elements solve, relative to its own \[-\].
+    /// Largest added mass of a mode up to the highest frequency that boundary elements solve, relative to its own
+    /// \[-\].
     pub largest_mass: Option<f64>,
     /// Largest shift of such a mode's frequency, relative \[-\]; negative.
     pub largest_shift: Option<f64>,
@@ -29,8 +30,8 @@ pub(super) fn shift(mass: f64) -> f64 {
 }
 
 impl FluidLoading {
-    /// From the energies of all modes of all bodies, one after the other. Masses above `top_hz`, which are upper bounds, are
-    /// not among the largest. None where a body's loads are not known.
+    /// From the energies of all modes of all bodies, one after the other. Masses above `top_hz`, which are upper
+    /// bounds, are not among the largest. None where a body's loads are not known.
     pub(super) fn new(bodies: &[MovingBody<'_>], energies: &[f64], top_hz: f64) -> Option<Self> {
         let total: f64 = energies.iter().sum();
         let acts = bodies.first()?.acts;

@@ -39,8 +39,8 @@ pub trait Radiator: Send + Sync {
     /// A number of modes that differs from the bodies', a range beyond the radiator's.
     fn energy(&self, source: &str, motions: &[&ModalSpectra]) -> Result<SourceSpectrum, AcousticsError>;
 
-    /// Energy spectrum and signals of the source `source`, with the second evaluation of its power if there is one and the
-    /// report is asked for.
+    /// Energy spectrum and signals of the source `source`, with the second evaluation of its power if there is one and
+    /// the report is asked for.
     ///
     /// # Errors
     /// As [`Self::energy`].
@@ -54,7 +54,8 @@ pub trait Radiator: Send + Sync {
     /// The effects of the fluid on each mode of each body.
     ///
     /// # Errors
-    /// Where the mass is to act: a method without reactance, those of [`WetModes::new`](crate::fluid_loading::WetModes::new).
+    /// Where the mass is to act: a method without reactance, those of
+    /// [`WetModes::new`](crate::fluid_loading::WetModes::new).
     fn loads(&self, bodies: &[DryModes], acts: Loading) -> Result<Vec<FluidLoads>, AcousticsError>;
 
     /// Pressures at the receivers of the radiator; `None` if only its power is known.
@@ -63,7 +64,8 @@ pub trait Radiator: Send + Sync {
     /// As [`Self::energy`].
     fn pressures(&self, motions: &[&ModalSpectra]) -> Result<Option<Pressures>, AcousticsError>;
 
-    /// Radiation impedance of the modes of all bodies, one body after the other; none where the method gives no reactance.
+    /// Radiation impedance of the modes of all bodies, one body after the other; none where the method gives no
+    /// reactance.
     fn impedance(&self) -> Option<&dyn Impedance> {
         None
     }
@@ -106,8 +108,8 @@ pub struct Pressures {
     pub interpolation_error: f64,
 }
 
-/// Damping ratio that radiation adds to modes of these angular frequencies \[rad/s\], for modal masses of 1 and zero for
-/// rigid modes:
+/// Damping ratio that radiation adds to modes of these angular frequencies \[rad/s\], for modal masses of 1 and zero
+/// for rigid modes:
 ///
 /// ```text
 /// zeta_j = R_jj(omega_j) / (2 omega_j)

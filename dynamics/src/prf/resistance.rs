@@ -17,7 +17,8 @@ pub(crate) struct Shanks {
 }
 
 impl Shanks {
-    /// One shank, with the share of a smooth nail (Nili Ahmadabadi 2016, sec. 2.4.3: 81 % of a 6d nail in poplar plywood).
+    /// One shank, with the share of a smooth nail (Nili Ahmadabadi 2016, sec. 2.4.3: 81 % of a 6d nail in poplar
+    /// plywood).
     pub(crate) const SMOOTH: Self = Self {
         legs: 1,
         friction_share: 0.81,
@@ -50,8 +51,8 @@ impl Resistance {
         Self::of(&p.wood, own, specimen, (p.piston.mass, shank))
     }
 
-    /// The law of a wood, or a table or fit in its place, for a nail that is driven by a mass \[kg\]. A published law is that
-    /// of one shank, times their number; own laws are those of the fastener.
+    /// The law of a wood, or a table or fit in its place, for a nail that is driven by a mass \[kg\]. A published law
+    /// is that of one shank, times their number; own laws are those of the fastener.
     pub(crate) fn of(
         wood: &Wood,
         (table, fit): (Option<&ForceTable>, Option<&FittedLaw>),

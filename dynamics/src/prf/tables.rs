@@ -23,7 +23,8 @@ pub struct FitQuality {
 }
 
 impl PenetrationLaw {
-    /// The coefficients C0..C9 of Eq. 2.2 (Tables 2-6 and 2-8, Eq. 4.59); C8 \[-\] multiplies Pi3. Dropped terms are zero.
+    /// The coefficients C0..C9 of Eq. 2.2 (Tables 2-6 and 2-8, Eq. 4.59); C8 \[-\] multiplies Pi3. Dropped terms are
+    /// zero.
     pub fn coefficients(self) -> [f64; 10] {
         use PenetrationLaw as P;
         match self {

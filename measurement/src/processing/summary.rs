@@ -274,7 +274,8 @@ impl Summary<'_> {
             let late = shots.iter().filter(|shot| shot.lead < BEFORE * (1.0 - 1e-6)).count();
             if late > 0 {
                 notes.push(format!(
-                    "{}: {late} of {} records begin less than {:.0} ms before the trigger, so that the start of the shot may be \
+                    "{}: {late} of {} records begin less than {:.0} ms before the trigger, so that the start of the \
+                     shot may be \
                      missing: record earlier",
                     name(one),
                     shots.len(),
@@ -285,7 +286,8 @@ impl Summary<'_> {
         for one in self.all.iter().map(|one| self.configuration(one)) {
             if let Some(above) = one.above_residual_db.filter(|above| *above < LEAST_ABOVE) {
                 notes.push(format!(
-                    "{}: {above:.1} dB above the residual; below {LEAST_ABOVE:.0} dB its source is not measured, the level shown is the floor",
+                    "{}: {above:.1} dB above the residual; below {LEAST_ABOVE:.0} dB its source is not measured, the \
+                     level shown is the floor",
                     one.name
                 ));
             }
@@ -295,8 +297,10 @@ impl Summary<'_> {
                 .map(|(arrived, burst)| arrived - burst);
             if let Some(late) = late.filter(|late| late.abs() > PATHS) {
                 notes.push(format!(
-                    "{}: the microphones put the burst t12 {:+.1} ms from where the handle puts it, more than the {:.1} ms that the \
-                     paths of the sound explain: check that microphones and accelerometers share a clock, and the positions",
+                    "{}: the microphones put the burst t12 {:+.1} ms from where the handle puts it, more than the \
+                     {:.1} ms that the \
+                     paths of the sound explain: check that microphones and accelerometers share a clock, and the \
+                     positions",
                     one.name,
                     1e3 * late,
                     1e3 * PATHS
@@ -310,14 +314,16 @@ impl Summary<'_> {
                 .filter(|(level, floor)| level.db < floor + 3.0);
             if let Some((level, floor)) = near {
                 notes.push(format!(
-                    "{}: {:.1} dB lies at the floor of the subtraction, {floor:.1} dB; the source may be anything below",
+                    "{}: {:.1} dB lies at the floor of the subtraction, {floor:.1} dB; the source may be anything \
+                     below",
                     own.source, level.db
                 ));
             }
         }
         if sources.iter().any(|own| own.source == Role::Workpiece.name()) && self.total().is_some() {
             notes.push(
-                "the workpiece bare is masked by the body's wrap; the bound holds whatever the wraps hide, unless the bias of \
+                "the workpiece bare is masked by the body's wrap; the bound holds whatever the wraps hide, unless the \
+                 bias of \
                  exhaust and body is larger (see the levels by energy)"
                     .to_owned(),
             );

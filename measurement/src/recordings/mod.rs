@@ -49,8 +49,8 @@ pub fn decode(bytes: &[u8], path: &Path, channels: &[&Selector]) -> Result<Vec<T
 /// Reads channels of the recording in a file, as [`decode`] does; a WAV file is read a block at a time.
 ///
 /// # Errors
-/// Those of the file system, of a file that is not a regular one or, except for WAV, longer than [`LARGEST`]. The inner error
-/// is that of [`decode`].
+/// Those of the file system, of a file that is not a regular one or, except for WAV, longer than [`LARGEST`]. The inner
+/// error is that of [`decode`].
 pub fn read_tracks(path: &Path, channels: &[&Selector]) -> io::Result<Result<Vec<Track>, Refusal>> {
     let (mut file, length) = open_regular(path)?;
     let mut mark = Vec::new();

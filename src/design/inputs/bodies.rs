@@ -205,8 +205,8 @@ fn own_mesh(
     Ok(Some(MeshSource::File(file)))
 }
 
-/// How many times longer or shorter than the built-in body a body from a file may be: less than an inch is longer than a
-/// millimetre.
+/// How many times longer or shorter than the built-in body a body from a file may be: less than an inch is longer than
+/// a millimetre.
 const LIKE_BUILT_IN: f64 = 20.0;
 
 /// Longest sides of a hand-held tool \[m\].

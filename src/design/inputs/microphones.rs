@@ -1,4 +1,5 @@
-//! Inputs of the microphones: their positions, the reflecting plane, the room, and the tool as the sphere of its volume.
+//! Inputs of the microphones: their positions, the reflecting plane, the room, and the tool as the sphere of its
+//! volume.
 
 use nailnoise_acoustics::sound::Iso3744Box;
 use nailnoise_acoustics::sound_fields::Cuts;
@@ -45,7 +46,8 @@ fn foot(design: &Design) -> [f64; 3] {
     [x, y, measurement_plane(design)]
 }
 
-/// Height of the device's centre, half the tool's height above the workpiece, above the plane of the measurement surface \[m\].
+/// Height of the device's centre, half the tool's height above the workpiece, above the plane of the measurement
+/// surface \[m\].
 fn centre_height(design: &Design) -> f64 {
     let [_, _, centre] = on_axis(design, 0.5 * tool_height(design));
     centre - measurement_plane(design)

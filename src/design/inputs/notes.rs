@@ -15,10 +15,12 @@ pub(crate) fn convention(design: &Design) -> Option<String> {
         return None;
     }
     let cap = if cap(design).is_some() {
-        "the outer side of the cap counts to the exhaust, with its own term of the body's radiated energy and half of each cross \
+        "the outer side of the cap counts to the exhaust, with its own term of the body's radiated energy and half of \
+         each cross \
          term: where it absorbs sound of the rest its energy is negative and has no level"
     } else {
-        "the cap stays with the body: the radiation of a rigid body, or as that of a sphere, has no surface from which a part could \
+        "the cap stays with the body: the radiation of a rigid body, or as that of a sphere, has no surface from \
+         which a part could \
          be taken"
     };
     let vent = match own.trigger_vent {
@@ -73,12 +75,14 @@ pub(crate) fn fitted_law(design: &Design, record: &CycleRecord) -> Result<Vec<St
     )];
     if law.form().uses(Variable::Decay) {
         notes.push(
-            "v/v0 is limited to the range of the tests: in a tool the gas continues to push the piston, in the tests nothing pushes the projectile"
+            "v/v0 is limited to the range of the tests: in a tool the gas continues to push the piston, in the tests \
+             nothing pushes the projectile"
                 .to_owned(),
         );
     } else if !law.dynamic() {
         notes.push(format!(
-            "the tests of the fitted law end at {:.3} mm/s; what the wood does at the speed of the shot is not known from them",
+            "the tests of the fitted law end at {:.3} mm/s; what the wood does at the speed of the shot is not known \
+             from them",
             1e3 * law.reference_speed()
         ));
     }

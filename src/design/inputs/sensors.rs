@@ -114,8 +114,8 @@ fn carries(design: &Design, body: Carrier) -> bool {
     }
 }
 
-/// Top frequency of the modes of a body \[Hz\], above which they and their static corrections are not its motion; none for a
-/// rigid tool.
+/// Top frequency of the modes of a body \[Hz\], above which they and their static corrections are not its motion; none
+/// for a rigid tool.
 fn top_hz(design: &Design, body: Carrier) -> Option<f64> {
     let analysis = &design.analysis;
     match body {

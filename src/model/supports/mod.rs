@@ -2,8 +2,8 @@
 //!
 //! A [`Support`] knows all that follows from what the workpiece stands on: its spring in the nailing cycle, its
 //! finite-element bodies and contacts, the faces that it covers and the plane that reflects, the sensors that it can
-//! carry, its words and its drawing. Nothing else in the program distinguishes the kinds of supports. A new one is a file
-//! here, its line in [`of`], and its keys in the design.
+//! carry, its words and its drawing. Nothing else in the program distinguishes the kinds of supports. A new one is a
+//! file here, its line in [`of`], and its keys in the design.
 
 mod clamped;
 mod floor;

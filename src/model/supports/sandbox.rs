@@ -30,8 +30,8 @@ impl InSandbox<'_> {
         Ok(RectangularBase::new(block.length, block.width)?)
     }
 
-    /// Conflict unless the microphones half way up are above the sand: they are at half of 1 m more than the height of the
-    /// tool's middle above the floor.
+    /// Conflict unless the microphones half way up are above the sand: they are at half of 1 m more than the height of
+    /// the tool's middle above the floor.
     fn microphones_above_sand(&self) -> Result<(), Conflict> {
         let (sand, body) = (&self.0.support.sand, &self.0.body);
         let centre = 0.5 * (body.nose_height + body.barrel_height + body.cap_height);

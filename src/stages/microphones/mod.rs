@@ -31,7 +31,8 @@ const REFERENCE: f64 = 400.0;
 /// Sampling rate of the sound files \[1/s\].
 pub(crate) const SAMPLE_RATE: u32 = 48_000;
 
-/// Length of a sound file after the end of the shot \[s\], for the travel time and for ringing at the ends of the range.
+/// Length of a sound file after the end of the shot \[s\], for the travel time and for ringing at the ends of the
+/// range.
 const TAIL: f64 = 0.05;
 
 /// Longest sound file \[s\].
@@ -66,8 +67,8 @@ pub struct Room {
 /// Sound of a source, or of a part of one, at the microphones and then at the operator's ear. The energies of a part
 /// may have either sign.
 ///
-/// Stages that make sources give it as far as its pressures are known; [`MicrophoneArray::complete`] continues it to the top of the
-/// range of comparison.
+/// Stages that make sources give it as far as its pressures are known; [`MicrophoneArray::complete`] continues it to
+/// the top of the range of comparison.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct AtMicrophones {
     /// Name of the source.
@@ -80,7 +81,8 @@ pub struct AtMicrophones {
     pub phases_to_hz: f64,
     /// Error of interpolated pressures over frequency, see [`ReceivedSource`].
     pub interpolation_error: Option<f64>,
-    /// A-weighted and unweighted exposure at each receiver in each one-third-octave band of the range of comparison \[Pa² s\].
+    /// A-weighted and unweighted exposure at each receiver in each one-third-octave band of the range of comparison
+    /// \[Pa² s\].
     pub exposures: Vec<Vec<[f64; 2]>>,
     /// A-weighted and unweighted energy radiated over `range_hz` in each of these bands \[J\].
     pub radiated: Vec<[f64; 2]>,
@@ -113,8 +115,8 @@ impl AtMicrophones {
         self.exposures.len() - 1
     }
 
-    /// Energies by the microphones, the mean exposure over a surface of this area as the power that an impedance of 400 Pa s/m
-    /// makes of it, A-weighted and unweighted in each band \[J\].
+    /// Energies by the microphones, the mean exposure over a surface of this area as the power that an impedance of 400
+    /// Pa s/m makes of it, A-weighted and unweighted in each band \[J\].
     fn measured(&self, area: f64) -> Vec<[f64; 2]> {
         let scale = area / (REFERENCE * self.microphones() as f64);
         let mean = |band: usize| {

@@ -40,8 +40,8 @@ pub struct ToolSphere {
 }
 
 impl MicrophoneArray {
-    /// Sound of a source from its pressures at the microphones, or at the microphones and their images; `end` is that of all
-    /// records \[s\].
+    /// Sound of a source from its pressures at the microphones, or at the microphones and their images; `end` is that
+    /// of all records \[s\].
     ///
     /// # Errors
     /// Those of the levels.
@@ -68,7 +68,8 @@ impl MicrophoneArray {
         self.of_pressures(part, exposure, radiated, end)
     }
 
-    /// Pressures at the microphones with those reflected from the plane, which are the pressures at the microphones' images.
+    /// Pressures at the microphones with those reflected from the plane, which are the pressures at the microphones'
+    /// images.
     fn reflected(&self, found: &Pressures) -> DMatrix<Complex<f64>> {
         let (values, places) = (&found.values, self.receivers().len());
         if values.nrows() == 2 * places {
@@ -130,8 +131,8 @@ impl MicrophoneArray {
         }))
     }
 
-    /// Sound of the tool as an oscillating sphere, the vibration of its housing omnidirectional; `end` is that of all records
-    /// \[s\].
+    /// Sound of the tool as an oscillating sphere, the vibration of its housing omnidirectional; `end` is that of all
+    /// records \[s\].
     ///
     /// # Errors
     /// A microphone inside the sphere; those of the transform and levels.
@@ -185,8 +186,8 @@ impl MicrophoneArray {
         }))
     }
 
-    /// Sound of the exhaust's openings, numbered from `first` on: jets in all directions around the tool's top, and the point
-    /// source of the outflow; `end` is that of all records \[s\], `noise_seed` that of the jets' noise.
+    /// Sound of the exhaust's openings, numbered from `first` on: jets in all directions around the tool's top, and the
+    /// point source of the outflow; `end` is that of all records \[s\], `noise_seed` that of the jets' noise.
     ///
     /// # Errors
     /// A microphone at the outlet; those of the levels.

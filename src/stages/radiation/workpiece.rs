@@ -25,7 +25,8 @@ use crate::stages::bodies::MovingSurface;
 /// Tops of the ranges with separate meshes, over the top of all.
 const RANGES: [f64; 4] = [0.16, 0.4, 0.65, 1.0];
 
-/// Longest side of a panel over the largest extent of the body: at low frequencies the shape requires as much as the wave.
+/// Longest side of a panel over the largest extent of the body: at low frequencies the shape requires as much as the
+/// wave.
 const COARSEST: f64 = 1.0 / 16.0;
 
 /// Frequencies at which a range is sampled on the mesh below it, as counted on the worktables: per wavelength of the
@@ -66,8 +67,8 @@ pub enum WorkpieceRadiation {
 pub struct WorkpieceBoundaryElements {
     /// Resolution.
     pub resolution: Resolution,
-    /// The block (part 0), and where it stands on a table the table's top (part 1) and legs (part 2). Tubes are closed by
-    /// top and floor. The origin is the centre of the block's underside.
+    /// The block (part 0), and where it stands on a table the table's top (part 1) and legs (part 2). Tubes are closed
+    /// by top and floor. The origin is the centre of the block's underside.
     pub boxes: Vec<SolidBox>,
     /// Whether the block stands on a table.
     pub on_table: bool,
@@ -120,7 +121,8 @@ impl WorkpieceBoundaryElements {
         ranges.note(WORKPIECE, 0.0, progress);
         if let [only] = &ranges.levels[..] {
             progress.note(&format!(
-                "workpiece: the sides of its mesh are not those of workpiece.length, width and thickness; it radiates from its \
+                "workpiece: the sides of its mesh are not those of workpiece.length, width and thickness; it radiates \
+                 from its \
                  own faces, up to {:.0} Hz; {}",
                 only.top_hz,
                 only.problem.boundary().repairs()
@@ -370,7 +372,8 @@ mod tests {
         ]
         .join("\n");
         format!(
-            "support.kind = \"springs\"\nsupport.clearance = {clearance}\n[springs.strap]\nbody = \"workpiece\"\n{zero}\n\
+            "support.kind = \"springs\"\nsupport.clearance = {clearance}\n[springs.strap]\nbody \
+             = \"workpiece\"\n{zero}\n\
              damping_y = 0\ndamping_z = 20\nradius = 0.02\nstiffness_z = 2500"
         )
     }

@@ -228,11 +228,11 @@ fn found(own: f64, drawn: Vec<f64>) -> Option<Found> {
     Some(Found { own, interval })
 }
 
-/// Predicts the wrapping test of a design. `shot` is its own shot; `drawn` are draws of its ranges, with the levels of the design
-/// itself. Draws of the wraps follow from `seed`.
+/// Predicts the wrapping test of a design. `shot` is its own shot; `drawn` are draws of its ranges, with the levels of
+/// the design itself. Draws of the wraps follow from `seed`.
 ///
-/// A draw changes each band of a source by as much as it changes the band's radiated level: the directivity at the microphones is
-/// that of the design itself.
+/// A draw changes each band of a source by as much as it changes the band's radiated level: the directivity at the
+/// microphones is that of the design itself.
 ///
 /// # Errors
 /// Those of the energies.
@@ -325,7 +325,8 @@ fn drawn_wraps(design: &Design, seed: u64, draw: u64) -> Wrapping {
     wrapping(&drawn)
 }
 
-/// Levels of a test whose sources are those of `own`, band by band louder by `change(source, hz)` \[dB\], behind these wraps.
+/// Levels of a test whose sources are those of `own`, band by band louder by `change(source, hz)` \[dB\], behind these
+/// wraps.
 fn levels_of(own: &ExactTest, wraps: &Wrapping, change: impl Fn(usize, f64) -> f64) -> TestLevels {
     let energy = |level: Option<f64>| level.map_or(0.0, |level| 10f64.powf(0.1 * level));
     let mut total = [0.0; 5];

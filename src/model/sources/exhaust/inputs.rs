@@ -84,7 +84,8 @@ fn muffler(own: &design::Muffler) -> Result<Option<Muffler>, AcousticsError> {
     })
 }
 
-/// Octaves as third octaves: mid-band frequency \[Hz\] and insertion loss \[dB\], that of an octave in each of its three.
+/// Octaves as third octaves: mid-band frequency \[Hz\] and insertion loss \[dB\], that of an octave in each of its
+/// three.
 fn thirds(octaves: &design::Octaves) -> Vec<(f64, f64)> {
     let losses = [
         octaves.hz_63,

@@ -15,9 +15,12 @@ pub(super) fn methods(
     let mut notes = Vec::new();
     if let (Some(jets), Some(valve)) = (exhaust.jets_lw, exhaust.valve_noise_lw) {
         notes.push(format!(
-            "exhaust jets, unweighted and over all frequencies: {jets:.1} dB, by {} as plates with drilled holes {valve:.1} \
-             dB. Their difference is the check; the level in the ranking is lower, because it ends at {range_high:.0} Hz and is \
-             that behind the muffler, where there is one; {:.0} % of the mixing noise is from jet speeds outside the range of \
+            "exhaust jets, unweighted and over all frequencies: {jets:.1} dB, by {} as plates with drilled holes \
+             {valve:.1} \
+             dB. Their difference is the check; the level in the ranking is lower, because it ends at {range_high:.0} \
+             Hz and is \
+             that behind the muffler, where there is one; {:.0} % of the mixing noise is from jet speeds outside the \
+             range of \
              its correlation",
             ValveNoise::STANDARD,
             100.0 * exhaust.outside_range
@@ -25,7 +28,8 @@ pub(super) fn methods(
     }
     if let Some((duration, hz)) = exhaust.choked(record.sample_interval) {
         notes.push(format!(
-            "exhaust: the holes are choked for {:.1} ms; a screech tone, if there is one, is above {:.1} kHz; its level is not \
+            "exhaust: the holes are choked for {:.1} ms; a screech tone, if there is one, is above {:.1} kHz; its \
+             level is not \
              predicted",
             1e3 * duration,
             1e-3 * hz
@@ -41,8 +45,10 @@ pub(super) fn methods(
     }
     if let Some(fitting) = &openings.fitting {
         notes.push(format!(
-            "exhaust fitting: plane waves up to {:.0} Hz in air at rest, between choked holes and an open end that its jet \
-             damps; above, the outflow radiates as if there were no fitting. The jets of the holes are not filtered; the uncertainty of the \
+            "exhaust fitting: plane waves up to {:.0} Hz in air at rest, between choked holes and an open end that \
+             its jet \
+             damps; above, the outflow radiates as if there were no fitting. The jets of the holes are not filtered; \
+             the uncertainty of the \
              level holds the case that they are",
             fitting.plane_wave_limit(&openings.air)
         ));
@@ -55,8 +61,10 @@ pub(super) fn methods(
                 .to_owned(),
         ),
         Some(Muffler::Chamber { .. }) => notes.push(
-            "muffler: plane waves between a source of given volume flow and free space, damped by the jet at its outlet; \
-             the jets of the holes blow into the chamber, filled with outflow at its stagnation temperature; the noise of \
+            "muffler: plane waves between a source of given volume flow and free space, damped by the jet at its \
+             outlet; \
+             the jets of the holes blow into the chamber, filled with outflow at its stagnation temperature; the \
+             noise of \
              the jet at the outlet is counted, unmuffled"
                 .to_owned(),
         ),

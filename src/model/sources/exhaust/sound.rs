@@ -72,8 +72,8 @@ pub(crate) struct Openings {
 /// A muffler behind the exhaust holes.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub(crate) enum Muffler {
-    /// One of measured insertion loss, its own flow noise included. It applies to the sound of the same shot without the
-    /// muffler.
+    /// One of measured insertion loss, its own flow noise included. It applies to the sound of the same shot without
+    /// the muffler.
     InsertionLoss(BandLosses),
     /// An expansion chamber with a tail pipe.
     Chamber {
@@ -87,7 +87,8 @@ pub(crate) enum Muffler {
 /// Properties of the exhaust noise that stand beside its energy.
 #[derive(Debug, Clone)]
 pub(crate) struct ExhaustDetails {
-    /// Unweighted level of the jets by the efficiencies of IEC 60534-8-3:2010, an independent estimate \[dB re 1 pW s\].
+    /// Unweighted level of the jets by the efficiencies of IEC 60534-8-3:2010, an independent estimate \[dB re 1 pW
+    /// s\].
     pub(crate) valve_noise_lw: Option<f64>,
     /// Unweighted level of the jets by the correlations used, over all frequencies \[dB re 1 pW s\].
     pub(crate) jets_lw: Option<f64>,
@@ -280,13 +281,14 @@ impl Stage for Exhaust {
     }
 }
 
-/// The noise of exhaust holes, muffler and trigger vent from the cycle's flow, and that of the vent by itself where it is apart.
+/// The noise of exhaust holes, muffler and trigger vent from the cycle's flow, and that of the vent by itself where it
+/// is apart.
 ///
-/// The holes sound in the cycle `through_holes`, the vent in that of the shot; both are the same unless the insertion loss
-/// of a muffler was measured. Such a loss is the level without the muffler less that with it, so that it applies to the
-/// holes that open into the air, in the shot without the muffler's back pressure: what back pressure and gas inside the
-/// muffler do to the jets is in the measured loss. The holes before a chamber blow into it, against its pressure and into
-/// outflow of their own stagnation temperature.
+/// The holes sound in the cycle `through_holes`, the vent in that of the shot; both are the same unless the insertion
+/// loss of a muffler was measured. Such a loss is the level without the muffler less that with it, so that it applies
+/// to the holes that open into the air, in the shot without the muffler's back pressure: what back pressure and gas
+/// inside the muffler do to the jets is in the measured loss. The holes before a chamber blow into it, against its
+/// pressure and into outflow of their own stagnation temperature.
 ///
 /// # Errors
 /// Openings, plenum or muffler that cannot be, air that leaves against a higher pressure.
@@ -426,8 +428,8 @@ fn vent_alone(vent: &ExhaustNoise) -> Sound {
     }
 }
 
-/// How far the A-weighted level of the exhaust is lower and higher \[dB\] if the resonances of a fitting act on the jets
-/// of the holes as they do on the unsteady outflow. Where in the fitting jets sound, and as what, is not known.
+/// How far the A-weighted level of the exhaust is lower and higher \[dB\] if the resonances of a fitting act on the
+/// jets of the holes as they do on the unsteady outflow. Where in the fitting jets sound, and as what, is not known.
 fn amplified_jets(
     fitting: &PipeFitting,
     holes: &ExhaustNoise,

@@ -130,10 +130,12 @@ fn notes(sound: &SourceSound, stiffness: Option<&[Stiffness; 2]>) -> SourceNotes
             methods: Vec::new(),
         };
     };
-    let estimate = "body: rigid motion, and vibration of its housing as ERP times the radiation efficiency of an oscillating \
+    let estimate = "body: rigid motion, and vibration of its housing as ERP times the radiation efficiency of an \
+        oscillating \
                     sphere of its volume; an estimate of which there is no second evaluation";
     let stiffness = format!(
-        "body: under the forces of the head valve the housing is as stiff as {:.0} N/um at the {} (the cycle's contact: {:.0}) \
+        "body: under the forces of the head valve the housing is as stiff as {:.0} N/um at the {} (the cycle's \
+         contact: {:.0}) \
          and {:.0} N/um at the {} ({:.0}); this compliance is counted once, in the cycle's forces",
         1e-6 * cap.body,
         cap.place,

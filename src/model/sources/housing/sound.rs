@@ -211,8 +211,8 @@ impl HousingSound {
         Ok(SourceSpectrum::sum(NAME, "as a sphere", &[rigid, housing]))
     }
 
-    /// Rigid motion as that of the sphere of its volume, elastic modes by their ERP into the open air times the radiation
-    /// efficiency of that sphere.
+    /// Rigid motion as that of the sphere of its volume, elastic modes by their ERP into the open air times the
+    /// radiation efficiency of that sphere.
     fn as_sphere(&self, body: &Body, spectra: &ModalSpectra, record: &CycleRecord) -> Result<Sound, Error> {
         let mut sound = Sound::from(self.rigid(record).sound(NAME)?);
         sound.spectrum.source = "rigid motion".to_owned();
@@ -246,7 +246,8 @@ impl HousingSound {
         sound.uncertainty = Uncertainty {
             minus: None,
             plus: (here > 0.0).then(|| 10.0 * (above / here).log10()),
-            basis: "radiation efficiency of the housing's vibration: that of an oscillating sphere of the tool's volume is \
+            basis: "radiation efficiency of the housing's vibration: that of an oscillating sphere of the tool's \
+                volume is \
                     taken; up to 1"
                 .to_owned(),
         };

@@ -138,7 +138,8 @@ fn notes(sound: &SourceSound, support: &str, flush: bool) -> SourceNotes {
     match &sound.source().radiation {
         None => SourceNotes {
             shot: vec![format!(
-                "{support}: radiated power is the ERP reference (radiation efficiency 1), an estimate that is far too high at \
+                "{support}: radiated power is the ERP reference (radiation efficiency 1), an estimate that is far too \
+                 high at \
                  low frequencies; it follows from the surface velocity alone, of which there is no second evaluation"
             )],
             methods: Vec::new(),
