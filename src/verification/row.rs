@@ -137,10 +137,11 @@ impl Row {
             let shows = text
                 .parse::<f64>()
                 .is_ok_and(|shown| (shown - above).abs() <= 0.1 * above);
-            return if shows {
-                format!("+-{text}")
-            } else {
-                format!("+-{above:.1e}")
+            return match above {
+                _ if shows => format!("+-{text}"),
+                above if above < 1e-4 => format!("+-{above:.0e}"),
+                // Two digits.
+                above => format!("+-{above:.0$}", (1.0 - above.log10().floor()).max(0.0) as usize),
             };
         }
         let one = |x: f64, open: &str| if x.is_finite() { self.number(x) } else { open.to_owned() };
@@ -200,7 +201,7 @@ mod tests {
     #[test]
     fn a_tolerance_shows_at_least_one_digit() {
         let text = |tolerance| CASE.row("x", 1.0, 1.0).within(tolerance).tolerance();
-        assert_eq!((text(0.25).as_str(), text(1e-6).as_str()), ("+-0.25", "+-1.0e-6"));
+        assert_eq!((text(0.25).as_str(), text(1e-6).as_str()), ("+-0.25", "+-1e-6"));
         assert_eq!(
             CASE.row("x", 1.0, 1.0).limits([f64::NEG_INFINITY, 2.0]).tolerance(),
             "-inf to 2.00"

@@ -117,7 +117,7 @@ pub(super) fn double_cell_box() -> Result<Vec<Row>, Error> {
     let along = (0..=16).map(|i| length * f64::from(i) / 16.0).collect();
     let grid = Grid::new(along, lines(2, pitch, wall, parts), lines(1, pitch, wall, parts))?;
     // A wall lies before, between and behind the cells.
-    let in_wall = |index: usize| index % (parts + 1) == 0;
+    let in_wall = |index: usize| index.is_multiple_of(parts + 1);
     let mesh = grid.mesh(
         &["box"],
         |[_, y, z]| (in_wall(y) || in_wall(z)).then_some(0),

@@ -19,6 +19,10 @@ use serde::Serialize;
 pub const UNSTEADY_FLOW: &str = "unsteady flow";
 
 /// Strouhal number f D_j/U_j at which mixing noise peaks, per hertz.
+///
+/// IEC 60534-8-3:2010, table 4, gives 0.2 for jets of drilled plates (0.1 to 0.3 for free jets, 5.4.2), there as the peak in
+/// third octaves; those of the similarity spectrum peak at 0.6. A cold jet of NASA's rig at 302 m/s peaks at 1 in third
+/// octaves at 60 and 90 degrees; `docs/uncertainty.md` has the differences.
 const MIXING_STROUHAL: f64 = 0.2;
 
 /// Largest fraction of the mass that may leave against a higher pressure, because of inertia or at the end of a filling
