@@ -227,7 +227,7 @@ fn stages_import_neither_store_nor_graph_nor_commands() {
 
 /// Names of sources in quotes that are not names of sources, by file and name: keys of designs, bodies, headings,
 /// labels.
-const OTHER_NAMES: [(&str, &[&str], &str); 11] = [
+const OTHER_NAMES: &[(&str, &[&str], &str)] = &[
     ("src/commands/check.rs", &["body"], "an argument"),
     ("src/commands/explain.rs", &["body"], "a heading"),
     (
@@ -238,11 +238,6 @@ const OTHER_NAMES: [(&str, &[&str], &str); 11] = [
     ("src/drawing/surroundings.rs", &["workpiece"], "a label"),
     ("src/drawing/tool_views.rs", &["workpiece"], "a label"),
     ("src/figures/cycle.rs", &["exhaust"], "a curve of the cycle"),
-    (
-        "src/measurement/wrapping.rs",
-        &["workpiece", "exhaust", "body"],
-        "roles of the wrapping test",
-    ),
     ("src/model/sources", &["workpiece", "exhaust", "body"], "the sources"),
     ("src/output/csv.rs", &["body"], "a heading"),
     ("src/report", &["workpiece", "body"], "headings"),
