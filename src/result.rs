@@ -2,6 +2,9 @@
 //!
 //! The JSON Schema of `run --json` and of `result.json` is derived from these types.
 
+mod design_id;
+mod study;
+
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::time::Duration;
@@ -20,6 +23,9 @@ use serde_json::Value;
 
 use crate::design::Design;
 use crate::stages::headline::Headline;
+
+pub use design_id::DesignId;
+pub use study::{DecidingInput, Ends, LevelSpread, NoStudy, OrderShare, Provided, RunStudy, StudySummary, Weighting};
 
 /// Version of the layout of [`RunResult`]; it changes when a reader of the old layout would misread the new one.
 pub const SCHEMA: &str = "nailnoise-run/1";
@@ -40,6 +46,8 @@ pub struct RunResult {
     pub ranking: Vec<RankedSource>,
     /// All sources together.
     pub total: Total,
+    /// Intervals of the levels and P(first) from the draws of a study, or why they are not stated.
+    pub study: RunStudy,
     /// What the shot did: `drives`, `strikes_bumper`, `underdriven`, `overdriven`, `does_not_open`, `does_not_release` or
     /// `does_not_exhaust`.
     pub outcome: Outcome,
@@ -112,16 +120,6 @@ fn unescape(schema: &mut Schema) {
             .iter()
             .fold(std::mem::take(text), |text, (from, to)| text.replace(from, to));
     }
-}
-
-/// Name and content digest of a design.
-#[derive(Debug, Clone, Serialize, Deserialize, JsonSchema)]
-pub struct DesignId {
-    /// Name of the file without its extension.
-    pub name: String,
-    /// SHA-256 of every value the result depends on.
-    #[schemars(regex(pattern = "^[0-9a-f]{64}$"))]
-    pub digest: String,
 }
 
 impl From<&Design> for DesignId {
@@ -280,8 +278,11 @@ pub struct Declaration {
     /// K = 1.645 sigma over the draws of a study, inputs and methods \[dB\]; null where it is not stated: without a study of at
     /// least 32 draws, or where the design contradicts its draws.
     pub k_db: Option<i32>,
-    /// Where sigma comes from; null while there is none.
+    /// Where sigma comes from; null without K.
     pub k_basis: Option<String>,
+    /// Why K is not stated; null where it is.
+    #[serde(default)]
+    pub k_not_stated: Option<String>,
 }
 
 /// Emission sound pressure of all sources at the operator's ear, without room and background.

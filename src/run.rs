@@ -13,7 +13,7 @@ use crate::error::Error;
 use crate::graph::Graph;
 use crate::headline::{headline, sentence};
 use crate::model::sources::{ImpedanceComparison, SourceStages};
-use crate::result::{DesignId, FluidLoadingChange, RunResult, SCHEMA, Starts};
+use crate::result::{Check, DesignId, FluidLoadingChange, RunResult, RunStudy, SCHEMA, Starts};
 use crate::stages::apart::Apart;
 use crate::stages::bodies::{FoundSurface, Origin};
 use crate::stages::convention::{counted, received, spectra};
@@ -50,6 +50,29 @@ pub struct Run {
 /// [`Error`] of the stage that could not be computed.
 pub fn run(graph: &Graph, design: &Design, options: Options) -> Result<Run, Error> {
     Chain::new(graph, design, options)?.run(design)
+}
+
+/// Why a run that nobody has told of a study states no intervals.
+const UNKNOWN: &str = "no study was looked for";
+
+impl RunResult {
+    /// States the intervals of a study in the result: they decide K. A contradiction of the design and its draws is a
+    /// check that fails, in front of the others.
+    pub fn state_study(&mut self, study: RunStudy) {
+        let before = self.study.contradiction();
+        self.checks
+            .retain(|check| before.as_ref().is_none_or(|own| own.name != check.name));
+        self.checks.splice(0..0, study.contradiction());
+        self.declaration = declaration::declaration(self.total.lwa_db, &self.ear, &study);
+        self.study = study;
+    }
+
+    /// The checks of the computation, without that of the design against its draws.
+    pub fn numerical_checks(&self) -> impl Iterator<Item = &Check> {
+        let contradiction = self.study.contradiction();
+        let own = move |check: &&Check| contradiction.as_ref().is_none_or(|other| other.name != check.name);
+        self.checks.iter().filter(own)
+    }
 }
 
 impl Chain {
@@ -220,6 +243,7 @@ impl Chain {
         if let Some((source, starts)) = &starts {
             ranking::widen(&mut ranking, source, starts);
         }
+        let study = RunStudy::absent(UNKNOWN);
         let mut timing = self.graph.timing();
         timing.end(self.begin.elapsed());
         let result = RunResult {
@@ -239,7 +263,8 @@ impl Chain {
             transducers: transducers.iter().map(PressureRecord::range).collect(),
             microphones: microphones.report.clone(),
             ear: microphones.ear.clone(),
-            declaration: declaration::declaration(total.lwa_db, &microphones.ear),
+            declaration: declaration::declaration(total.lwa_db, &microphones.ear, &study),
+            study,
             checks,
             notes: notes.shot,
             method_notes: notes.methods,

@@ -3,7 +3,7 @@
 
 use std::path::Path;
 
-use nailnoise::bundle::Bundle;
+use nailnoise::artifacts::RunArtifacts;
 use nailnoise::design::Design;
 use nailnoise::measurement::Manifest;
 use nailnoise::measurement::recordings::{Selector, decode};
@@ -92,7 +92,7 @@ pub fn cache_entry(bytes: &[u8]) {
     }
     read::<Body, WithMatrix>(bytes);
     read::<WholeModes, WithMatrix>(bytes);
-    read::<Bundle, Postcard>(bytes);
+    read::<RunArtifacts, Postcard>(bytes);
     read::<BodySensors, Postcard>(bytes);
     read::<ResponseChecks, Postcard>(bytes);
     read::<Vec<Vec<f64>>, Postcard>(bytes);

@@ -4,9 +4,10 @@ use std::sync::Arc;
 
 use crate::design::inputs;
 use crate::design::inputs::bodies::BodyInputs;
-use crate::design::{BodyModel, Carrier, Design, SupportKind};
+use crate::design::{BodyModel, Carrier, Design};
 use crate::error::Error;
 use crate::graph::Graph;
+use crate::model::supports;
 use crate::stages::Stored;
 use crate::stages::bodies::{
     Body, BodyKind, BodySensors, Discretisation, Meshed, ModalModel, Model, Modes, SensorModes, WholeModes,
@@ -95,9 +96,8 @@ impl BodyStages {
 
 /// Bodies of a design that a run solves.
 pub fn solved_bodies(design: &Design) -> Vec<BodyKind> {
-    let on_table = design.support.kind == SupportKind::Worktable;
     let mut kinds = vec![BodyKind::Workpiece];
-    kinds.extend(on_table.then_some(BodyKind::Worktable));
+    kinds.extend(supports::of(design).bodies());
     kinds.extend((design.body.model == BodyModel::Elastic).then_some(BodyKind::Tool));
     kinds
 }

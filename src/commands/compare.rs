@@ -6,13 +6,12 @@ use std::process::ExitCode;
 use clap::Args;
 use serde::Serialize;
 
-use super::intervals::{Known, OwnShot};
-use super::table::{dash, decibels, fixed, table};
+use super::table::{dash, decibels, fixed, table, with_legend};
 use super::{
     Changes, Keeping, Memory, Threads, comparison_page, comparison_sounds, folder_of, message, print, print_json,
     progress, status_of,
 };
-use crate::bundle::deliver;
+use crate::artifacts::Delivery;
 use crate::comparison::{Comparison, Finished, Labelled, Levels, Limit};
 use crate::cost;
 use crate::design::Design;
@@ -220,22 +219,19 @@ fn finish(
     progress.note(&format!("design {}", design.name()));
     let name = free_name(design.name(), before);
     let folder = folder_of(&arguments.out, &name, design.path())?;
-    let (bundle, _) = deliver(
-        &design,
-        &folder,
-        Exports::default(),
-        super::run::text,
-        cache,
-        arguments.memory.limit(),
+    let delivery = Delivery {
+        design: &design,
+        folder: &folder,
+        exports: Exports::default(),
+        screening: false,
+        printer: super::run::printed,
+        store: cache,
+        memory: arguments.memory.limit(),
         progress,
-    )?;
-    // Without it the report of an earlier run would lose its intervals.
-    let study = Known::of(cache, &design, &OwnShot::parse(&bundle.json)?).transpose();
-    if let Some(study) = study {
-        super::run::add_study(&folder, study.as_ref(), &bundle)?;
-    }
-    checks.extend(bundle.checks.into_iter().map(|check| check.of(&name)));
-    Ok((Finished::parse(&folder, &bundle.json)?, Some(folder)))
+    };
+    let artifacts = delivery.deliver()?.artifacts;
+    checks.extend(artifacts.checks.into_iter().map(|check| check.of(&name)));
+    Ok((Finished::parse(&folder, &artifacts.json)?, Some(folder)))
 }
 
 /// The name, followed by a number if another result of the comparison has it.
@@ -287,6 +283,9 @@ fn text(comparison: &Comparison, bands: bool, intervals: bool) -> String {
         .map(|row| level_row(&row.source, &row.levels))
         .chain([level_row("total", &comparison.total)]);
     text.push_str(&table(&with_changes("source"), &sources.collect::<Vec<_>>()));
+    if let Some(intervals) = comparison.intervals() {
+        text.push_str(&format!("\nintervals of the levels\n\n{}", with_legend(&intervals)));
+    }
     for row in &comparison.sources {
         let methods: Vec<&str> = row.methods.iter().flatten().map(String::as_str).collect();
         if methods.windows(2).any(|pair| pair[0] != pair[1]) {

@@ -10,9 +10,7 @@ use crate::graph::Graph;
 use crate::stages::Progress;
 use crate::stages::cycle::Cycle;
 use crate::stages::outcomes::{Outcomes, ShotOutcome};
-use crate::study::{self, Draws, OneAtATime, Request, StudyResult, Tally, taking_part};
-
-use super::intervals::serving;
+use crate::study::{self, Draws, OneAtATime, Request, Serving, StudyResult, Tally, taking_part};
 
 /// Interval of the samples of cycles that are read only for the depth \[s\].
 const SAMPLES: f64 = 1e-3;
@@ -55,8 +53,8 @@ impl Effects {
     /// Effects on the total from a known study of a design; without one, one input at a time if `compute`, else the
     /// effects on the depth of the nail.
     pub(super) fn of(graph: &Graph, design: &Design, compute: bool, progress: &Progress) -> Result<Self, Error> {
-        let known = serving(graph.store(), design)?;
-        match known.and_then(|(found, _)| Self::of_study(&found.result)) {
+        let known = Serving::of(graph.store(), design)?;
+        match known.and_then(|serving| Self::of_study(&serving.result)) {
             Some(found) if !compute => Ok(found.described(design)),
             _ if compute => Ok(Self::computed(graph, design, progress)?.described(design)),
             _ => Ok(Self::on_depth(graph, design)?.described(design)),

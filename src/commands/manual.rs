@@ -3,11 +3,11 @@
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-use clap::{Args, Command, CommandFactory as _};
+use clap::{Args, Command};
 use clap_mangen::Man;
 
+use super::print;
 use super::user_folders::{beside_the_program, data};
-use super::{Cli, print};
 use crate::error::Error;
 use crate::staging::Staging;
 
@@ -29,8 +29,8 @@ pub(super) struct Arguments {
     out: Option<PathBuf>,
 }
 
-pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
-    let mut program = Cli::command().disable_help_subcommand(true);
+pub(super) fn execute(arguments: &Arguments, program: Command) -> Result<ExitCode, Error> {
+    let mut program = program.disable_help_subcommand(true);
     program.build();
     if !arguments.install && arguments.out.is_none() {
         let mut page = &program;

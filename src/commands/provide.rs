@@ -15,7 +15,7 @@ use crate::shipped;
 use crate::stages::Progress;
 use crate::staging;
 use crate::store::Store;
-use crate::study::{Draws, ProvidedStudy, Request, StudyResult};
+use crate::study::{self, ProvidedStudy, Request};
 
 /// Draws of a provided study at least: the pages and the intervals of `run` rest on them.
 const FEWEST: usize = 128;
@@ -65,24 +65,6 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
         progress: progress(),
     };
     studies.provide()
-}
-
-/// What made a study, in words.
-pub(super) fn command(path: &str, result: &StudyResult, options: &str) -> String {
-    format!(
-        "nailnoise study designs/{path} -n {} --seed {}{options}",
-        result.draws, result.seed
-    )
-}
-
-/// Writes a study of the shipped design of this path.
-pub(super) fn write(
-    file: &Path,
-    (path, command): (&str, &str),
-    (design, result, made): (&Design, &StudyResult, &Draws),
-) -> Result<(), Error> {
-    let text = ProvidedStudy::new(path, design, command, result, made)?.file()?;
-    staging::write(file, text.as_bytes())
 }
 
 /// Name of the file of a design's study: `quieter/muffler.toml` has `quieter-muffler.json`.
@@ -162,16 +144,18 @@ impl Studies<'_> {
                 return Ok(Current::Unchanged);
             }
             let few = Request::new(REPEATED.min(request.draws), request.seed);
-            let (_, made) = super::study::compute(&self.store, design, &few, &self.progress)?;
+            let (_, made) = study::study(&self.store, design, &few, &self.progress)?;
             if let Some(renewed) = there.renewed(&made) {
                 staging::write(&file, renewed.file()?.as_bytes())?;
                 return Ok(Current::Renewed);
             }
             self.progress.note(&format!("{path}: the levels have changed"));
         }
-        let (result, made) = super::study::compute(&self.store, design, request, &self.progress)?;
+        let (result, made) = study::study(&self.store, design, request, &self.progress)?;
         let result = result.with_surrogates(design, &made);
-        write(&file, (path, &command(path, &result, "")), (design, &result, &made))?;
+        let command = super::study::command(path, &result, "");
+        let provided = ProvidedStudy::new(path, design, &command, &result, &made)?;
+        staging::write(&file, provided.file()?.as_bytes())?;
         Ok(Current::Made(result.candidates.failures))
     }
 }

@@ -17,9 +17,9 @@ use crate::error::Error;
 use crate::graph::Graph;
 use crate::headline::{self, Headline};
 use crate::stages::Progress;
-use crate::staging::Staging;
+use crate::staging::{self, Staging};
 use crate::store::Store;
-use crate::study::{self, Draws, Estimate, Part, Request, StudyResult};
+use crate::study::{self, Draws, Estimate, Part, ProvidedStudy, Request, StudyResult};
 use crate::{figures, report, shipped};
 
 /// The last file to be written, so that a folder with it has all the rest.
@@ -194,7 +194,7 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
     if let (Some(task), Some(folder)) = (arguments.task, &arguments.store) {
         return execute_task(
             task,
-            &draws(&store, &design, &request, &progress)?.0,
+            &study::draws(&Graph::quiet(&store, progress.observer()), &design, &request, &progress)?,
             folder,
             common.json,
             &progress,
@@ -211,7 +211,7 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
             };
             cluster.fill("study-on", (common, &design), &arguments_of(&request))?;
         }
-        let (result, made) = compute(&store, &design, &request, &progress)?;
+        let (result, made) = study::study(&store, &design, &request, &progress)?;
         // If candidates run out, more draws are useless.
         if request.draws >= most
             || result.draws < request.draws
@@ -319,8 +319,9 @@ fn provide(
         .structures
         .map_or_else(String::new, |each| format!(" --structures={each}"));
     let groups = if arguments.groups { " --groups" } else { "" };
-    let command = super::provide::command(path, result, &format!("{structures}{groups}"));
-    super::provide::write(file, (path, &command), (design, result, made))
+    let command = command(path, result, &format!("{structures}{groups}"));
+    let provided = ProvidedStudy::new(path, design, &command, result, made)?;
+    staging::write(file, provided.file()?.as_bytes())
 }
 
 /// A request in the words of the Python package.
@@ -357,31 +358,10 @@ fn execute_task(task: Task, made: &Draws, folder: &Path, json: bool, progress: &
     Ok(ExitCode::SUCCESS)
 }
 
-/// The requested draws, and the graph that made them.
-fn draws(store: &Store, design: &Design, request: &Request, progress: &Progress) -> Result<(Draws, Graph), Error> {
-    let graph = Graph::quiet(store, progress.observer());
-    Ok((study::draws(&graph, design, request, progress)?, graph))
-}
-
-/// A study of a design, stored for later runs, and its draws.
-pub(super) fn compute(
-    store: &Store,
-    design: &Design,
-    request: &Request,
-    progress: &Progress,
-) -> Result<(StudyResult, Draws), Error> {
-    let (made, graph) = draws(store, design, request, progress)?;
-    if request.part == Part::Kept && !made.failures.is_empty() {
-        return Err(Error::NotCollected {
-            missing: made.failures.len(),
-            draws: made.failures.len() + made.draws.len(),
-            store: store.folder().map(Path::to_owned).unwrap_or_default(),
-        });
-    }
-    progress.stage("levels of the design itself");
-    let nominal = study::nominal(&graph, design, request)?;
-    progress.stage("statistics");
-    let result = StudyResult::new(design, request, &made, nominal.as_deref());
-    study::keep(store, design, &result, &made)?;
-    Ok((result, made))
+/// What made a study, in words.
+pub(super) fn command(path: &str, result: &StudyResult, options: &str) -> String {
+    format!(
+        "nailnoise study designs/{path} -n {} --seed {}{options}",
+        result.draws, result.seed
+    )
 }

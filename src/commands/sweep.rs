@@ -12,6 +12,7 @@ use super::run::delivered;
 use super::study_text::probability;
 use super::table::{decibels, table};
 use super::{Common, Keeping, print, print_json, progress, status_of};
+use crate::artifacts::Delivery;
 use crate::error::Error;
 use crate::figures::{self, Chart};
 use crate::graph::Graph;
@@ -110,15 +111,17 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
             let Some(name) = &point.folder else { continue };
             progress.note(&format!("films of {name}"));
             let design = at_point(base, &arguments.vary, &point.values)?;
-            let delivered = delivered(
-                &design,
-                &folder.join(name),
-                films,
-                graph.store().clone(),
-                limit,
-                &progress,
-            )?;
-            checks.extend(delivered.checks);
+            let (_, own) = delivered(&Delivery {
+                design: &design,
+                folder: &folder.join(name),
+                exports: films,
+                screening: false,
+                printer: super::run::printed,
+                store: graph.store(),
+                memory: limit,
+                progress: &progress,
+            })?;
+            checks.extend(own);
         }
     }
     let staging = Staging::within(&folder)?;

@@ -5,12 +5,13 @@
 
 mod consistency;
 mod finished;
+mod intervals;
 mod ranges;
 
 use serde::Serialize;
 
 use crate::model::sources;
-use crate::result::{RankedSource, TOTAL};
+use crate::result::{RankedSource, StudySummary, TOTAL};
 use crate::stages::headline::{Headline, unlike};
 use crate::wording::{Placed, unit_of_figure};
 
@@ -41,6 +42,8 @@ pub struct Comparison {
     pub sources: Vec<SourceRow>,
     /// A-weighted level of all sources together \[dB re 1 pW s\].
     pub total: Levels,
+    /// Intervals of the levels of each design by the study that serves it; null without one.
+    pub studies: Vec<Option<StudySummary>>,
     /// Sources of each design, loudest first.
     pub rankings: Vec<Vec<String>>,
     /// Figures of the cycle, SI units.
@@ -205,6 +208,7 @@ impl Comparison {
             unlike,
             sources: sources.iter().map(|source| source_row(source, results)).collect(),
             total: Levels::new(each(&|r| r.total.lwa_db)),
+            studies: results.iter().map(Finished::study).collect(),
             rankings: results
                 .iter()
                 .map(|r| r.ranking.iter().map(|s| s.source.clone()).collect())

@@ -5,9 +5,9 @@ use std::path::Path;
 use nailnoise_fem::{Material, ModalCost, modes_below};
 use nailnoise_meshes::{Tool, Worktable};
 
-use super::{Remedy, StageCost, below_hz};
+use super::stage::{Remedy, StageCost};
 use crate::design::Design;
-use crate::design::inputs::bodies::geometry;
+use crate::design::inputs::bodies::{below_hz, geometry};
 use crate::error::Error;
 use crate::stages::bodies::{BodyKind, MeshSource, PartMaterials};
 

@@ -76,7 +76,7 @@ pub struct Part {
 
 impl Part {
     /// A part within polygons.
-    pub(super) fn new(name: &'static str, material: Material, polygons: Vec<Vec<Point>>) -> Self {
+    pub(crate) fn new(name: &'static str, material: Material, polygons: Vec<Vec<Point>>) -> Self {
         Self {
             name,
             material,
@@ -200,7 +200,7 @@ impl Annotation {
     }
 
     /// A dot on what the key is of.
-    pub(super) fn dot(key: &'static str, side: Side, at: Point) -> Self {
+    pub(crate) fn dot(key: &'static str, side: Side, at: Point) -> Self {
         Self::new(key, side, at, vec![Mark::Dot(at)])
     }
 
@@ -211,7 +211,7 @@ impl Annotation {
 
     /// A horizontal dimension line at the height z between two abscissas, and extension lines from the heights where they are
     /// measured.
-    pub(super) fn across(key: &'static str, side: Side, [a, b]: [f64; 2], z: f64, from: [f64; 2]) -> Self {
+    pub(crate) fn across(key: &'static str, side: Side, [a, b]: [f64; 2], z: f64, from: [f64; 2]) -> Self {
         let marks = vec![
             Mark::Span([[a, z], [b, z]]),
             Mark::Extension([[a, from[0]], [a, z]]),
@@ -223,7 +223,7 @@ impl Annotation {
 
     /// A vertical dimension line at the abscissa x between two heights, and extension lines from the abscissas where they are
     /// measured.
-    pub(super) fn upright(key: &'static str, side: Side, [a, b]: [f64; 2], x: f64, from: [f64; 2]) -> Self {
+    pub(crate) fn upright(key: &'static str, side: Side, [a, b]: [f64; 2], x: f64, from: [f64; 2]) -> Self {
         let marks = vec![
             Mark::Span([[x, a], [x, b]]),
             Mark::Extension([[from[0], a], [x, a]]),
@@ -357,7 +357,7 @@ pub fn corners(outline: &Outline) -> Vec<Point> {
 }
 
 /// The corners of a rectangle between two abscissas and two heights.
-pub(super) fn rectangle([left, right]: [f64; 2], [bottom, top]: [f64; 2]) -> Vec<Point> {
+pub(crate) fn rectangle([left, right]: [f64; 2], [bottom, top]: [f64; 2]) -> Vec<Point> {
     vec![[left, bottom], [right, bottom], [right, top], [left, top]]
 }
 

@@ -11,6 +11,34 @@ use super::sheet::{KEY_TYPE, MARGIN, MM, Placed, Sheet, VALUE_TYPE, WIDTH, value
 use super::standing::Standing;
 use super::{Drawing, STYLE};
 
+impl Drawing {
+    /// All views below each other as one SVG file.
+    pub fn svg(&self) -> String {
+        file(self, &[])
+    }
+
+    /// The views of these names below each other as one SVG file.
+    pub fn svg_of(&self, names: &[&str]) -> String {
+        file(self, names)
+    }
+
+    /// The views as figures for a page that contains [`STYLE`], with their titles.
+    pub(crate) fn figures(&self) -> Vec<(String, Markup)> {
+        self.sheets()
+            .iter()
+            .map(|sheet| (sheet.view.title.clone(), figure(sheet)))
+            .collect()
+    }
+
+    /// The legend of provenances.
+    pub(crate) fn legend(&self) -> Vec<(Standing, Markup)> {
+        let mut standings: Vec<Standing> = self.shown().iter().map(|label| label.standing).collect();
+        standings.sort();
+        standings.dedup();
+        standings.into_iter().map(|own| (own, sample(own))).collect()
+    }
+}
+
 /// Space between the views of a file.
 const BETWEEN: f64 = 26.0;
 /// Length and half width of an arrow head.

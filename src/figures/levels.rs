@@ -4,8 +4,8 @@
 use nailnoise_acoustics::levels::{energy_level, level_energy};
 use nailnoise_dynamics::CycleRecord;
 
-use super::BLACK;
 use super::chart::{Axis, Chart, Panel, Series, Shape, events, symbol};
+use super::palette::BLACK;
 use crate::model::sources::{ALL, by_name};
 use crate::output::event_name;
 use crate::result::{BandLevel, IntervalLevel, RunResult};

@@ -1,8 +1,8 @@
 //! Charts of a wrapping test: levels with uncertainty, bands as recorded and corrected, intervals, signals with markers.
 
-use super::BLACK;
 use super::chart::{Axis, Chart, Event, Panel, Series, Shape, symbol};
 use super::levels::{SHOWN, in_palette};
+use super::palette::BLACK;
 use crate::measurement::lines::BEFORE;
 use crate::measurement::markers::{MARKERS, STANDARD_GRAVITY};
 use crate::measurement::processing::Measured;

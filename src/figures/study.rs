@@ -1,8 +1,8 @@
 //! Charts of a study: intervals of levels, probabilities of orders, deciding inputs, convergence.
 
-use super::BLACK;
 use super::chart::{Axis, Chart, Panel, Series, Shape};
 use super::levels::{SHOWN, in_palette};
+use super::palette::BLACK;
 use crate::study::{
     Axis as SweepAxis, Contributions, Draws, Estimate, InputChanges, Kind, LabelledStudy, OneAtATime, Quantiles,
     StudyResult, SweptPoint, column, levels_of,

@@ -8,7 +8,7 @@ use nailnoise_meshes::vtu::{self, Field, Grid};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use super::FIELDS;
+use super::file::FIELDS;
 use crate::error::Error;
 use crate::stages::bodies::BodyKind;
 use crate::stages::sound_fields::Fields;

@@ -6,7 +6,7 @@ use super::chart::markup;
 use super::head::capitalised;
 use super::page::{Page, Section};
 use super::sound::{self, Recording};
-use super::tables::{decibels, plain, with_code};
+use super::tables::{decibels, plain, with_code, with_legend};
 use crate::comparison::{Comparison, Labelled, Levels, SourceRow, ValueRow};
 use crate::figures::{Axis, Chart, Panel, Series, Shape, from_event, of_design};
 use crate::output::event_name;
@@ -199,7 +199,10 @@ fn levels(c: &Comparison) -> Markup {
                 @for db in levels.change_db.iter().skip(1) { td.n { (change(*db)) } }
             } } }
         } }
-        p.quiet { "How sure a level is depends on the values of its design first: " code { "nailnoise compare --draws" } " states the interval of each change." }
+        @if let Some(intervals) = c.intervals() { h3 { "Intervals of the levels" } (with_legend(&intervals)) }
+        @else {
+            p.quiet { "How sure a level is depends on the values of its design first: " code { "nailnoise compare --draws" } " states the interval of each change." }
+        }
         @for row in &c.sources {
             @let methods: Vec<&str> = row.methods.iter().flatten().map(String::as_str).collect();
             @if methods.windows(2).any(|pair| pair[0] != pair[1]) {

@@ -4,6 +4,7 @@ use maud::{Markup, html};
 
 use super::chart::markup;
 use super::page::{Page, Section};
+
 use crate::figures::{Axis, BLACK, Chart, Panel, Series, Shape};
 use crate::virtual_test::comparison::{ComparedQuantity, MeasuredComparison};
 use crate::wording::drawn_structures;

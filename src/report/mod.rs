@@ -12,6 +12,7 @@ mod compared;
 mod declared;
 mod drawing;
 mod head;
+mod intervals;
 mod legend;
 mod measured;
 mod measurement;
@@ -47,18 +48,20 @@ use crate::virtual_test::comparison::MeasuredComparison;
 pub(crate) use head::{capitalised, missed as missed_shot};
 pub use sound::Recording;
 
+pub use intervals::Intervals;
 pub(crate) use page::compared_by;
 use page::{Page, Section};
 use surface::ColouredSurface;
 pub use surface::Surroundings;
 
 /// Keys of a result with a dedicated form in the report.
-const SHOWN: [&str; 18] = [
+const SHOWN: [&str; 19] = [
     "schema",
     "design",
     "inputs",
     "ranking",
     "total",
+    "study",
     "outcome",
     "headline",
     "cycle",
@@ -258,21 +261,6 @@ fn surfaces(result: &RunResult, pictures: &Pictures, view: &str) -> Markup {
         (PreEscaped(view))
         @if !without.is_empty() { p.quiet { "Sources without a vibrating surface in this model: " (without.join(", ")) "." } }
     }
-}
-
-/// Intervals of the levels of a run, as the command prints them.
-pub struct Intervals {
-    /// Headings of interval and probability.
-    pub headings: [String; 2],
-    /// Source or total, interval \[dB\] and probability of being the loudest.
-    pub rows: Vec<[String; 3]>,
-    /// Contents and omissions of the columns.
-    pub legend: String,
-}
-
-/// The report of a run with the intervals of its levels, which follow from a study and not from the run.
-pub fn with_intervals(report: &str, intervals: &Intervals) -> String {
-    tables::with_intervals(report, intervals)
 }
 
 /// The report of a study with these charts.

@@ -2,7 +2,7 @@
 
 use nailnoise_dynamics::{CycleError, CycleRecord, Outcome};
 
-use super::PSI;
+use super::tool::PSI;
 use crate::chain;
 use crate::design::{Design, inputs};
 use crate::error::Error;

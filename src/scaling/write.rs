@@ -8,8 +8,8 @@ use nailnoise_quantities::{Group as _, Kind};
 use super::error::{ScalingError, broken};
 use super::fastener::Fastener;
 use super::rules::{Ratios, Rule, Rules};
+use super::tool::{Chosen, PSI, RATED, Tool};
 use super::trial::Setting;
-use super::{Chosen, PSI, RATED, Tool};
 use crate::design::{Design, Entry, Value, quantity_in_words};
 use crate::shipped::file_name;
 

@@ -9,6 +9,7 @@
 mod checksum;
 mod claim;
 mod entry;
+mod error;
 mod folder;
 mod key;
 mod replace;
@@ -24,7 +25,8 @@ pub(crate) use checksum::{Checksum, checksum};
 pub use claim::Claim;
 use claim::{Patience, Unclaimed};
 pub use entry::Damage;
-pub use folder::{LIMIT, Obstacle, StoreError};
+pub use error::{Obstacle, StoreError};
+pub use folder::{LIMIT, Listed};
 pub use key::Key;
 
 use crate::stages::{Codec, Digest};
@@ -79,19 +81,6 @@ impl Place {
         };
         Ok(())
     }
-}
-
-/// An entry as it lies in the folder.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Listed {
-    /// The file.
-    pub path: PathBuf,
-    /// The stage that computed it.
-    pub stage: String,
-    /// Its size \[bytes\].
-    pub bytes: u64,
-    /// When it was last written or read.
-    pub used: SystemTime,
 }
 
 /// The key of an entry: that of the stage's output, and the code that lays values out in bytes. Programs that lay them out

@@ -4,12 +4,14 @@ use nailnoise_acoustics::levels::{REFERENCE_PRESSURE, Weighting};
 use schemars::JsonSchema;
 use serde::Serialize;
 
-use super::BACKGROUND_HZ;
 use super::sources::energies;
 use crate::error::Error;
 use crate::measurement::arrangement::Arrangement;
 use crate::measurement::lines::{Bands, LENGTH, OneSecond};
 use crate::measurement::wrapping::{Wrapping, configurations, separated, sources};
+
+/// Range of the background noise, of equal energy in each third octave \[Hz\].
+pub(super) const BACKGROUND_HZ: [f64; 2] = [20.0, 20e3];
 
 /// Levels of a wrapping test by energies \[dB re 1 pW s, A-weighted\]; `None` where nothing is left.
 #[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]

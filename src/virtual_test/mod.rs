@@ -18,14 +18,14 @@ use rayon::prelude::*;
 
 use crate::chain::{Chain, Options};
 use crate::design::inputs::{self, located};
-use crate::design::{Design, SupportKind, Value};
+use crate::design::{Design, Value};
 use crate::error::Error;
 use crate::graph::Graph;
 use crate::measurement::arrangement::Arrangement;
 use crate::measurement::lines::BEFORE;
-use crate::measurement::manifest::Setup;
 use crate::measurement::recordings::Shot;
 use crate::measurement::wrapping::{Configuration, InsertionLoss, Role, Wrapping};
+use crate::model::supports;
 use crate::stages::Input;
 use crate::stages::microphones::Heard;
 use crate::stages::microphones::noise::{normal, under_envelope};
@@ -38,9 +38,6 @@ use sources::Synthesis;
 /// Frequencies between which the losses of wraps and of the muffler rise \[Hz\].
 const WRAP_HZ: [f64; 2] = [125.0, 4000.0];
 const MUFFLER_HZ: [f64; 2] = [50.0, 400.0];
-
-/// Range of the background noise, of equal energy in each third octave \[Hz\].
-const BACKGROUND_HZ: [f64; 2] = [20.0, 20e3];
 
 /// Time over which the end of a sensor's record falls to zero \[s\].
 const FADE: f64 = 5e-3;
@@ -66,16 +63,10 @@ pub fn wrapping(design: &Design) -> Wrapping {
 /// # Errors
 /// [`Error::NoTestSetup`] for a support that the standard does not have; those of the air.
 pub fn arrangement(design: &Design) -> Result<Arrangement, Error> {
-    let setup = match design.support.kind {
-        SupportKind::Worktable => Setup::Worktable,
-        SupportKind::Sandbox => Setup::Sandbox,
-        SupportKind::Floor | SupportKind::Clamped | SupportKind::Springs => {
-            return Err(Error::NoTestSetup {
-                design: design.name().to_owned(),
-                support: design.support.kind.as_str(),
-            });
-        }
-    };
+    let setup = supports::of(design).test_setup().ok_or_else(|| Error::NoTestSetup {
+        design: design.name().to_owned(),
+        support: design.support.kind.as_str(),
+    })?;
     let array = inputs::microphones::array(design)?;
     let [x, y, plane] = array.foot;
     let names = inputs::sensors::accelerometers(design)?;
@@ -345,7 +336,7 @@ impl<'a> VirtualTest<'a> {
         let rate = self.synthesis.rate;
         let scale = exact::background_density(level) * samples as f64 / rate;
         let density = |hz: f64| {
-            if (BACKGROUND_HZ[0]..=BACKGROUND_HZ[1]).contains(&hz) {
+            if (exact::BACKGROUND_HZ[0]..=exact::BACKGROUND_HZ[1]).contains(&hz) {
                 scale / hz
             } else {
                 0.0

@@ -2,7 +2,7 @@
 
 use nailnoise::Design;
 use nailnoise::stages::bodies::{Body, BodyKind, MovingSurface};
-use nailnoise::stages::radiation::Covered;
+use nailnoise::stages::radiation::{CoveredFaces, OpenFaces};
 use nailnoise_acoustics::Air;
 use nailnoise_acoustics::radiation::ModalRadiation;
 use nalgebra::{Complex, DMatrix, SymmetricEigen};
@@ -110,9 +110,9 @@ fn a_shot_through_a_board_passes_all_checks_and_moves_both_pieces() {
 
 #[test]
 fn the_faces_of_a_joint_radiate_nothing() {
-    let covered = Covered {
+    let covered = CoveredFaces {
+        workpiece: OpenFaces::AboveUnderside,
         half_sides: [0.1, 0.1],
-        underside_open: false,
     };
     // A rise at unit speed.
     let power = |text: &str| {

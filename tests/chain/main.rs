@@ -13,6 +13,7 @@ mod graph;
 mod joint;
 mod laws;
 mod layering;
+mod modules;
 mod radiation;
 mod requirements;
 mod sensitivity;

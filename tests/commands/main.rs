@@ -22,4 +22,5 @@ mod report;
 mod run;
 mod study;
 mod sweep;
+mod verify;
 mod watch;

@@ -5,7 +5,6 @@
 //! unsteady outflow is a monopole. Inward flow radiates no sound in this model. [`ExhaustNoise::at`] gives the exposure
 //! at a microphone near a jet and above a floor, and [`ExhaustNoise::sound_at`] the signal there.
 
-mod cross_check;
 mod directivity;
 pub(crate) mod error;
 mod fitting;
@@ -22,8 +21,8 @@ mod screech;
 mod shock;
 mod similarity;
 mod sound;
+mod valve;
 
-pub use cross_check::{ValveNoise, valve_noise_energy};
 pub use directivity::MixingDirectivity;
 pub use error::ExhaustError;
 pub use fitting::PipeFitting;
@@ -39,3 +38,4 @@ pub use screech::{screech_frequency, screech_track};
 pub use shock::{shock_peak_frequency, shock_power};
 pub use similarity::fine_scale_shape;
 pub use sound::Recording;
+pub use valve::{FlowRegime, ValveFlow, ValveNoise, ValveSound};

@@ -7,13 +7,17 @@
 mod boundary_elements;
 mod fluid_loading;
 mod flush;
+mod loading_report;
+mod moving_body;
 mod report;
 mod separate;
 mod sphere;
 
 pub use boundary_elements::FADE_OCTAVES;
-pub use fluid_loading::{FluidLoading, FluidLoads, Loading};
+pub use fluid_loading::{FluidLoads, Loading};
 pub use flush::FlushRadiator;
+pub use loading_report::FluidLoading;
+pub use moving_body::MovingBody;
 pub use report::{ModeShare, RadiationBand, RadiationReport, Uncertainty};
 pub use separate::SeparateBodies;
 pub use sphere::RigidSphere;
@@ -72,25 +76,6 @@ pub enum Detail {
     Levels,
     /// The comparisons of a report, too: other methods, shares of the modes, fluid loading.
     Report,
-}
-
-/// A body in motion.
-#[derive(Debug, Clone, Copy)]
-pub struct MovingBody<'a> {
-    /// Its name.
-    pub name: &'static str,
-    /// Angular frequencies of its modes, then of its static corrections \[rad/s\].
-    pub omega: &'a [f64],
-    /// How many of these are modes.
-    pub modes: usize,
-    /// Damping ratio of its structure \[-\].
-    pub zeta: f64,
-    /// The effects of the fluid on each, if known.
-    pub loads: Option<&'a FluidLoads>,
-    /// The part of them that acts on its motion.
-    pub acts: Loading,
-    /// Fourier transforms of the modal accelerations.
-    pub spectra: &'a ModalSpectra,
 }
 
 /// The sound of a radiator.
@@ -162,7 +147,7 @@ fn mode_shares(bodies: &[MovingBody<'_>], energies: &[f64]) -> Vec<ModeShare> {
                     .filter(|_| body.acts.damps())
                     .map(|loads| loads.damping[number]),
                 added_mass: mass(number),
-                shift_hz: mass(number).map(|mass| fluid_loading::shift(mass) * omega / TAU),
+                shift_hz: mass(number).map(|mass| loading_report::shift(mass) * omega / TAU),
                 share: energy / total,
             });
         }

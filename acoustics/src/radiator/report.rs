@@ -1,6 +1,6 @@
 //! The second evaluation of a source's power, the share of each mode, and the uncertainty of the method.
 
-use super::fluid_loading::FluidLoading;
+use super::loading_report::FluidLoading;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::borrow::Cow;

@@ -7,3 +7,4 @@ mod muffler;
 mod noise;
 mod receiver;
 mod scaling;
+mod valve;

@@ -3,9 +3,11 @@
 use nailnoise_acoustics::InputError;
 use nailnoise_acoustics::levels::LevelsError;
 use nailnoise_acoustics::levels::{
-    Band, SourceSpectrum, Weighting, band_containing, bands_of, energy_level, level_energy, rank, third_octaves,
+    Band, REFERENCE_PRESSURE, SourceSpectrum, Weighting, band_containing, bands_of, energy_level, exposure_level,
+    level_energy, peak_level, rank, third_octaves,
 };
 use proptest::prelude::*;
+use std::f64::consts::PI;
 
 fn ripple() -> SourceSpectrum {
     let frequency: Vec<f64> = (1..4000).map(|k| f64::from(k) * 5.3).collect();
@@ -267,4 +269,32 @@ fn bands_of_every_range_sum_to_its_total() {
     assert_eq!(bands_of([Band::new(-13).low, Band::new(13).high]).len(), 27);
     assert_eq!(bands_of([40.0, 25_000.0]).len(), 29);
     assert_eq!(bands_of([0.0, f64::INFINITY]).len(), 27);
+}
+
+#[test]
+fn filters_find_a_pink_spectrum_as_their_bandwidth_says() {
+    let frequency: Vec<f64> = (1..60_000).map(f64::from).collect();
+    let density = frequency.iter().map(|f| 1.0 / f).collect();
+    let pink = SourceSpectrum::new("pink", "given", frequency, density, [1.0, 60_000.0]).unwrap();
+    let (filtered, exact) = (pink.filter_levels([1.0, 60_000.0]), pink.band_levels([1.0, 60_000.0]));
+    // Below 50 Hz the samples are too widely spaced; above 10 kHz the spectrum ends within the filters.
+    let dense = filtered
+        .iter()
+        .zip(&exact)
+        .filter(|(f, _)| (-13..11).contains(&f.band.index));
+    for (f, e) in dense {
+        let deviation = f.lw.unwrap() - e.lw.unwrap();
+        assert!((0.1..0.3).contains(&deviation), "{}: {deviation}", f.band.hz);
+    }
+}
+
+#[test]
+fn a_peak_between_samples_is_found() {
+    // Samples of a 24 kHz / 4 tone that miss its crests by an eighth of a period.
+    let record: Vec<f64> = (0..4800).map(|i| (PI / 2.0 * (f64::from(i) + 0.5)).sin()).collect();
+    let peak = peak_level(&record, 1.0 / 24_000.0, Weighting::Z).unwrap().unwrap();
+    let sampled = 20.0 * (0.5f64.sqrt() / REFERENCE_PRESSURE).log10();
+    assert!(peak > sampled + 2.9, "{peak} {sampled}");
+    assert_eq!(peak_level(&[0.0; 100], 1e-4, Weighting::C).unwrap(), None);
+    assert!(exposure_level(&[f64::NAN], 1e-4, Weighting::A).is_err());
 }

@@ -5,7 +5,6 @@ mod common;
 
 mod air;
 mod compact;
-mod conformance;
 mod energy;
 mod fourier;
 mod intervals;

@@ -15,7 +15,7 @@ use nailnoise_quantities::dimension::{ENERGY, MASS, NUMBER};
 use nalgebra::DMatrix;
 use serde::Serialize;
 
-use super::within;
+use super::limits::within;
 use crate::chain;
 use crate::commands::progress::note;
 use crate::commands::table::{fixed, table};

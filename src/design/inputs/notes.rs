@@ -1,33 +1,12 @@
-//! Inputs of the notes: support and values outside their ranges, in words.
+//! Inputs of the notes: the fitted law, and values outside their ranges, in words.
 
 use nailnoise_dynamics::CycleRecord;
 use nailnoise_dynamics::prf::fit::{Placement, Variable};
 
 use super::cycle::{conditions, fitted_law as law_of};
-use super::radiation::{cap, workpiece_floor};
-use crate::design::{Convention, Design, SupportKind, VentSource, Warning};
+use super::radiation::cap;
+use crate::design::{Convention, Design, VentSource, Warning};
 use crate::error::Error;
-
-/// Support of the workpiece.
-pub(crate) fn support(design: &Design) -> String {
-    let support = &design.support;
-    match support.kind {
-        SupportKind::Worktable => format!("workpiece on worktable {}", support.worktable.preset.as_str()),
-        SupportKind::Sandbox => "workpiece in sand".to_owned(),
-        SupportKind::Floor => "workpiece alone on a rigid floor, its underside silent".to_owned(),
-        SupportKind::Clamped => "workpiece alone, its underside held on a rigid floor".to_owned(),
-        SupportKind::Springs if support.clearance > 0.0 => format!(
-            "workpiece alone on its springs, its underside {:.3} m above the floor{}",
-            support.clearance,
-            if workpiece_floor(design).is_some() {
-                ""
-            } else {
-                ", which is left out of its power"
-            }
-        ),
-        SupportKind::Springs => "workpiece alone on its springs and the floor, its underside silent".to_owned(),
-    }
-}
 
 /// Parts that count to another source by the convention of wrapping; none by the physical one.
 pub(crate) fn convention(design: &Design) -> Option<String> {

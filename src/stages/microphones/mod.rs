@@ -5,6 +5,7 @@ mod completion;
 mod continuation;
 mod ear;
 pub(crate) mod noise;
+mod received;
 mod sources;
 
 use nailnoise_acoustics::Air;
@@ -20,8 +21,8 @@ use crate::result::{
 };
 use bands::{Integration, Spectra, bands, density, integrals, within};
 pub(crate) use continuation::Continuation;
+use received::{Part, Received};
 pub use sources::{JetOutlet, ToolSphere};
-use sources::{Part, Received};
 
 /// Reference exposure (20 uPa)² s \[Pa² s\] over reference energy 1 pW s and reference area 1 m²: 400 Pa s/m, which
 /// replaces the impedance of air in L_W = L_p + 10 lg S.

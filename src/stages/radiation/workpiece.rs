@@ -11,19 +11,16 @@ use nailnoise_acoustics::bem::{
 };
 use nailnoise_acoustics::radiation::{Erp, RadiatingSurface};
 use nailnoise_acoustics::{AcousticsError, Air};
-use nailnoise_meshes::{JOINT, Surface, open_faces};
-use nalgebra::{DMatrix, Point3};
+use nailnoise_meshes::{Surface, open_faces};
+use nalgebra::DMatrix;
 use serde::Serialize;
 
 use super::boundary_elements::{LOWEST_SAMPLE, MOST_AT_GAPS, MeshRanges, Places, Resolution, Solution};
+use super::covered::{CoveredFaces, OpenFaces, WORKPIECE, WORKTABLE};
 use super::flush::{FlushTop, top_of};
 use crate::error::Error;
 use crate::stages::Progress;
-use crate::stages::bodies::{BodyKind, MovingSurface};
-
-/// Names of the bodies.
-const WORKPIECE: &str = BodyKind::Workpiece.name();
-const WORKTABLE: &str = BodyKind::Worktable.name();
+use crate::stages::bodies::MovingSurface;
 
 /// Tops of the ranges with separate meshes, over the top of all.
 const RANGES: [f64; 4] = [0.16, 0.4, 0.65, 1.0];
@@ -59,7 +56,7 @@ pub enum WorkpieceRadiation {
     /// By boundary elements on block and table as one surface above the floor, or on a block only.
     BoundaryElements(WorkpieceBoundaryElements),
     /// By the equivalent radiated power of each body.
-    Erp(Covered),
+    Erp(CoveredFaces),
     /// By Rayleigh's integral over the block's top, flush with the sand.
     Rayleigh(FlushTop),
 }
@@ -316,38 +313,20 @@ fn solves(levels: &[MeshRange], low: f64, bands: &MeanBands) -> Vec<f64> {
     solves
 }
 
-/// The faces without sound radiation: those where the bodies touch each other or the floor. The walls of cavities
-/// within a body do not radiate either.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct Covered {
-    /// Half the sides of the block's underside, which covers the table's top \[m\].
-    pub half_sides: [f64; 2],
-    /// Whether the block's underside is clear of the floor; even a narrow gap radiates.
-    pub underside_open: bool,
-}
-
-impl Covered {
-    /// Equivalent radiated power of a body.
+impl CoveredFaces {
+    /// Equivalent radiated power of a body. The walls of cavities within a body do not radiate either.
     ///
     /// # Errors
     /// Those of the surface.
     pub fn erp(&self, body: &MovingSurface<'_>, air: &Air) -> Result<Erp, Error> {
-        let hidden = |patch: &str, p: &Point3<f64>| match patch {
-            "bottom" => body.body != WORKPIECE || !self.underside_open,
-            "floor" => true,
-            _ if patch.ends_with("_slave") => true, // tied to another face
-            _ if JOINT.contains(&patch) => true,    // touches the other piece
-            "top" => body.body == WORKTABLE && p.x.abs() < self.half_sides[0] && p.y.abs() < self.half_sides[1],
-            _ => false,
-        };
         let patches = &body.surface.patches;
-        let shown = |patch: usize, point: &Point3<f64>| !hidden(&patches[patch], point);
         // The support of a body closes the bores and tubes that open downwards.
-        let clear = body.body == WORKPIECE && self.underside_open;
+        let clear = body.body == WORKPIECE && self.workpiece == OpenFaces::All;
         let lowest = body.surface.points.iter().map(|p| p.z).fold(f64::INFINITY, f64::min);
         let open = open_faces(body.surface, (!clear).then_some(lowest))?;
         let surface = RadiatingSurface::of_faces(body.surface, body.modes.as_view(), |point| {
-            open[point.face] && shown(body.surface.faces[point.face].patch, &point.position)
+            let patch = &patches[body.surface.faces[point.face].patch];
+            open[point.face] && !self.covers(body.body, patch, &point.position)
         })?;
         Ok(Erp::new(&surface, air))
     }
@@ -363,13 +342,14 @@ mod tests {
     use nailnoise_acoustics::bem::TwoEvaluations;
     use nailnoise_acoustics::radiation::ModalRadiation;
     use nailnoise_meshes::{FaceKind, Grid};
-    use nalgebra::Vector3;
+    use nalgebra::{Point3, Vector3};
 
     use super::*;
     use crate::chain::BodyStages;
     use crate::design::Design;
-    use crate::design::inputs::radiation::{FARTHEST_FLOOR, workpiece_boundary_elements as boundary_elements};
+    use crate::design::inputs::radiation::workpiece_boundary_elements as boundary_elements;
     use crate::graph::Graph;
+    use crate::model::supports::support::FARTHEST_FLOOR;
     use crate::stages::bodies::{Body, BodyKind};
 
     /// The coarse design with boundary elements to 400 Hz and something changed.
@@ -442,9 +422,12 @@ mod tests {
             );
             let surface = Surface::of(&mesh);
             let modes = DMatrix::from_fn(3 * surface.points.len(), 1, |dof, _| f32::from(u8::from(dof % 3 == 2)));
-            let covered = Covered {
+            let covered = CoveredFaces {
+                workpiece: match clear {
+                    true => OpenFaces::All,
+                    false => OpenFaces::AboveUnderside,
+                },
                 half_sides: [1.5; 2],
-                underside_open: clear,
             };
             let body = MovingSurface {
                 body: WORKPIECE,

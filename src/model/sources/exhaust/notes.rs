@@ -1,5 +1,6 @@
 //! What a reader of the levels of the exhaust should know.
 
+use nailnoise_acoustics::exhaust::ValveNoise;
 use nailnoise_dynamics::CycleRecord;
 
 use super::sound::{ExhaustDetails, Muffler, Openings};
@@ -14,10 +15,11 @@ pub(super) fn methods(
     let mut notes = Vec::new();
     if let (Some(jets), Some(valve)) = (exhaust.jets_lw, exhaust.valve_noise_lw) {
         notes.push(format!(
-            "exhaust jets, unweighted and over all frequencies: {jets:.1} dB, by the efficiencies of IEC 60534-8-3 {valve:.1} \
+            "exhaust jets, unweighted and over all frequencies: {jets:.1} dB, by {} as plates with drilled holes {valve:.1} \
              dB. Their difference is the check; the level in the ranking is lower, because it ends at {range_high:.0} Hz and is \
              that behind the muffler, where there is one; {:.0} % of the mixing noise is from jet speeds outside the range of \
              its correlation",
+            ValveNoise::STANDARD,
             100.0 * exhaust.outside_range
         ));
     }

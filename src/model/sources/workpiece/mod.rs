@@ -7,13 +7,15 @@ use nailnoise_acoustics::radiator::Loading;
 use self::sound::{CODE, NAME, WorkpieceRadiated, WorkpieceSound, WorkpieceSource};
 use super::{Compared, ImpedanceComparison, Source, SourceStages};
 use crate::chain::ShotStages;
-use crate::design::{SupportKind, inputs};
+use crate::design::inputs;
 use crate::error::Error;
 use crate::measurement::wrapping::Role;
+use crate::model::supports;
 use crate::result::RadiationReport;
 use crate::stages::apart::Apart;
 use crate::stages::bodies::BodyKind;
 use crate::stages::notes::{SourceNotes, decibels, radiation_note};
+use crate::stages::radiation::OpenFaces;
 use crate::stages::response::{ResponseReport, Vibration};
 use crate::stages::sources::SourceSound;
 use crate::stages::spectra::BodyMotion;
@@ -77,8 +79,8 @@ impl Source for Workpiece {
             .is_some()
             .then(|| energy_of(shot, &shot.motions.driven(0, false).vibration));
         let impedance = (shot.radiators.acts == Loading::Full).then(|| compare_impedances(shot, &own));
-        let support = inputs::notes::support(shot.context.design);
-        let in_sand = shot.context.design.support.kind == SupportKind::Sandbox;
+        let support = supports::of(shot.context.design);
+        let (words, flush) = (support.in_words(), support.open_faces() == OpenFaces::FlushTop);
         Ok(SourceStages {
             source: &Workpiece,
             analysis: shot.analysis(own),
@@ -88,7 +90,7 @@ impl Source for Workpiece {
                 impedance,
                 starts,
             },
-            notes: Box::new(move |sound| Ok(notes(sound, &support, in_sand))),
+            notes: Box::new(move |sound| Ok(notes(sound, &words, flush))),
         })
     }
 }
@@ -132,7 +134,7 @@ fn compare_impedances(shot: &ShotStages<'_>, own: &WorkpieceSound) -> ImpedanceC
     }
 }
 
-fn notes(sound: &SourceSound, support: &str, in_sand: bool) -> SourceNotes {
+fn notes(sound: &SourceSound, support: &str, flush: bool) -> SourceNotes {
     match &sound.source().radiation {
         None => SourceNotes {
             shot: vec![format!(
@@ -143,18 +145,18 @@ fn notes(sound: &SourceSound, support: &str, in_sand: bool) -> SourceNotes {
         },
         Some(report) => SourceNotes {
             shot: Vec::new(),
-            methods: vec![match in_sand {
-                true => flush_note(report),
+            methods: vec![match flush {
+                true => flush_note(support, report),
                 false => radiation_note(support, report),
             }],
         },
     }
 }
 
-/// Radiation of a workpiece in sand, compared with other methods.
-fn flush_note(report: &RadiationReport) -> String {
+/// Radiation of a workpiece whose top is flush with a plane, compared with other methods.
+fn flush_note(support: &str, report: &RadiationReport) -> String {
     format!(
-        "workpiece in sand: Rayleigh's integral at {} frequencies, its power by the intensity on the surface {:+.3} dB to that \
+        "{support}: Rayleigh's integral at {} frequencies, its power by the intensity on the surface {:+.3} dB to that \
          of the waves in all directions; radiation efficiency 1 of the block's top would give {}",
         report.frequencies,
         report.surface_difference_db.unwrap_or(0.0),

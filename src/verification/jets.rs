@@ -1,0 +1,175 @@
+//! A cold subsonic jet of NASA's small hot jet rig, and its scaling to the holes of a nailer.
+
+use nailnoise_acoustics::exhaust::{ExhaustSettings, FlowHistory, Jet, Opening, Outlet, ReceivedNoise, exhaust_noise};
+use nailnoise_acoustics::fourier::TransformSettings;
+use nailnoise_acoustics::levels::{REFERENCE_PRESSURE, Weighting};
+use nailnoise_acoustics::{Air, GAS_CONSTANT, HEAT_RATIO};
+
+use super::row::{Case, Row};
+use crate::error::Error;
+
+const WHOLE: Case = Case {
+    name: "cold jet, setpoint 7, overall",
+    source: RIG,
+};
+
+const SPECTRUM: Case = Case {
+    name: "cold jet, setpoint 7, third octaves",
+    source: RIG,
+};
+
+/// The rig and where its spectra were published.
+const RIG: &str = "NASA small hot jet acoustic rig; spectra with Gryazev et al., AIAA J. 2021, doi 10.2514/1.J060896";
+
+const SCALED: Case = Case {
+    name: "cold jet, scaled to 1 mm at 1 m",
+    source: "setpoint 7 by p² ~ d²/r²; fit to millimetre jets (Maa) in Wei et al., J. Applied Acoustics 38, 378 (2019)",
+};
+
+const DIAMETER: f64 = 0.0508;
+const SPEED: f64 = 302.0;
+const SOUND_SPEED: f64 = 340.0;
+const DISTANCE: f64 = 5.08;
+
+/// Angles from the downstream axis \[degrees\], and overall levels there \[dB\].
+const OVERALL: [[f64; 2]; 2] = [[60.0, 99.6], [90.0, 96.02]];
+
+/// Third octaves, lossless: Strouhal number f d/U, level \[dB\] at 60 and at 90 degrees.
+const BANDS: [[f64; 3]; 28] = [
+    [0.0316, 67.81, 65.40],
+    [0.0398, 70.27, 68.36],
+    [0.0501, 72.49, 70.17],
+    [0.0631, 74.77, 72.00],
+    [0.0794, 77.10, 73.98],
+    [0.1, 79.05, 76.11],
+    [0.1259, 80.85, 77.83],
+    [0.1585, 82.87, 79.31],
+    [0.1995, 84.24, 80.49],
+    [0.2512, 85.22, 81.83],
+    [0.3162, 86.65, 82.19],
+    [0.3981, 87.31, 83.32],
+    [0.5012, 87.91, 83.63],
+    [0.631, 88.21, 84.08],
+    [0.7943, 88.28, 84.27],
+    [1.0, 88.37, 84.48],
+    [1.2589, 88.26, 84.44],
+    [1.5849, 88.09, 84.45],
+    [1.9953, 88.00, 84.38],
+    [2.5119, 87.52, 84.11],
+    [3.1623, 86.86, 83.71],
+    [3.9811, 85.67, 83.10],
+    [5.0119, 85.16, 82.29],
+    [6.3096, 83.73, 81.09],
+    [7.9433, 82.51, 79.78],
+    [10.0, 81.25, 78.49],
+    [12.5893, 79.68, 77.35],
+    [15.8489, 76.01, 74.26],
+];
+
+/// Differences that `docs/limits.md` states \[dB\]: too loud at low Strouhal numbers, too quiet at high ones.
+const STATED: [f64; 2] = [-16.0, 8.5];
+
+/// Frequencies of the analysis \[Hz\]: the outermost bands with some room.
+const RANGE_HZ: [f64; 2] = [100.0, 120_000.0];
+
+/// The air of the rig, with a jet from a reservoir of the same temperature.
+fn air() -> Result<Air, Error> {
+    let temperature = SOUND_SPEED * SOUND_SPEED / (HEAT_RATIO * GAS_CONSTANT);
+    Ok(Air::at(temperature, 101_325.0)?)
+}
+
+/// Pressure over ambient of a reservoir at ambient temperature whose jet reaches [`SPEED`].
+fn pressure_ratio(air: &Air) -> f64 {
+    let cooling = (HEAT_RATIO - 1.0) * SPEED * SPEED / (2.0 * HEAT_RATIO * GAS_CONSTANT * air.temperature);
+    (1.0 - cooling).powf(-HEAT_RATIO / (HEAT_RATIO - 1.0))
+}
+
+/// Exposure of a steady jet of 20 ms at an angle \[rad\] from its axis, and how long it lasts \[s\].
+fn received(angle: f64) -> Result<Steady, Error> {
+    let air = air()?;
+    let pressure = pressure_ratio(&air) * air.pressure;
+    let opening = Opening {
+        count: 1,
+        diameter: DIAMETER,
+        discharge_coefficient: 1.0,
+        pitch: None,
+    };
+    let samples = 5000;
+    let sample_interval = 4e-6;
+    let flow = Jet::expand(pressure, air.temperature, &air).map_or(0.0, |jet| jet.mass_flow(opening.effective_area()));
+    let history = FlowHistory {
+        sample_interval,
+        mass_flow: vec![flow; samples],
+        pressure: vec![pressure; samples],
+        temperature: vec![air.temperature; samples],
+        back_pressure: None,
+    };
+    let settings = ExhaustSettings {
+        transform: TransformSettings {
+            range_hz: RANGE_HZ,
+            ..TransformSettings::default()
+        },
+        unsteady_flow: false,
+        ..ExhaustSettings::default()
+    };
+    let noise = exhaust_noise("nozzle", &history, &opening, &air, &settings)?;
+    let outlet = Outlet {
+        position: [0.0; 3],
+        directions: vec![[1.0, 0.0, 0.0]],
+    };
+    let (sine, cosine) = angle.sin_cos();
+    Ok(Steady {
+        noise: noise.at(&outlet, [DISTANCE * cosine, DISTANCE * sine, 0.0], None, &air)?,
+        seconds: samples as f64 * sample_interval,
+    })
+}
+
+/// The exposure at a point during some seconds of a steady jet.
+struct Steady {
+    noise: ReceivedNoise,
+    seconds: f64,
+}
+
+impl Steady {
+    /// Sound pressure level between two frequencies \[dB\].
+    fn level(&self, range_hz: [f64; 2]) -> f64 {
+        let p2 = self.noise.exposure(range_hz, Weighting::Z) / self.seconds;
+        10.0 * (p2 / REFERENCE_PRESSURE.powi(2)).log10()
+    }
+}
+
+pub(super) fn rows() -> Result<Vec<Row>, Error> {
+    let half_band = 10f64.powf(0.05);
+    let (mut rows, mut spectrum) = (Vec::new(), Vec::new());
+    for (column, [degrees, overall]) in OVERALL.into_iter().enumerate() {
+        let steady = received(degrees.to_radians())?;
+        let row = WHOLE.row(format!("{degrees} degrees, dB"), overall, steady.level(RANGE_HZ));
+        rows.push(row.within(2.0));
+        for band in BANDS {
+            let hz = band[0] * SPEED / DIAMETER;
+            let computed = steady.level([hz / half_band, hz * half_band]);
+            let quantity = format!("{degrees} degrees, St {}, dB", band[0]);
+            let row = SPECTRUM.row(quantity, band[1 + column], computed);
+            spectrum.push(row.within(3.0).documented(STATED));
+        }
+    }
+    let computed = rows.last().map_or(f64::NAN, |row| row.computed);
+    rows.append(&mut spectrum);
+    // From 50.8 mm at 5.08 m to 1 mm at 1 m.
+    let scale = -20.0 * (1e3 * DIAMETER / DISTANCE).log10();
+    let ratio = pressure_ratio(&air()?);
+    let fit = 80.0 + 20.0 * ((ratio - 1.0).powi(2) / (ratio - 0.5)).log10();
+    let nozzle = OVERALL[1][1] + scale;
+    for (what, reference, computed) in [
+        ("computed against setpoint 7", nozzle, computed + scale),
+        ("computed against the fit", fit, computed + scale),
+        ("the fit against setpoint 7", nozzle, fit),
+    ] {
+        rows.push(
+            SCALED
+                .row(format!("90 degrees, {what}, dB"), reference, computed)
+                .within(2.0),
+        );
+    }
+    Ok(rows)
+}

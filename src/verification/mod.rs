@@ -1,0 +1,82 @@
+//! Benchmarks that this project did not write: closed forms, standards and public measurements beside computed values.
+//!
+//! `nailnoise verify` computes them on the user's machine and the tests compute them in CI. Each row names its source.
+//! What disagrees is stated in `docs/limits.md` with its number and marked in the row; no parameter was fitted to agree.
+
+mod cycle;
+mod jets;
+mod panels;
+mod plates;
+mod radiation;
+mod row;
+mod signals;
+mod structures;
+mod table;
+mod valves;
+
+use rayon::prelude::*;
+use serde::Serialize;
+
+use crate::error::Error;
+
+pub use row::{Case, Row, Verdict};
+pub use table::{Shown, markdown, summary};
+
+/// The rows of one field of physics.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Section {
+    /// Its name.
+    pub field: &'static str,
+    /// Its rows, those of one case together.
+    pub rows: Vec<Row>,
+}
+
+/// A field of physics and the functions that compute its rows.
+struct Field {
+    name: &'static str,
+    parts: &'static [fn() -> Result<Vec<Row>, Error>],
+}
+
+const FIELDS: [Field; 4] = [
+    Field {
+        name: "cycle",
+        parts: &[cycle::rows],
+    },
+    Field {
+        name: "vibration",
+        parts: &[
+            plates::free,
+            plates::cantilever,
+            plates::supported,
+            plates::thick,
+            structures::membrane,
+            structures::cylinder,
+            structures::double_cell_box,
+            structures::composite,
+        ],
+    },
+    Field {
+        name: "sound",
+        parts: &[radiation::spheres, radiation::flat, jets::rows, valves::rows],
+    },
+    Field {
+        name: "levels",
+        parts: &[signals::rows],
+    },
+];
+
+/// Computes all benchmarks in parallel.
+///
+/// # Errors
+/// A numerical failure of a case.
+pub fn verify() -> Result<Vec<Section>, Error> {
+    let section = |field: &Field| {
+        let parts = field.parts.par_iter().map(|rows| rows());
+        let rows: Vec<Vec<Row>> = parts.collect::<Result<_, Error>>()?;
+        Ok(Section {
+            field: field.name,
+            rows: rows.concat(),
+        })
+    };
+    FIELDS.par_iter().map(section).collect()
+}
