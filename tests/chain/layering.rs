@@ -161,7 +161,7 @@ fn stages_use_neither_store_nor_graph_nor_commands() {
 
 /// Names of sources in quotes that are not names of sources, by file and name: keys of designs, bodies, headings,
 /// labels.
-const OTHER_NAMES: [(&str, &[&str], &str); 11] = [
+const OTHER_NAMES: &[(&str, &[&str], &str)] = &[
     ("src/commands/check.rs", &["body"], "an argument"),
     ("src/commands/explain.rs", &["body"], "a heading"),
     (
