@@ -28,7 +28,7 @@ pub use fitted::{fit, residuals};
 pub(crate) use levels::{from_event, in_palette};
 pub use levels::{levels, power};
 pub use measurement::measurement;
-pub(crate) use palette::{PALETTE, of_design};
+pub(crate) use palette::{BLACK, PALETTE, of_design};
 pub(crate) use penetration::MOST as MOST_LAWS;
 pub use penetration::penetration;
 pub use study::{scatter, study, sweep};
