@@ -46,14 +46,15 @@ impl Reading {
     }
 }
 
-/// Mean of |X|² for complex Gaussian lines of mean energies `signal` a = E|S|² and `residual` b = E|R|², where R² is the mean of
-/// `repeats` K residuals and the limit is `limit_db` beta; in the unit of the energies. The true value is a - b.
+/// Mean of |X|² for complex Gaussian lines of mean energies `signal` a = E|S|² and `residual` b = E|R|², in the unit of
+/// the energies. R² is the mean of `repeats` K residuals, and the limit is `limit_db` beta. The true value is a - b.
 ///
 /// ```text
 /// E|X|^2 = a q^-K + (g - 1) b q^(-K-1),   g = 10^(beta/10),   q = 1 + g b/(K a)
 /// ```
 ///
-/// |S|² is exponential with mean a, K R²/b a gamma variable of order K; both integrals of G²|S|² over |S|² > g R² are elementary.
+/// |S|² is exponential with mean a, K R²/b a gamma variable of order K; both integrals of G²|S|² over |S|² > g R² are
+/// elementary.
 pub fn expected_energy(signal: f64, residual: f64, repeats: u32, limit_db: f64) -> f64 {
     let order = f64::from(repeats);
     let g = 10f64.powf(0.1 * limit_db);

@@ -23,7 +23,10 @@ pub(super) fn page(c: &Comparison, identity: &str, recordings: &[Recording]) -> 
     if !recordings.is_empty() {
         sections.push(Section::new("listen", "Listen", sound::players(recordings)));
     }
-    let charts = |f: &dyn Fn(&SourceRow) -> Option<Chart>| html! { @for row in &c.sources { @if let Some(chart) = f(row) { (markup(&chart)) } } };
+    let charts = |f: &dyn Fn(&SourceRow) -> Option<Chart>| {
+        let charts = c.sources.iter().filter_map(f);
+        html! { @for chart in charts { (markup(&chart)) } }
+    };
     sections.push(Section::new(
         "bands",
         "Bands",

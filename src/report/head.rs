@@ -57,9 +57,9 @@ pub(super) fn lead(design: &Design, result: &RunResult) -> Markup {
             }
         }
         p.quiet {
-            "Absolute levels are predictions; those of one tool stand beside published tests on the page Validation \
-             of the \
-             documentation. Differences between designs of one tool are more reliable than levels. " a href="#assumptions" { "Assumptions" } " lists what is estimated."
+            "Absolute levels are predictions; the page Validation of the documentation compares those of one tool with \
+             published tests. Differences between designs of one tool are more reliable than levels. "
+            a href="#assumptions" { "Assumptions" } " lists what is estimated."
         }
         @if numerical_failure {
             p.alarm { "A check of this run failed. Do not rely on the result. " a href="#checks" { "Checks" } }

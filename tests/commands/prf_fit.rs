@@ -7,7 +7,8 @@ use crate::common::{folder, messages, nailnoise, over};
 
 /// Two conditions of two drives each by a testing machine, and one of two drives by a projectile.
 const DRIVES: &str = "\
-id,group,repeat,drive,nail,shank,length_m,diameter_m,nail_mass_kg,wood,hardness_modulus_n_m,density_kg_m3,speed_m_s,projectile_mass_kg,impact_speed_m_s,mass_ahead_of_cell_kg,file
+id,group,repeat,drive,nail,shank,length_m,diameter_m,nail_mass_kg,wood,hardness_modulus_n_m,density_kg_m3,\
+speed_m_s,projectile_mass_kg,impact_speed_m_s,mass_ahead_of_cell_kg,file
 a1,a,1,1,6d,smooth,,,,pine,,,8.333e-3,,,,a1.csv
 a2,a,2,1,6d,smooth,,,,pine,,,8.333e-3,,,,a2.csv
 b1,b,1,1,6d,smooth,,,,pine,,,3.333e-4,,,,b1.csv

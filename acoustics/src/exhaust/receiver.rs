@@ -105,7 +105,7 @@ impl ExhaustNoise {
     /// directions. Shading and reflection by bodies are neglected.
     ///
     /// # Errors
-    /// A receiver at the outlet, an outlet without direction, a floor that is not below both, a coherence outside 0 to 1.
+    /// A receiver at the outlet, an outlet without direction, a floor not below both, a coherence outside 0 .. 1.
     pub fn at(
         &self,
         outlet: &Outlet,

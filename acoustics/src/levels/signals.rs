@@ -194,7 +194,7 @@ struct Cut {
 ///
 /// ```text
 /// sum_k v_k |X_k|^2 = sum_tau r(tau) w(tau)        w = DFT of v, N long;  r the piece's autocorrelation
-///                   = sum_m q_m |Y_m|^2            q = DFT of w over |tau| < L, over M;  Y the piece's transform, M >= 2 L
+///                   = sum_m q_m |Y_m|^2       q = DFT of w over |tau| < L, over M;  Y transform of the piece, M >= 2 L
 /// ```
 ///
 /// r vanishes for lags of the piece's length L and more, so that both sums are equal, and the second needs a transform

@@ -135,8 +135,8 @@ fn the_gains_of_two_fittings_are_those_of_the_table() {
 
 #[test]
 fn the_resonances_of_two_fittings_are_those_of_the_table() {
-    // |H|^2 at f_r; its maximum, and where; maximum of the gain; half-power width; int |H|^2 df over f_r/2 .. 3 f_r/2 and
-    // 2 f_r/(r + M).
+    // |H|^2 at f_r; its maximum, and where; maximum of the gain; half-power width;
+    // int |H|^2 df over f_r/2 .. 3 f_r/2 and 2 f_r/(r + M).
     for (pipe, f0, [at_resonance, maximum, maximum_hz, gain, width, integral, closed]) in [
         (
             fitting(0.1, 0.052, 0.05),

@@ -3,9 +3,9 @@
 //! | part | modules |
 //! |---|---|
 //! | states, constants and kinematics | `state`, `system`, `start` |
-//! | physics | `gas` (restrictions), `flows`, `forces` (friction, springs, contacts, pressures), `wood`, `rates` (the right-hand side) |
+//! | physics | `gas` (restrictions), `flows`, `forces` (springs, contacts), `wood`, `rates` (right-hand side) |
 //! | contacts and passages that open and close | `mode`, `switching`, `marks` (events), `history` (delays) |
-//! | integration | `integrate`, `equations`, `block_lu`, `tolerances`, `locate`, `real`; `coupled` on a flexible workpiece |
+//! | integration | `integrate`, `equations`, `block_lu`, `tolerances`, `locate`, `real`, `coupled` |
 //! | results | `recorder`, `balance` (conservation), `summary` |
 
 mod balance;

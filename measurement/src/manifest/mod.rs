@@ -3,12 +3,12 @@
 //! ```toml
 //! setup = "worktable"                # or "sandbox"
 //! centre = [0, 0, 0.938]             # centre of the machine [m]
-//! plane = "floor"                    # z of the reflecting plane: "floor" is 0, "sand" that of `sand_height`, or a length
+//! plane = "floor"                    # z of the reflecting plane: "floor" is 0, "sand" is `sand_height`, or a length
 //! temperature = "21 degC"
 //! static_pressure = "101.3 kPa"      # optional
 //! absorption = "120 m2"              # optional: equivalent absorption area of the room
 //! [channels]
-//! mic5 = { file = "{c}-{k}.wav", channel = 5, sensitivity = "50 mV/Pa", full_scale = "10 V", position = [1, 1, 1.938] }
+//! mic5 = { file = "{c}-{k}.wav", channel = 5, sensitivity = "50 mV/Pa", full_scale = "10 V", position = [1, 1, 1.9] }
 //! N = { file = "{c}-{k}.uff", channel = 1, unit = "g" }
 //! [configurations]
 //! W-1 = { repeats = 5, trigger = "12.5 ms" }

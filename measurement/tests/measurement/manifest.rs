@@ -30,7 +30,8 @@ fn a_manifest_is_read_in_si_units() {
         "setup = \"sandbox\"\ncentre = [0, 0, \"572.5 mm\"]\nplane = \"sand\"\nsand_height = \"400 mm\"\n\
          temperature = \"21 degC\"\nstatic_pressure = \"100 kPa\"\nabsorption = \"200 m2\"\n[channels]\n\
          PT-I = { file = \"{c}-{k}.uff\", unit = \"kPa\" }\n\
-         mic9 = { file = \"{c}-{k}.wav\", channel = 2, sensitivity = \"50 mV/Pa\", full_scale = \"10 V\", position = [0, 0, 1.5725] }\n\
+         mic9 = { file = \"{c}-{k}.wav\", channel = 2, sensitivity = \"50 mV/Pa\", full_scale = \"10 V\", \
+         position = [0, 0, 1.5725] }\n\
          N = { file = \"{c}-{k}.csv\", column = \"N [g]\" }\n\
          mic1 = { file = \"{c}-{k}.wav\", full_scale = \"200 Pa\", position = [1, 0, 0.98] }\n\
          SE = { file = \"{c}-{k}.uff\", channel = 2, unit = \"g\" }\n\

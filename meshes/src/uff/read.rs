@@ -11,7 +11,7 @@ use super::systems::{Axes, LocalNode, Systems};
 /// Nodes and modes of a modal test.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Measurement {
-    /// Position of each node by its label \[m\], in global axes; empty when the file has none of datasets 15, 781 and 2411.
+    /// Position of each node by its label \[m\], in global axes; empty without the datasets 15, 781 and 2411.
     pub nodes: HashMap<u64, Point3<f64>>,
     /// Axes of the displacements of each node whose axes are not the global ones, by its label.
     pub axes: HashMap<u64, Axes>,

@@ -336,11 +336,12 @@ mod tests {
     #[test]
     fn levels_of_an_own_test_have_their_expanded_uncertainty() {
         let path = std::env::temp_dir().join(format!("nailnoise-measurement-{}.json", std::process::id()));
-        let result = r#"{"schema": "nailnoise-measurement/1", "manifest": "m.toml", "setup": "sandbox", "area_m2": 13.4, "k2_db": 0,
+        let result = r#"{"schema": "nailnoise-measurement/1", "manifest": "m.toml", "setup": "sandbox", "area_m2": 13.4,
+            "k2_db": 0,
             "range_hz": [50, 10000], "processing": {"reading": "margin", "paired": false, "total_less_residual": false},
             "configurations": [], "sources": [], "closure_db": 1.5, "notes": [],
-                "bound": {"by_energy_db": null, "bands": [],
-            "negative_bands": 0, "level": {"db": 100, "repeats": 5, "standard_db": 0.1, "half_width_db": 0.3, "expanded_db": 3}}}"#;
+            "bound": {"by_energy_db": null, "bands": [], "negative_bands": 0, "level": {"db": 100, "repeats": 5,
+            "standard_db": 0.1, "half_width_db": 0.3, "expanded_db": 3}}}"#;
         std::fs::write(&path, result).unwrap();
         let own = Measurements::read(&path).unwrap_or_else(|error| panic!("{error}"));
         std::fs::remove_file(&path).unwrap();
