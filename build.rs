@@ -1,8 +1,8 @@
 //! Digests the code of every crate and of every stage, so that a kept result is used only by the code that made it.
 //!
-//! Comments, documentation, layout and unit tests do not count: they change no result. Files that code includes count whole.
-//! The digest of a crate includes those of the workspace crates it depends on, and the lock file, which fixes all other
-//! dependencies.
+//! Comments, documentation, layout and unit tests do not count: they change no result. Files that code includes count
+//! whole. The digest of a crate includes those of the workspace crates it depends on, and the lock file, which fixes
+//! all other dependencies.
 
 use std::collections::BTreeMap;
 use std::error::Error;
@@ -55,6 +55,16 @@ fn main() -> Result<(), Box<dyn Error>> {
         digest_code(&root, &path, &mut digest)?;
         emit(&format!("stages_{stage}"), digest);
     }
+    // The stages of a source are its file, or `sound.rs` in its folder; the rest describes it.
+    for entry in fs::read_dir(root.join("src/model/sources"))? {
+        let path = entry?.path();
+        let source = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+        let stages = if path.is_dir() { path.join("sound.rs") } else { path };
+        let mut digest = Sha256::new();
+        digest_code(&root, &stages, &mut digest)?;
+        emit(&format!("model_sources_{source}"), digest);
+    }
+    println!("cargo:rerun-if-changed=src/model/sources");
     for exports in ["output", "report"] {
         let mut digest = Sha256::new();
         digest_code(&root, &root.join("src").join(exports), &mut digest)?;
@@ -122,8 +132,9 @@ fn describe(root: &Path) {
     println!("cargo:rustc-env=NAILNOISE_FEATURES={features}");
 }
 
-/// The commit of the sources, if they are those of a repository or of a package made from one. The script runs when a source
-/// changes and not when a commit is made, which changes no source: it may name the commit before, and the changes since.
+/// The commit of the sources, if they are those of a repository or of a package made from one. The script runs when a
+/// source changes and not when a commit is made, which changes no source: it may name the commit before, and the
+/// changes since.
 fn commit(root: &Path) -> Option<String> {
     if let Ok(package) = fs::read_to_string(root.join(".cargo_vcs_info.json")) {
         let hash = package.split("\"sha1\"").nth(1)?.split('"').nth(1)?;
@@ -187,7 +198,8 @@ fn digest_code(root: &Path, path: &Path, digest: &mut Sha256) -> Result<(), Box<
     Ok(())
 }
 
-/// Files that code includes by `include_str!("...")` or `include_bytes!("...")`: geometries, meshes, styles and scripts.
+/// Files that code includes by `include_str!("...")` or `include_bytes!("...")`: geometries, meshes, styles and
+/// scripts.
 fn included_files(tokens: TokenStream) -> Vec<String> {
     let tokens: Vec<TokenTree> = tokens.into_iter().collect();
     let mut names = Vec::new();

@@ -1,5 +1,5 @@
-//! Memory and processor time that a large study takes to state its result, from made-up levels of the N80CB's variables:
-//! `cargo bench -p nailnoise --bench study -- DRAWS`, 20 000 unless given.
+//! Memory and processor time that a large study takes to state its result, from made-up levels of the N80CB's
+//! variables: `cargo bench -p nailnoise --bench study -- DRAWS`, 20 000 unless given.
 
 use std::error::Error;
 use std::path::Path;
@@ -62,7 +62,7 @@ fn main() -> Result<(), Box<dyn Error>> {
                 failed_checks: Vec::new(),
                 sensors: Vec::new(),
             },
-            method_db: [0.0; 3],
+            method_db: vec![0.0; 3],
         }
     };
     let made = Draws {
@@ -76,7 +76,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     let result = StudyResult::new(&design, &request, &made, None);
     let most = resident("VmHWM")?;
     println!(
-        "{} draws of {count} variables: the draws hold {:.1} kB each, the statement adds {:.1} kB each and takes {:.0} s",
+        "{} draws of {count} variables: the draws hold {:.1} kB each, the statement adds {:.1} kB each and takes \
+         {:.0} s",
         result.draws,
         (held - before) / draws as f64,
         (most - held) / draws as f64,

@@ -1,6 +1,7 @@
 //! Sound exposure levels around the exhaust of one shot, 1 m away and above a floor:
 //! `cargo run --release --example around_the_exhaust designs/n80cb.toml`.
 
+use nailnoise::model::sources::exhaust;
 use nailnoise::{Design, chain};
 use nailnoise_acoustics::Air;
 use nailnoise_acoustics::exhaust::{Floor, Outlet};
@@ -14,7 +15,7 @@ fn main() -> Result<(), nailnoise::Error> {
     let ambient = &design.ambient;
     let air = Air::at(ambient.temperature, ambient.pressure)?;
     let air = air.of_gas(ambient.gas_constant, ambient.heat_capacity_ratio)?;
-    let openings = chain::exhaust_openings(&design, &chain::cycle(&design)?)?;
+    let openings = exhaust::noise_of_openings(&design, &chain::cycle(&design)?)?;
     // No direction of the jets is published; here they blow to the front, 1.2 m above the floor.
     let outlet = Outlet {
         position: [0.0, 0.0, 1.2],

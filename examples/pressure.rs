@@ -1,5 +1,6 @@
 //! Effect of the supply pressure on the shot and on its exhaust: `cargo run --release --example pressure`.
 
+use nailnoise::model::sources::exhaust;
 use nailnoise::{Design, chain};
 use nailnoise_acoustics::levels::{SourceSpectrum, Weighting};
 
@@ -12,7 +13,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     for kilopascal in [650.0, 700.0, 750.0, 800.0, 850.0] {
         design.supply.pressure = 1e3 * kilopascal;
         let record = chain::cycle(&design)?;
-        let openings = chain::exhaust_openings(&design, &record)?;
+        let openings = exhaust::noise_of_openings(&design, &record)?;
         let parts: Vec<SourceSpectrum> = openings.into_iter().map(|opening| opening.spectrum).collect();
         let exhaust = SourceSpectrum::sum("exhaust", "all openings", &parts);
         let (shot, level) = (&record.summary, exhaust.level([50.0, 10_000.0], Weighting::A));

@@ -1,44 +1,43 @@
 //! The chain from a design to ranked sources: which stage reads which, from top to bottom.
 //!
-//! [`Chain::new`] adds the stages of a design to a graph without computing any. [`Chain::run`] (`run.rs`) makes the outputs
-//! that a result needs, side by side, and ranks the sources.
+//! [`Chain::new`] adds the stages of a design to a graph without computing any. [`Chain::run`] (`run.rs`) makes the
+//! outputs that a result needs, side by side, and ranks the sources.
 
 mod bodies;
+mod context;
+mod cycle;
 mod motion;
 mod radiation;
 mod shape;
-mod sources;
+mod shot;
 
 use std::time::Instant;
 
-use nailnoise_acoustics::exhaust::ExhaustNoise;
-use nailnoise_acoustics::levels::SourceSpectrum;
-use nailnoise_acoustics::radiator::Loading;
 use nailnoise_dynamics::CycleRecord;
 
-use crate::design::{Design, MufflerKind, inputs};
+use crate::design::{Design, inputs};
 use crate::error::Error;
 use crate::graph::Graph;
-use crate::result::Starts;
-use crate::stages::cycle::{Cycle, Preset};
-use crate::stages::exhaust::{Cycles, ExhaustSource, noise};
+use crate::model::sources::{self, SourceStages};
+use crate::stages::bodies::BodyKind;
 use crate::stages::levels::{Levels, ShotLevels};
 use crate::stages::requirements::Usable;
-use crate::stages::response::{CouplingReport, End, Reported, ResponseChecks, ResponseReport, Vibration};
+use crate::stages::response::{CouplingReport, Reported, ResponseChecks, ResponseReport, Vibration};
 use crate::stages::sensors::{SensorRecord, Sensors};
 use crate::stages::sound_fields::{Fields, SoundFields, ToolField};
-use crate::stages::sources::SurfaceSource;
-use crate::stages::spectra::{BodyMotion, MovingBody};
-use crate::stages::starts::OtherStarts;
-use crate::stages::tool_response::{ToolChecks, ToolReport};
+use crate::stages::spectra::MovingBody;
+use crate::stages::tool_response::ToolChecks;
 use crate::stages::transducers::{PressureRecord, Transducers};
-use crate::stages::{Digest, Progress, Stage, Stored};
+use crate::stages::{Digest, Stored};
 use bodies::Bodies;
 pub use bodies::{BodyStages, CheckedBody, check_bodies, solved_bodies};
-use motion::{Driven, Motions};
+pub(crate) use context::Context;
+pub(crate) use cycle::cycle_stage;
+pub use cycle::{cycle, cycle_as_published};
+pub(crate) use motion::{Drive, Motions};
 use radiation::Radiators;
 pub use shape::SharedShapes;
-use sources::Sources;
+pub(crate) use shot::ShotStages;
 
 /// Changes of the physics for a run of the same design; for studies and tests of laws.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -81,12 +80,8 @@ pub struct Chain {
     pub moving: Vec<MovingBody>,
     /// End of all records \[s\].
     pub end: Stored<f64>,
-    /// The workpiece with its support as a source.
-    pub workpiece: Stored<SurfaceSource>,
-    /// The exhaust as a source.
-    pub exhaust: Stored<ExhaustSource>,
-    /// The tool's body as a source.
-    pub body: Stored<SurfaceSource>,
+    /// The sources, in the order of their list.
+    pub(crate) sources: Vec<SourceStages>,
     /// Only the levels of all sources.
     pub levels: Stored<Levels>,
     /// Keys of modes and of radiation in standard air, which shots on the same structures share.
@@ -97,16 +92,12 @@ pub struct Chain {
     pub transducers: Stored<Vec<PressureRecord>>,
     /// Sound fields for inspection.
     pub fields: Stored<Fields>,
-    /// Levels of other starts, for a workpiece that can lose contact.
-    pub(crate) starts: Option<Stored<Option<Starts>>>,
     /// Checks of workpiece and support.
     pub(crate) response_report: Stored<ResponseChecks>,
     /// Checks of an elastic tool.
     pub(crate) tool_report: Option<Stored<ToolChecks>>,
     /// The same shot one way, for a two-way coupled one.
     pub(crate) one_way: Option<OneWay>,
-    /// Linear motion with the frozen and with the complete impedance of the air, if its mass acts.
-    pub(crate) loading: Option<ImpedanceComparison>,
     /// As in [`Options`].
     pub(crate) noise_seed: u32,
 }
@@ -115,22 +106,6 @@ pub struct Chain {
 pub(crate) struct OneWay {
     pub(crate) report: Stored<Reported>,
     pub(crate) cycle: Stored<CycleRecord>,
-    pub(crate) workpiece: Stored<SourceSpectrum>,
-    pub(crate) exhaust: Stored<ExhaustSource>,
-    pub(crate) body: Stored<(SourceSpectrum, Option<SourceSpectrum>)>,
-}
-
-/// Energies of linear motion with the impedance of the air frozen at each mode's resonance, and with the complete one.
-pub(crate) struct ImpedanceComparison {
-    /// Of the workpiece.
-    pub(crate) workpiece: [Stored<SourceSpectrum>; 2],
-    /// Whether the complete one acts on the workpiece of the run; otherwise its contact opens or acts back on the cycle, and
-    /// both are of the same shot one way with the contact bonded.
-    pub(crate) workpiece_is_linear: bool,
-    /// Checks of the bonded motion, if it is not that of the run.
-    pub(crate) report: Option<Stored<ResponseChecks>>,
-    /// Of an elastic tool by boundary elements, which is linear in every case.
-    pub(crate) body: Option<[Stored<(SourceSpectrum, Option<SourceSpectrum>)>; 2]>,
 }
 
 impl Chain {
@@ -139,235 +114,91 @@ impl Chain {
     /// # Errors
     /// Values of the design that do not yield inputs.
     pub fn new(graph: &Graph, design: &Design, options: Options) -> Result<Self, Error> {
-        let (begin, air) = (Instant::now(), inputs::air(design)?);
-        let lumped = graph.add(cycle_stage(design)?);
-        let bare = without_measured_muffler(design);
+        let begin = Instant::now();
+        let context = Context {
+            graph,
+            design,
+            air: inputs::air(design)?,
+            shared: options.shared,
+        };
         let bodies = Bodies::add(graph, design)?;
-        let radiators = Radiators::add(graph, design, &bodies, (air, options.shared))?;
-
-        // Motion.
-        let forced = (lumped.clone(), options.workpiece_force_scale);
-        let motions = Motions::new(graph, design, (&bodies, &radiators), forced)?;
-        let unmuffled = match &bare {
-            Some(bare) => {
-                let forced = (graph.add(cycle_stage(bare)?), options.workpiece_force_scale);
-                Some(Motions::new(graph, bare, (&bodies, &radiators), forced)?)
-            }
-            None => None,
+        let radiators = Radiators::add(context, &bodies)?;
+        let drive = Drive {
+            lumped: graph.add(cycle_stage(design)?),
+            force_scale: options.workpiece_force_scale,
         };
-        // The cycles of the exhaust of a shot, one way or two ways.
-        let cycles = |shot: &Stored<CycleRecord>, two_way: bool| Cycles {
-            shot: shot.clone(),
-            unmuffled: unmuffled.as_ref().map(|bare| bare.driven(0, two_way).cycle),
-        };
-        let Driven {
-            cycle,
-            vibration: frozen,
-            coupled,
-        } = motions.driven(0, motions.two_way);
-        let vibration = match motions.is_linear() {
-            true => motions.with_complete_impedance(&frozen, &motions.shot),
-            false => frozen.clone(),
-        };
-        let of_structure = motions.analysed(&vibration, true);
-        let tool = motions.tool(&cycle);
-        let of_tool = tool.as_ref().map(|(_, motion)| motion.clone());
-        let all_motions: Vec<Stored<BodyMotion>> = of_structure.iter().chain(&of_tool).cloned().collect();
-        let tool_vibration = tool.as_ref().map(|(vibration, _)| vibration);
-        let end = graph.add(End {
-            cycle: cycle.clone(),
-            longest: tool_vibration.unwrap_or(&vibration).clone(),
-        });
-
-        // Sources.
-        let seed = options.noise_seed;
-        let sources = Sources::new(graph, design, (&bodies, &radiators, &motions), (air, seed))?;
-        let workpiece_sound = sources.workpiece_sound(&of_structure);
-        let body_sound = sources.body_sound(&cycle, of_tool.clone());
-        let workpiece = sources.workpiece(&workpiece_sound, (&cycle, &end));
-        let of_exhaust = cycles(&cycle, motions.two_way);
-        let exhaust = sources.exhaust(&of_exhaust, &end);
-        let body = sources.body(body_sound.clone(), &end);
+        let motions = Motions::new(context, &bodies, &radiators, drive)?;
+        let shot = ShotStages::add(context, &motions, options.noise_seed)?;
+        let added = sources::ALL.into_iter().map(|source| source.add(&shot));
+        let sources = added.collect::<Result<Vec<SourceStages>, Error>>()?;
         let sensors = Sensors {
             accelerometers: inputs::sensors::accelerometers(design)?,
-            cycle: cycle.clone(),
-            vibration: vibration.clone(),
-            motions: all_motions,
+            cycle: shot.cycle.clone(),
+            vibration: shot.vibration.clone(),
+            motions: shot.all_motions(),
         };
         let levels = graph.add(ShotLevels {
-            workpiece: workpiece_sound,
-            openings: sources.openings.clone(),
-            body: body_sound,
-            cycles: of_exhaust,
-            end: end.clone(),
+            sources: sources.iter().map(|source| source.analysis.clone()).collect(),
+            cycle: shot.cycle.clone(),
             range_hz: motions.range_hz,
             bodies: bodies.modal().cloned().collect(),
-            responses: std::iter::once(&vibration).chain(tool_vibration).cloned().collect(),
+            responses: shot.responses(),
             sensors: (!sensors.accelerometers.is_empty()).then(|| sensors.clone()),
         });
-
-        // Beside them: signals, checks, the same shot in other ways, fields.
-        let transducers = graph.add(Transducers {
-            transducers: inputs::sensors::transducers(design),
-            cycle: cycle.clone(),
-        });
-        let response_report = graph.add(ResponseReport {
-            bodies: bodies.structure_bodies(),
-            vibration: vibration.clone(),
-        });
-        let tool_report = bodies.tool.as_ref().zip(tool_vibration).map(|(stages, vibration)| {
-            graph.add(ToolReport {
-                shot: motions.tool_shot.clone(),
-                body: stages.body.clone(),
-                vibration: vibration.clone(),
-            })
-        });
-        let starts = (motions.shot.can_lose_contact() && design.analysis.starts > 1).then(|| {
-            let others = (1..design.analysis.starts).map(|start| motions.driven(start, motions.two_way).vibration);
-            graph.add(OtherStarts {
-                first: workpiece.clone(),
-                others: others
-                    .map(|vibration| sources.energy_without_sensors(&vibration))
-                    .collect(),
-                range_hz: motions.range_hz,
-            })
-        });
-        let one_way = coupled.map(|both| OneWay {
-            report: graph.add(CouplingReport(both)),
-            workpiece: sources.energy_without_sensors(&motions.driven(0, false).vibration),
-            exhaust: sources.exhaust(&cycles(&lumped, false), &end),
-            body: sources.body_energy(&lumped, motions.tool(&lumped).map(|(_, motion)| motion)),
-            cycle: lumped.clone(),
-        });
-        let loading = (radiators.acts == Loading::Full).then(|| {
-            let bonded = (!motions.is_linear()).then(|| motions.bonded());
-            ImpedanceComparison {
-                report: bonded.as_ref().map(|[_, complete]| {
-                    graph.add(ResponseReport {
-                        bodies: Vec::new(),
-                        vibration: complete.clone(),
-                    })
-                }),
-                workpiece: match &bonded {
-                    Some(both) => both
-                        .each_ref()
-                        .map(|vibration| sources.energy_without_sensors(vibration)),
-                    None => [
-                        sources.energy_without_sensors(&frozen),
-                        sources.workpiece_energy(of_structure.clone()),
-                    ],
-                },
-                workpiece_is_linear: bonded.is_none(),
-                body: motions
-                    .tool_with_frozen_impedance(&cycle)
-                    .map(|frozen| [Some(frozen), of_tool.clone()].map(|motion| sources.body_energy(&cycle, motion))),
-            }
-        });
-
         let modal = bodies.modal().map(|body| *body.key());
-        let structures = modal.chain(radiators.matrix_keys()).collect();
-        let of_field = bodies.tool.as_ref().zip(of_tool.clone());
-        let fields = graph.add(SoundFields {
-            method: radiators.workpiece.field,
-            bodies: bodies.structure_bodies(),
-            motions: of_structure.clone(),
-            tool: of_field.map(|(stages, motion)| ToolField {
-                body: stages.body.clone(),
-                motion,
-                elements: radiators.tool.map(|tool| (tool.elements, tool.whole.radiator)),
-                nose: inputs::radiation::nose(design).into(),
-            }),
-            air,
-            cuts: inputs::microphones::cuts(design),
-        });
-        let moving = bodies.structure.iter().zip(of_structure).enumerate();
-        let moving = moving.map(|(index, (stages, motion))| moving_body(stages, (&vibration, index), motion));
-        let tool_moving = bodies.tool.as_ref().zip(tool);
-        let tool_moving = tool_moving.map(|(stages, (vibration, motion))| moving_body(stages, (&vibration, 0), motion));
         Ok(Self {
-            moving: moving.chain(tool_moving).collect(),
+            moving: shot.moving(),
             graph: graph.clone(),
             begin,
             sensors: graph.add(sensors),
-            structures,
-            noise_seed: seed,
-            usable: bodies.usable,
-            structure: bodies.structure,
-            tool: bodies.tool,
-            cycle,
-            vibration,
-            end,
-            workpiece,
-            exhaust,
-            body,
+            structures: modal.chain(radiators.matrix_keys()).collect(),
+            noise_seed: options.noise_seed,
             levels,
-            transducers,
-            fields,
-            starts,
-            response_report,
-            tool_report,
-            one_way,
-            loading,
+            transducers: graph.add(Transducers {
+                transducers: inputs::sensors::transducers(design),
+                cycle: shot.cycle.clone(),
+            }),
+            fields: graph.add(sound_fields(&shot)),
+            response_report: graph.add(ResponseReport {
+                bodies: bodies.structure_bodies(),
+                vibration: shot.vibration.clone(),
+            }),
+            one_way: shot.coupled.map(|both| OneWay {
+                report: graph.add(CouplingReport(both)),
+                cycle: motions.lumped.clone(),
+            }),
+            tool_report: shot.tool_report,
+            cycle: shot.cycle,
+            vibration: shot.vibration,
+            end: shot.end,
+            sources,
+            usable: bodies.usable.clone(),
+            structure: bodies.structure.clone(),
+            tool: bodies.tool.clone(),
         })
     }
 }
 
-fn moving_body(
-    stages: &BodyStages,
-    (vibration, index): (&Stored<Vibration>, usize),
-    motion: Stored<BodyMotion>,
-) -> MovingBody {
-    MovingBody {
-        body: stages.body.clone(),
-        loss_factor: stages.loss_factor,
-        vibration: vibration.clone(),
-        index,
-        motion,
+/// The sound fields of the bodies in a shot.
+fn sound_fields(shot: &ShotStages<'_>) -> SoundFields {
+    let name = |body| sources::of_body(body).map_or("", |source| source.name());
+    let tool = shot.bodies.tool.as_ref().zip(shot.tool.as_ref());
+    let elements = shot.radiators.tool.as_ref();
+    SoundFields {
+        source: name(BodyKind::Workpiece),
+        method: shot.radiators.workpiece.field.clone(),
+        bodies: shot.bodies.structure_bodies(),
+        motions: shot.structure.clone(),
+        tool: tool.map(|(stages, tool)| ToolField {
+            source: name(BodyKind::Tool),
+            body: stages.body.clone(),
+            motion: tool.motion.clone(),
+            elements: elements.map(|tool| (tool.elements.clone(), tool.whole.radiator.clone())),
+            nose: inputs::radiation::nose(shot.context.design).into(),
+        }),
+        air: shot.context.air,
+        cuts: inputs::microphones::cuts(shot.context.design),
     }
-}
-
-/// Computes the nailing cycle of a design.
-///
-/// # Errors
-/// [`Error::Cycle`] when the design cannot be computed.
-pub fn cycle(design: &Design) -> Result<CycleRecord, Error> {
-    cycle_stage(design)?.compute(&Progress::silent())
-}
-
-/// Computes the nailing cycle of a design in a published form.
-///
-/// # Errors
-/// As [`cycle`].
-pub fn cycle_as_published(design: &Design, preset: Preset) -> Result<CycleRecord, Error> {
-    cycle_stage(design)?.published(preset).compute(&Progress::silent())
-}
-
-/// The same design without the muffler after its exhaust holes, if the insertion loss of that was measured.
-fn without_measured_muffler(design: &Design) -> Option<Design> {
-    (design.exhaust.muffler.kind == MufflerKind::InsertionLoss).then(|| {
-        let mut bare = design.clone();
-        bare.exhaust.muffler.kind = MufflerKind::None;
-        bare
-    })
-}
-
-fn cycle_stage(design: &Design) -> Result<Cycle, Error> {
-    Ok(Cycle {
-        parameters: inputs::cycle::parameters(design)?,
-        settings: inputs::cycle::cycle_settings(design),
-    })
-}
-
-/// The noise of a cycle's openings one by one, which yields the sound at any place ([`ExhaustNoise::at`]): exhaust
-/// holes, a muffler's outlet if present, trigger vent. For a muffler of measured insertion loss, the cycle without it
-/// is computed too, one way.
-///
-/// # Errors
-/// Openings, plenum or muffler that cannot be, air that leaves against a higher pressure.
-pub fn exhaust_openings(design: &Design, record: &CycleRecord) -> Result<Vec<ExhaustNoise>, Error> {
-    let unmuffled = without_measured_muffler(design).as_ref().map(cycle).transpose()?;
-    let holes = unmuffled.as_ref().unwrap_or(record);
-    Ok(noise(&inputs::exhaust::openings(design)?, holes, record)?.2.openings)
 }
 
 #[cfg(test)]
@@ -439,15 +270,13 @@ mod tests {
             let graph = Graph::default();
             let chain = Chain::new(&graph, design, Options::default()).unwrap();
             let bodies: Vec<_> = chain.structure.iter().map(|stages| stages.body.clone()).collect();
-            match workpiece_radiation(
-                &graph,
+            let context = Context {
+                graph: &graph,
                 design,
-                &bodies,
-                (inputs::air(design).unwrap(), SharedShapes::default()),
-            )
-            .unwrap()
-            .field
-            {
+                air: inputs::air(design).unwrap(),
+                shared: SharedShapes::default(),
+            };
+            match workpiece_radiation(context, &bodies).unwrap().field {
                 FieldMethod::BoundaryElements(_, matrix) => *matrix.key(),
                 FieldMethod::Rayleigh(..) | FieldMethod::Erp => panic!("boundary elements"),
             }

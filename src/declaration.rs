@@ -7,15 +7,11 @@
 //! L and K are stated separately, each rounded to the nearest decibel. sigma_t is the standard deviation over the draws
 //! of a study: inputs from their ranges and errors of the methods replace the scatter of measurements and of machines.
 
-use crate::result::{Declaration, EarReport};
-use crate::study::StudyResult;
+use crate::result::{Declaration, EarReport, Ends, RunStudy, StudySummary};
 use crate::study::tolerance::STATED_FROM;
 
 /// The 95 % quantile of the standard normal distribution, by which K follows from sigma_t (ISO 4871, A.2).
 const QUANTILE: f64 = 1.645;
-
-/// Text that replaces K below [`STATED_FROM`] draws, or if a study contradicts the design.
-pub const NO_K: &str = "K not stated";
 
 /// A level, or the uncertainty of one, in its declared form: to the nearest decibel \[dB\]. Halves are rounded up,
 /// towards more noise.
@@ -23,37 +19,41 @@ pub fn rounded(db: f64) -> i32 {
     (db + 0.5).floor() as i32
 }
 
-/// The declaration of a run whose level of sound power is this \[dB\]; no study is known to it.
-pub fn declaration(lwa_db: Option<f64>, ear: &EarReport) -> Declaration {
+/// The declaration of a run whose level of sound power is this \[dB\], with K from its study.
+pub fn declaration(lwa_db: Option<f64>, ear: &EarReport, study: &RunStudy) -> Declaration {
+    let (k, k_not_stated) = match uncertainty(study) {
+        Ok(k) => (Some(k), None),
+        Err(reason) => (None, Some(reason)),
+    };
+    let (k_db, k_basis) = k.unzip();
     Declaration {
         lwa_1s_db: lwa_db.map(rounded),
         lpa_1s_db: ear.lpa_1s_db.map(rounded),
         lpc_peak_db: ear.lpc_peak_db.map(rounded),
-        k_db: None,
-        k_basis: None,
+        k_db,
+        k_basis,
+        k_not_stated,
     }
 }
 
-/// K of a study \[dB\] and the origin of its sigma; none below [`STATED_FROM`] draws, or if draws are silent.
-pub fn uncertainty(study: &StudyResult) -> Option<(i32, String)> {
-    deviation(study).map(|(deviation, basis)| (rounded(QUANTILE * deviation), basis))
-}
-
-/// A result as JSON with the K of a study in its declaration.
-pub fn with_uncertainty(json: &str, (k, basis): &(i32, String)) -> String {
-    json.replacen("\"k_db\": null", &format!("\"k_db\": {k}"), 1).replacen(
-        "\"k_basis\": null",
-        &format!("\"k_basis\": \"{basis}\""),
-        1,
-    )
-}
-
-/// sigma_t of the total by a study \[dB\], and its origin.
-fn deviation(study: &StudyResult) -> Option<(f64, String)> {
-    let level = &study.total.level_db;
-    let [low, high] = [level.p05.value?, level.p95.value?];
+/// K \[dB\] and the origin of its sigma, or why K is not stated.
+fn uncertainty(study: &RunStudy) -> Result<(i32, String), String> {
+    let study: &StudySummary = match study {
+        RunStudy::Known(study) => study,
+        RunStudy::Absent(none) => return Err(none.reason.clone()),
+    };
+    if !study.outside.is_empty() {
+        return Err("the design lies outside its own interval of draws".to_owned());
+    }
+    if study.ends == Ends::Extremes {
+        return Err(format!("K needs {STATED_FROM} draws, there are {}", study.draws));
+    }
+    let (Some(low), Some(high)) = (study.total.low_db, study.total.high_db) else {
+        return Err("some draws are silent".to_owned());
+    };
+    let deviation = 0.5 * (high - low) / QUANTILE;
     let basis = format!("P5 to P95 of {} draws of inputs and methods", study.draws);
-    (study.draws >= STATED_FROM).then(|| (0.5 * (high - low) / QUANTILE, basis))
+    Ok((rounded(QUANTILE * deviation), basis))
 }
 
 /// The declaration in two lines. A missing statement is replaced by its reason.
@@ -61,7 +61,7 @@ pub fn lines(own: &Declaration, ear: &EarReport) -> [String; 2] {
     let level = |db: Option<i32>| db.map_or_else(|| "not stated: silent".to_owned(), |db| format!("{db} dB"));
     let k = match (own.k_db, &own.k_basis) {
         (Some(k), Some(_)) => format!("; K = {k} dB (1.645 sigma of the draws)"),
-        _ => format!("; {NO_K}"),
+        _ => "; K not stated".to_owned(),
     };
     let peak = match (&ear.not_stated, ear.lpc_peak_signal_db) {
         (Some(reason), Some(known)) => format!("not stated: {reason}; with drawn phases {known:.0} dB"),
@@ -81,6 +81,7 @@ pub fn lines(own: &Declaration, ear: &EarReport) -> [String; 2] {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::result::{DesignId, LevelSpread};
 
     #[test]
     fn levels_are_rounded_to_the_nearest_decibel() {
@@ -101,23 +102,59 @@ mod tests {
     #[test]
     fn a_level_that_cannot_be_stated_says_why() {
         let known = ear(None);
-        let [power, peak] = lines(&declaration(Some(102.3), &known), &known);
+        let [power, peak] = lines(&declaration(Some(102.3), &known, &RunStudy::absent("")), &known);
         assert_eq!(power, "L_WA,1s 102 dB, at the ear L_pA,1s 92 dB; K not stated");
         assert_eq!(peak, "L_pC,peak 128 dB");
         let unknown = ear(Some("body known to 1818 Hz".to_owned()));
-        let [_, peak] = lines(&declaration(Some(102.3), &unknown), &unknown);
+        let [_, peak] = lines(&declaration(Some(102.3), &unknown, &RunStudy::absent("")), &unknown);
         assert_eq!(
             peak,
             "L_pC,peak not stated: body known to 1818 Hz; with drawn phases 128 dB"
         );
     }
 
+    fn study(draws: usize, ends: Ends, outside: &[&str]) -> RunStudy {
+        let total = LevelSpread {
+            source: "total".to_owned(),
+            low_db: Some(95.0),
+            median_db: Some(101.0),
+            high_db: Some(105.4),
+            first: None,
+        };
+        RunStudy::Known(Box::new(StudySummary {
+            design: DesignId {
+                name: "own".to_owned(),
+                digest: String::new(),
+            },
+            draws,
+            ends,
+            structures: 0,
+            require: Vec::new(),
+            provided: None,
+            weighting: None,
+            sources: Vec::new(),
+            total,
+            outside: outside.iter().map(|name| (*name).to_owned()).collect(),
+            orders: Vec::new(),
+            deciding: Vec::new(),
+        }))
+    }
+
+    /// K is stated or its absence has a reason, never both.
     #[test]
-    fn the_uncertainty_of_a_study_enters_a_result() {
-        let json = serde_json::to_string_pretty(&declaration(Some(102.3), &ear(None))).unwrap_or_default();
-        let with = with_uncertainty(&json, &(7, "range of 8 draws".to_owned()));
-        let read: Option<Declaration> = serde_json::from_str(&with).ok();
-        let found = read.map(|own| (own.lwa_1s_db, own.k_db, own.k_basis));
-        assert_eq!(found, Some((Some(102), Some(7), Some("range of 8 draws".to_owned()))));
+    fn k_is_half_the_interval_of_a_study_that_states_percentiles() {
+        let of = |study: &RunStudy| declaration(Some(102.3), &ear(None), study);
+        let own = of(&study(128, Ends::Percentiles, &[]));
+        assert_eq!((own.k_db, &own.k_not_stated), (Some(5), &None));
+        assert!(own.k_basis.is_some_and(|basis| basis.contains("128 draws")));
+        for (study, reason) in [
+            (study(8, Ends::Extremes, &[]), "needs 32 draws"),
+            (study(128, Ends::Percentiles, &["body"]), "outside"),
+            (RunStudy::absent("no draws"), "no draws"),
+        ] {
+            let own = of(&study);
+            assert_eq!((own.k_db, own.k_basis), (None, None));
+            assert!(own.k_not_stated.is_some_and(|text| text.contains(reason)), "{reason}");
+        }
     }
 }

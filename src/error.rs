@@ -87,7 +87,8 @@ pub enum Error {
     /// The Python package cannot be called.
     #[error("{python} cannot import nailnoise and {needed}: {reason}")]
     #[diagnostic(help(
-        "install it in the repository, pip install './python[{}]', or name an interpreter that has it in NAILNOISE_PYTHON",
+        "install it in the repository, pip install './python[{}]', or name an interpreter that has it in \
+         NAILNOISE_PYTHON",
         if *needed == "optuna" { "optimise" } else { "cluster" }
     ))]
     NoPython {
@@ -121,7 +122,8 @@ pub enum Error {
         "`--groups` and `--structures` exclude each other: every partner of a draw would need a structure of its own"
     )]
     #[diagnostic(help(
-        "rank the groups on the structures of the design, without --structures; `{study} --structures` states beside it what structures add"
+        "rank the groups on the structures of the design, without --structures; `{study} --structures` states beside \
+         it what structures add"
     ))]
     GroupsOfStructures {
         /// The command without both.
@@ -141,7 +143,8 @@ pub enum Error {
     /// Draws that tasks were to compute are not there.
     #[error("the levels of {missing} of {draws} draws are not in {}", store.display())]
     #[diagnostic(help(
-        "run the tasks that are missing, with the same design, draws and seed; without --collect, this command computes what is missing"
+        "run the tasks that are missing, with the same design, draws and seed; without --collect, this command \
+         computes what is missing"
     ))]
     NotCollected {
         /// Draws that are not stored.
@@ -196,7 +199,8 @@ pub enum Error {
     /// One design has nothing to be compared with.
     #[error("{} alone has nothing to be compared with", path.display())]
     #[diagnostic(help(
-        "name a second design or result, or give measurements: --measured measurement.json, or --measured n80cb for the published ones"
+        "name a second design or result, or give measurements: --measured measurement.json, or --measured n80cb for \
+         the published ones"
     ))]
     NothingToCompare {
         /// The design.
@@ -212,9 +216,11 @@ pub enum Error {
         support: &'static str,
     },
     /// Measured levels over another range than those of a design.
-    #[error("{} has levels over {:.0} to {:.0} Hz, the design {design} over {:.0} to {:.0} Hz", path.display(), measured[0], measured[1],
+    #[error("{} has levels over {:.0} to {:.0} Hz, the design {design} over {:.0} to {:.0} \
+        Hz", path.display(), measured[0], measured[1],
         predicted[0], predicted[1])]
-    #[diagnostic(help("add --set \"analysis.range_low={} Hz\" --set \"analysis.range_high={} Hz\"", measured[0], measured[1]))]
+    #[diagnostic(help("add --set \"analysis.range_low={} Hz\" --set \"analysis.range_high={} \
+        Hz\"", measured[0], measured[1]))]
     MeasuredRange {
         /// The file of measurements.
         path: PathBuf,
@@ -313,10 +319,12 @@ pub enum Error {
     },
     /// The user's mesh of the tool does not have a surface for a lumped mass.
     #[error(
-        "{mass:.3} kg of the tool's mass belong on the surface \"{group}\"; the mesh has no such surface; it has: {known}"
+        "{mass:.3} kg of the tool's mass belong on the surface \"{group}\"; the mesh has no such surface; it has: \
+         {known}"
     )]
     #[diagnostic(help(
-        "name that surface (gmsh: Physical Surface(\"{group}\") = ...), give its place in the design ([surfaces.NAME] with \
+        "name that surface (gmsh: Physical Surface(\"{group}\") = ...), give its place in the design ([surfaces.NAME] \
+         with \
          surface = \"{group}\"), set its share in `body.lumped_nose` and `body.lumped_magazine`, or set \
          `body.lumped = false` and `tool.mass` to that of the mesh"
     ))]
@@ -331,7 +339,8 @@ pub enum Error {
     /// The mesh of the tool body does not name where a force of the shot acts.
     #[error("the mesh of the tool body has no surface \"{group}\" for {what}; it has: {known}")]
     #[diagnostic(help(
-        "name that surface (gmsh: Physical Surface(\"{group}\") = ...), give its place in the design ([surfaces.NAME] with \
+        "name that surface (gmsh: Physical Surface(\"{group}\") = ...), give its place in the design ([surfaces.NAME] \
+         with \
          surface = \"{group}\"), or set `body.model = \"rigid\"`; the axis of the cylinder is x = y = 0, its bore \
          `piston.bore`, z is up from the tip of the nose"
     ))]
@@ -346,7 +355,8 @@ pub enum Error {
     /// A surface of the tool body is not where the design has a force.
     #[error("no part of the surface \"{group}\" of the tool body is where {what} act")]
     #[diagnostic(help(
-        "put the axis of the cylinder on x = y = 0, or correct `head_valve.inner_diameter` and `head_valve.outer_diameter`: \
+        "put the axis of the cylinder on x = y = 0, or correct `head_valve.inner_diameter` and \
+         `head_valve.outer_diameter`: \
          the valve strikes the cap between them"
     ))]
     NoneOfSurface {
@@ -381,7 +391,8 @@ pub enum Error {
     },
     /// Pieces of a body that nothing joins.
     #[error(
-        "the {body} falls into {pieces} pieces that nothing joins or holds; the smallest has {:.2} cm3 around ({:.1}, {:.1}, \
+        "the {body} falls into {pieces} pieces that nothing joins or holds; the smallest has {:.2} cm3 around ({:.1}, \
+         {:.1}, \
          {:.1}) mm", volume * 1e6, centre[0] * 1e3, centre[1] * 1e3, centre[2] * 1e3
     )]
     #[diagnostic(help(
@@ -401,7 +412,8 @@ pub enum Error {
     /// Pieces of a body cannot be tied according to its surfaces.
     #[error("the pieces of the {body} cannot be joined: {cause}")]
     #[diagnostic(help(
-        "the surfaces NAME_slave and NAME_master must lie on each other within a tenth of the longest element side; mesh \
+        "the surfaces NAME_slave and NAME_master must lie on each other within a tenth of the longest element side; \
+         mesh \
          curved ones more finely"
     ))]
     NotTied {
@@ -453,7 +465,8 @@ pub enum Error {
     /// A microphone or the operator's ear that is too close to a body for the pressure there.
     #[error("a microphone or the operator's ear is too close to a body")]
     #[diagnostic(help(
-        "move the ear (`acoustics.ear_along`, `acoustics.ear_across`, `acoustics.ear_height`); the other microphones follow the \
+        "move the ear (`acoustics.ear_along`, `acoustics.ear_across`, `acoustics.ear_height`); the other microphones \
+         follow the \
          nail's place and the tool's height"
     ))]
     MicrophoneNearSurface {
@@ -508,7 +521,8 @@ pub enum Error {
         "{} states the unit of its lengths, and {given_in} gives {given} for one unit", path.display()
     )]
     #[diagnostic(help(
-        "leave {given_in} out: STEP and IGES files, and meshes written by this program, are read in the unit that they state; a file \
+        "leave {given_in} out: STEP and IGES files, and meshes written by this program, are read in the unit that \
+         they state; a file \
          that states a wrong one must be exported again"
     ))]
     StatedUnit {
@@ -522,7 +536,8 @@ pub enum Error {
     /// A solid of a file that is not a solid geometry.
     #[error("{} is no solid geometry, so that --solid has nothing to choose from", path.display())]
     #[diagnostic(help(
-        "give a solid geometry (.step, .stp, .brep, .igs) in the place of a design or a mesh; `mesh FILE --solid NUMBER --write PART.msh` \
+        "give a solid geometry (.step, .stp, .brep, .igs) in the place of a design or a mesh; `mesh FILE --solid \
+         NUMBER --write PART.msh` \
          makes a mesh that a design can name"
     ))]
     NoSolids {
@@ -535,7 +550,8 @@ pub enum Error {
     /// A universal file of measured modes contains no coordinates.
     #[error("{} has no coordinates: its modes (dataset 55) cannot be matched with a body by position", path.display())]
     #[diagnostic(help(
-        "add the nodes (dataset 15 or 2411) from the file with the geometry; if the points have the numbers of a file that `modes --uff` \
+        "add the nodes (dataset 15 or 2411) from the file with the geometry; if the points have the numbers of a file \
+         that `modes --uff` \
          wrote for this mesh, give --by-number"
     ))]
     NoCoordinates {
@@ -551,7 +567,8 @@ pub enum Error {
     },
     /// A design whose name cannot be that of a folder.
     #[error(
-        "the design file {} has the name \"{name}\", which cannot be the name of a folder for its results", path.display()
+        "the design file {} has the name \"{name}\", which cannot be the name of a folder for its \
+         results", path.display()
     )]
     #[diagnostic(help(
         "rename the file, for example to my-tool.toml; `run`, `cycle` and `modes` also take a folder with --out DIR"
@@ -678,7 +695,8 @@ pub enum Error {
     },
     /// A name that a list does not have.
     #[error("there is no \"{name}\" among the {list} that nailnoise knows")]
-    #[diagnostic(help("{}`nailnoise list {list}` prints all names", nearest.as_ref().map_or_else(String::new, |near| format!("is it \"{near}\"? "))))]
+    #[diagnostic(help("{}`nailnoise list {list}` prints all names",
+        nearest.as_ref().map_or_else(String::new, |near| format!("is it \"{near}\"? "))))]
     UnknownName {
         /// The list.
         list: &'static str,

@@ -47,7 +47,8 @@ pub(crate) fn install() {
         let handle = signals.handle();
         let serve = move || match signals.forever().next() {
             Some(SIGXCPU) => end(
-                "error: the limit of processor time is reached (ulimit -t): nothing is left half-written, what was computed for \
+                "error: the limit of processor time is reached (ulimit -t): nothing is left half-written, what was \
+                 computed for \
                  later runs is kept",
                 LIMITED,
             ),
@@ -96,8 +97,8 @@ pub(crate) fn undisturbed() -> MutexGuard<'static, ()> {
     PLACING.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Leaves the end of the process to an interruption that is under way: a command whose folder is taken from it fails, and
-/// that failure is not reported.
+/// Leaves the end of the process to an interruption that is under way: a command whose folder is taken from it fails,
+/// and that failure is not reported.
 pub(crate) fn give_way() {
     while UNDER_WAY.load(Ordering::SeqCst) {
         std::thread::park();

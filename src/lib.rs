@@ -1,15 +1,18 @@
 //! nailnoise predicts how much sound power each source of a pneumatic nailer radiates, from its design.
 //!
-//! [`design`] reads the design file, [`chain`] assembles its stages, [`run`] ranks its sources, [`output`] makes files
-//! of them, [`figures`] draws them, [`drawing`] shows the tool, and [`report`] makes a page of them. [`bundle`] stores
-//! all of it for the next run, [`comparison`] lays results side by side, [`watch`] serves the page of a design that is
-//! being changed, and [`commands`] is the command line over all of it. [`measurement`] takes the recordings of a test
-//! to levels, [`virtual_test`] makes such recordings from a design and compares it with measured levels, [`penetration`] compares penetration laws, [`scaling`] makes a design of another tool, [`cost`] estimates
-//! the cost of a run before it begins; [`sensitivity`] and [`study`] quantify how the ranges of a design affect its
-//! shot. [`verification`] computes public benchmarks beside their references.
+//! [`design`] reads the design file, and [`model`] turns it into a support and sources of sound, one file each.
+//! [`chain`] assembles their stages, and [`run`] ranks the sources. [`output`] makes the files of a run, [`figures`]
+//! and [`drawing`] draw it, and [`report`] makes a page of it; [`artifacts`] stores all of it for the next run.
+//! [`study`] and [`sensitivity`] quantify how the ranges of a design affect its shot, and [`comparison`] sets results
+//! side by side.
+//!
+//! [`measurement`] takes the recordings of a test to levels; [`virtual_test`] makes such recordings from a design and
+//! compares it with measured levels. [`verification`] computes public benchmarks. [`penetration`] compares penetration
+//! laws, [`scaling`] makes a design of another tool, and [`cost`] estimates the cost of a run before it begins.
+//! [`watch`] serves the page of a design that is being changed, and [`commands`] is the command line over all of it.
 #![forbid(unsafe_code)]
 
-pub mod bundle;
+pub mod artifacts;
 pub mod chain;
 pub mod commands;
 pub mod comparison;
@@ -22,6 +25,7 @@ pub mod figures;
 pub mod graph;
 pub mod headline;
 mod interrupt;
+pub mod model;
 pub mod output;
 pub mod penetration;
 pub mod report;
@@ -34,6 +38,7 @@ pub mod stages;
 pub mod staging;
 pub mod store;
 pub mod study;
+mod table;
 mod threads;
 pub mod verification;
 pub mod virtual_test;

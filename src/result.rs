@@ -2,6 +2,9 @@
 //!
 //! The JSON Schema of `run --json` and of `result.json` is derived from these types.
 
+mod design_id;
+mod study;
+
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::time::Duration;
@@ -21,11 +24,14 @@ use serde_json::Value;
 use crate::design::Design;
 use crate::stages::headline::Headline;
 
+pub use design_id::DesignId;
+pub use study::{DecidingInput, Ends, LevelSpread, NoStudy, OrderShare, Provided, RunStudy, StudySummary, Weighting};
+
 /// Version of the layout of [`RunResult`]; it changes when a reader of the old layout would misread the new one.
 pub const SCHEMA: &str = "nailnoise-run/1";
 
-/// The result of `nailnoise run`. Levels are single-event levels in dB re 1 pW s, null for silence; all other numbers are
-/// in SI units. Further keys may be added.
+/// The result of `nailnoise run`. Levels are single-event levels in dB re 1 pW s, null for silence; all other numbers
+/// are in SI units. Further keys may be added.
 #[derive(Debug, Clone, Serialize, JsonSchema)]
 #[schemars(title = "Result of nailnoise run")]
 pub struct RunResult {
@@ -40,11 +46,13 @@ pub struct RunResult {
     pub ranking: Vec<RankedSource>,
     /// All sources together.
     pub total: Total,
-    /// What the shot did: `drives`, `strikes_bumper`, `underdriven`, `overdriven`, `does_not_open`, `does_not_release` or
-    /// `does_not_exhaust`.
+    /// Intervals of the levels and P(first) from the draws of a study, or why they are not stated.
+    pub study: RunStudy,
+    /// What the shot did: `drives`, `strikes_bumper`, `underdriven`, `overdriven`, `does_not_open`, `does_not_release`
+    /// or `does_not_exhaust`.
     pub outcome: Outcome,
-    /// Where the nail is not driven or the exhaust does not open: how the shot ended, its figure, and the inputs that would change
-    /// that most. Absent for a shot that drives.
+    /// Where the nail is not driven or the exhaust does not open: how the shot ended, its figure, and the inputs that
+    /// would change that most. Absent for a shot that drives.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub headline: Option<Headline>,
     /// Figures of the shot.
@@ -54,8 +62,8 @@ pub struct RunResult {
     /// What the structures do to the shot and its sound, against a lumped workpiece; absent from a one-way run.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub coupling: Option<Coupling>,
-    /// Levels of each source in linear motion with the air's impedance frozen at each mode's resonance, and with the complete one;
-    /// absent unless the air's mass acts.
+    /// Levels of each source in linear motion with the air's impedance frozen at each mode's resonance, and with the
+    /// complete one; absent unless the air's mass acts.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub fluid_loading_changes: Vec<FluidLoadingChange>,
     /// Scatter of the workpiece's level over several starts; absent from a run with one.
@@ -73,7 +81,8 @@ pub struct RunResult {
     pub declaration: Declaration,
     /// Checks of every stage.
     pub checks: Vec<Check>,
-    /// What a reader must know of the shot, of the values of the design, and of sources of which there is only an estimate.
+    /// What a reader must know of the shot, of the values of the design, and of sources of which there is only an
+    /// estimate.
     pub notes: Vec<String>,
     /// Ranges, errors and limits of the methods.
     pub method_notes: Vec<String>,
@@ -112,16 +121,6 @@ fn unescape(schema: &mut Schema) {
             .iter()
             .fold(std::mem::take(text), |text, (from, to)| text.replace(from, to));
     }
-}
-
-/// Name and content digest of a design.
-#[derive(Debug, Clone, Serialize, Deserialize, JsonSchema)]
-pub struct DesignId {
-    /// Name of the file without its extension.
-    pub name: String,
-    /// SHA-256 of every value the result depends on.
-    #[schemars(regex(pattern = "^[0-9a-f]{64}$"))]
-    pub digest: String,
 }
 
 impl From<&Design> for DesignId {
@@ -220,7 +219,8 @@ pub struct RankedSource {
     pub uncertainty_db: Uncertainty,
     /// The same quantity by an independent method, where there is one.
     pub cross_check: Option<CrossCheck>,
-    /// What stands beside the power of a surface that is evaluated twice; null for the equivalent radiated power, an estimate.
+    /// What stands beside the power of a surface that is evaluated twice; null for the equivalent radiated power, an
+    /// estimate.
     pub radiation: Option<RadiationReport>,
     /// What the source radiates between neighbouring events; the energies sum to its own.
     pub intervals: Vec<IntervalLevel>,
@@ -267,8 +267,8 @@ pub struct MicrophoneReport {
     pub total: ArrayMeasurement,
 }
 
-/// Levels of a declaration in the dual-number form of ISO 4871, each rounded to the nearest decibel. K is one for all of them: that
-/// of the sound power, as no study draws the directivity.
+/// Levels of a declaration in the dual-number form of ISO 4871, each rounded to the nearest decibel. K is one for all
+/// of them: that of the sound power, as no study draws the directivity.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub struct Declaration {
     /// L_WA,1s \[dB re 1 pW s\]; null when silent.
@@ -277,11 +277,14 @@ pub struct Declaration {
     pub lpa_1s_db: Option<i32>,
     /// L_pC,peak there \[dB re 20 uPa\]; null when silent, or where `ear.not_stated` says why.
     pub lpc_peak_db: Option<i32>,
-    /// K = 1.645 sigma over the draws of a study, inputs and methods \[dB\]; null where it is not stated: without a study of at
-    /// least 32 draws, or where the design contradicts its draws.
+    /// K = 1.645 sigma over the draws of a study, inputs and methods \[dB\]; null where it is not stated: without a
+    /// study of at least 32 draws, or where the design contradicts its draws.
     pub k_db: Option<i32>,
-    /// Where sigma comes from; null while there is none.
+    /// Where sigma comes from; null without K.
     pub k_basis: Option<String>,
+    /// Why K is not stated; null where it is.
+    #[serde(default)]
+    pub k_not_stated: Option<String>,
 }
 
 /// Emission sound pressure of all sources at the operator's ear, without room and background.
@@ -295,8 +298,8 @@ pub struct EarReport {
     pub synthetic_share: f64,
     /// C-weighted peak level L_pC,peak \[dB re 20 uPa\]; null when silent, or not stated.
     pub lpc_peak_db: Option<f64>,
-    /// C-weighted peak level of the complete signal, whose phases are partly drawn where the peak is not stated: one draw
-    /// among many \[dB re 20 uPa\]; null when silent.
+    /// C-weighted peak level of the complete signal, whose phases are partly drawn where the peak is not stated: one
+    /// draw among many \[dB re 20 uPa\]; null when silent.
     pub lpc_peak_signal_db: Option<f64>,
     /// Why L_pC,peak is not stated; null where it is.
     pub not_stated: Option<String>,
@@ -311,8 +314,8 @@ pub struct ReceivedSource {
     pub how: String,
     /// Frequencies over which it is heard and compared \[Hz\].
     pub range_hz: [f64; 2],
-    /// Frequency above which its signals are synthetic \[Hz\]: they have the energy and the power over time of the source, and
-    /// phases that are drawn or chosen; null where the phases are the model's over the whole range.
+    /// Frequency above which its signals are synthetic \[Hz\]: they have the energy and the power over time of the
+    /// source, and phases that are drawn or chosen; null where the phases are the model's over the whole range.
     pub synthetic_from_hz: Option<f64>,
     /// Error of interpolated pressures over frequency, relative to the loudest mode at any microphone \[-\]; null where
     /// none are interpolated.
@@ -327,8 +330,9 @@ pub struct ReceivedSource {
     pub bands: Vec<MicrophoneBand>,
 }
 
-/// All sources at once by the procedure of ISO 3744, L_WA = mean L_EA + 10 lg S - K1 - K2. Energies of sources add in levels of
-/// power: interference of block and tool, which changes single low bands by up to a decibel, is in `levels` alone.
+/// All sources at once by the procedure of ISO 3744, L_WA = mean L_EA + 10 lg S - K1 - K2. Energies of sources add in
+/// levels of power: interference of block and tool, which changes single low bands by up to a decibel, is in `levels`
+/// alone.
 #[derive(Debug, Clone, Serialize, JsonSchema)]
 pub struct ArrayMeasurement {
     /// Microphone by microphone, direct sound alone: of the sum of all pressures, which the files of the total hold.
@@ -403,8 +407,8 @@ pub struct IntervalLevel {
     /// The level that a measurement finds, which cuts the signal at both events: cuts add energy
     /// \[dB re 1 pW s\]; null when silent.
     pub lwa_cut_db: Option<f64>,
-    /// Energies of both levels \[J\] where one is negative and has no level: the source absorbs more than it radiates. Absent
-    /// elsewhere.
+    /// Energies of both levels \[J\] where one is negative and has no level: the source absorbs more than it radiates.
+    /// Absent elsewhere.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub energies_j: Option<[f64; 2]>,
 }
@@ -431,8 +435,8 @@ pub struct BandLevel {
     pub lw_db: Option<f64>,
     /// The same with A weighting.
     pub lwa_db: Option<f64>,
-    /// Unweighted and A-weighted energy \[J\] where one is negative and has no level: the part absorbs more than it radiates.
-    /// Absent elsewhere.
+    /// Unweighted and A-weighted energy \[J\] where one is negative and has no level: the part absorbs more than it
+    /// radiates. Absent elsewhere.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub energies_j: Option<[f64; 2]>,
 }
@@ -459,8 +463,8 @@ pub struct Component {
     pub lwa_db: Option<f64>,
     /// The same without weighting.
     pub lw_db: Option<f64>,
-    /// Unweighted and A-weighted energy \[J\] where one is negative and has no level: the part absorbs more than it radiates.
-    /// Absent elsewhere.
+    /// Unweighted and A-weighted energy \[J\] where one is negative and has no level: the part absorbs more than it
+    /// radiates. Absent elsewhere.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub energies_j: Option<[f64; 2]>,
     /// One-third-octave bands of the common range.
@@ -474,13 +478,15 @@ pub struct SensorLevel {
     pub name: String,
     /// What it is fixed to: `workpiece`, `worktable`, `sand` or `tool`.
     pub body: &'static str,
-    /// Root mean square of the acceleration over 1 s that holds the shot alone, (int a^2 dt / 1 s)^1/2 \[g, 9.80665 m/s2\].
+    /// Root mean square of the acceleration over 1 s that holds the shot alone, (int a^2 dt / 1 s)^1/2 \[g, 9.80665
+    /// m/s2\].
     pub rms_g: f64,
     /// Largest magnitude of the acceleration \[g\].
     pub peak_g: f64,
 }
 
-/// What a pressure transducer reads of the shot. A piezoelectric one has no static pressure: it reads changes from the trigger on.
+/// What a pressure transducer reads of the shot. A piezoelectric one has no static pressure: it reads changes from the
+/// trigger on.
 #[derive(Debug, Clone, Serialize, JsonSchema)]
 pub struct TransducerRange {
     /// Its name in the design.
@@ -506,8 +512,8 @@ pub struct Coupling {
     pub work: nailnoise_dynamics::CouplingWork,
 }
 
-/// Linear motion of a source with the air's impedance frozen at each mode's resonance, as a contact that opens needs it, beside
-/// that with the complete impedance Z = R + jX of every frequency.
+/// Linear motion of a source with the air's impedance frozen at each mode's resonance, as a contact that opens needs
+/// it, beside that with the complete impedance Z = R + jX of every frequency.
 #[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct FluidLoadingChange {
     /// The source.
@@ -516,8 +522,8 @@ pub struct FluidLoadingChange {
     pub frozen_lwa_db: Option<f64>,
     /// The same with the complete one.
     pub complete_lwa_db: Option<f64>,
-    /// Whether the complete one acts on the motion of this run. Otherwise its contact opens or acts back on the cycle: both
-    /// levels are those of the same shot one way with the contact bonded.
+    /// Whether the complete one acts on the motion of this run. Otherwise its contact opens or acts back on the cycle:
+    /// both levels are those of the same shot one way with the contact bonded.
     pub complete_acts: bool,
 }
 
@@ -573,6 +579,9 @@ pub struct LevelChange {
     /// The same two ways.
     pub two_way_lwa_db: Option<f64>,
 }
+
+/// Name of the sum of all sources.
+pub(crate) const TOTAL: &str = "total";
 
 /// All sources together.
 #[derive(Debug, Clone, Copy, Serialize, Deserialize, JsonSchema)]

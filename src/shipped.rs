@@ -32,8 +32,8 @@ pub const DESIGNS: &[(&str, &str)] = files![
 /// Published measurements, for `compare --measured`.
 pub const MEASURED: &[(&str, &str)] = files!["measured/n80cb.json"];
 
-/// Studies of designs, for the intervals of `nailnoise run`: every file of the folder `designs/studies`, which `nailnoise provide`
-/// makes anew. The list is made when the program is built.
+/// Studies of designs, for the intervals of `nailnoise run`: every file of the folder `designs/studies`, which
+/// `nailnoise provide` makes anew. The list is made when the program is built.
 pub const STUDIES: &[(&str, &str)] = include!(concat!(env!("OUT_DIR"), "/studies.rs"));
 
 /// The design of this name, with or without folder and extension: `n80cb`, `muffler.toml`, `quieter/muffler`.

@@ -1,4 +1,5 @@
-//! Time of the exhaust's analysis over one cycle of 0.11 s at 4 us, on one core; the requirement is 50 ms for the whole.
+//! Time of the exhaust's analysis over one cycle of 0.11 s at 4 us, on one core; the requirement is 50 ms for the
+//! whole.
 
 use divan::Bencher;
 use nailnoise_acoustics::exhaust::{

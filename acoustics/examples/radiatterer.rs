@@ -1,9 +1,9 @@
-//! The Radiatterer, a benchmark case of the European Acoustics Association: a box with slots and cavities whose whole surface
-//! moves by 1 mm/s. `cargo run --release -p nailnoise-acoustics --example radiatterer [HZ ...]`.
+//! The Radiatterer, a benchmark case of the European Acoustics Association: a box with slots and cavities whose whole
+//! surface moves by 1 mm/s. `cargo run --release -p nailnoise-acoustics --example radiatterer [HZ ...]`.
 //!
-//! Reference: finite and infinite elements of order 4 on bricks of 50 mm (P. Fiala and P. Rucz, NiHu, public repository), an
-//! independent computation whose dispersion shifts frequencies by 0.15 % at 200 Hz and 0.4 % at 300 Hz. At the maxima of 20.5,
-//! 53, 78.5 and 109 Hz, compare frequencies and not levels.
+//! Reference: finite and infinite elements of order 4 on bricks of 50 mm (P. Fiala and P. Rucz, NiHu, public
+//! repository), an independent computation whose dispersion shifts frequencies by 0.15 % at 200 Hz and 0.4 % at 300 Hz.
+//! At the maxima of 20.5, 53, 78.5 and 109 Hz, compare frequencies and not levels.
 
 use nailnoise_acoustics::Air;
 use nailnoise_acoustics::bem::{Boundary, BoundaryMesh, Exterior, Panel};

@@ -63,7 +63,8 @@ pub enum ReceiverError {
     },
     /// A receiver too close to a radiating surface.
     #[error(
-        "the point {point:.3?} m lies {distance:.3} m from the radiating surface; at least {needed:.3} m, the longest edge of a \
+        "the point {point:.3?} m lies {distance:.3} m from the radiating surface; at least {needed:.3} m, the longest \
+         edge of a \
          panel, are needed: move it away or refine the mesh"
     )]
     NearSurface {

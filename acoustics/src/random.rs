@@ -5,9 +5,9 @@ use rand_xoshiro::SplitMix64;
 
 /// A number in \[0, 1) for the place (`first`, `second`) of the sequence `seed`.
 ///
-/// It depends on nothing else, so that the order of evaluation does not matter. The three values are mixed by SplitMix64
-/// (Steele, Lea and Flood, "Fast splittable pseudorandom number generators", 2014): each is added to the result of those
-/// before it.
+/// It depends on nothing else, so that the order of evaluation does not matter. The three values are mixed by
+/// SplitMix64 (Steele, Lea and Flood, "Fast splittable pseudorandom number generators", 2014): each is added to the
+/// result of those before it.
 pub fn uniform(seed: u64, first: u64, second: u64) -> f64 {
     let mixed = |key: u64| SplitMix64::seed_from_u64(key).next_u64();
     let key = mixed(mixed(seed).wrapping_add(first)).wrapping_add(second);

@@ -107,7 +107,8 @@ pub(crate) mod single {
         simd.sub_f32s(simd.mul_add_e_f32s(x, simd.splat_f32s(factor), shift), shift)
     }
 
-    /// (sin x, cos x) of x as it is rounded, with an error below 2e-7 for |x| < 60 by fused multiplication and addition.
+    /// (sin x, cos x) of x as it is rounded, with an error below 2e-7 for |x| < 60 by fused multiplication and
+    /// addition.
     #[inline(always)]
     pub(crate) fn sin_cos<S: Simd>(simd: S, x: S::f32s) -> (S::f32s, S::f32s) {
         let (one, two) = (simd.splat_f32s(1.0), simd.splat_f32s(2.0));

@@ -104,7 +104,8 @@ mod tests {
         let head = "Limit                     Soft Limit           Hard Limit           Units     \n";
         let of = |soft: &str| {
             limit_of_address_space(&format!(
-                "{head}Max address space         {soft:<20} unlimited            bytes     \nMax file locks            1  1  locks\n"
+                "{head}Max address space         {soft:<20} unlimited            bytes     \nMax file \
+                 locks            1  1  locks\n"
             ))
         };
         assert_eq!(of("1073741824"), Some(1.073_741_824));

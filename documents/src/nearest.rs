@@ -5,7 +5,8 @@ fn tolerance(word: &str) -> usize {
     (word.chars().count() / 4).clamp(1, 3)
 }
 
-/// The word most like `name`, if any is near: at most one edit (Damerau, Levenshtein) for four characters, and at most three.
+/// The word most like `name`, if any is near: at most one edit (Damerau, Levenshtein) for four characters, and at most
+/// three.
 pub fn nearest<'a>(words: impl Iterator<Item = &'a str>, name: &str) -> Option<&'a str> {
     let name = name.to_lowercase();
     words

@@ -1,4 +1,5 @@
-//! Reading of input files: regular ones of a bounded length, so that no pipe or device can hang a program or fill its memory.
+//! Reading of input files: regular ones of a bounded length, so that no pipe or device can hang a program or fill its
+//! memory.
 
 use std::fs::File;
 use std::io::{self, Read as _};

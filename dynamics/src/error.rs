@@ -98,12 +98,14 @@ pub enum CycleError {
     },
     /// The law of a fit without a fit.
     #[error(
-        "wood.penetration_law = \"fitted\" needs a fitted law; name its file in wood.penetration_fit, or choose another law"
+        "wood.penetration_law = \"fitted\" needs a fitted law; name its file in wood.penetration_fit, or choose \
+         another law"
     )]
     NoFit,
     /// An impact beyond those that a fitted law comes from.
     #[error(
-        "the rod strikes the nail at {speed} m/s, and the fitted law holds for {lowest} .. {highest} m/s; add drives at this \
+        "the rod strikes the nail at {speed} m/s, and the fitted law holds for {lowest} .. {highest} m/s; add drives \
+         at this \
          speed and mass, or fit with --extrapolate to allow it"
     )]
     BeyondFit {
@@ -163,7 +165,8 @@ pub enum CycleError {
     },
     /// A contact opens and closes without end.
     #[error(
-        "chatter: {contact} changed {count} times within {window} s at {time} s, more often than any contact of a nailer \
+        "chatter: {contact} changed {count} times within {window} s at {time} s, more often than any contact of a \
+         nailer \
          vibrates; check its stiffness and damping and the mass behind it"
     )]
     Chatter {

@@ -16,8 +16,8 @@ use crate::{Ambient, Block, Exhaust, HeadValve, Nail, Parameters, Piston, Suppor
 /// tau = L_ch/c,  c = sqrt(gamma R T_a)
 /// phi = exp(-R_ch L_ch R T_a/(2 P c)),  R_ch = 32 mu/D_ch^2       (Eq. 4.50, laminar)
 /// ```
-/// The laminar attenuation of the reference channel is 0.9981 venting and 0.9997 filling (the source's set rounds to 0.998
-/// and 0.9998); the flow there is turbulent, and either way the effect is below 1 us (C-22).
+/// The laminar attenuation of the reference channel is 0.9981 venting and 0.9997 filling (the source's set rounds to
+/// 0.998 and 0.9998); the flow there is turbulent, and either way the effect is below 1 us (C-22).
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Geometry {
     /// A_1, piston area above \[m2\].

@@ -36,7 +36,8 @@ pub enum Crossing {
     RestSpeed,
     /// Piston faster than 0.05 m/s against the tool (t14).
     StillSpeed,
-    /// Guard spring reaches the wood; its fall releases the trigger valve (t12, unless the operator has released it before).
+    /// Guard spring reaches the wood; its fall releases the trigger valve (t12, unless the operator has released it
+    /// before).
     Guard,
     /// Nose level below the wood's surface; its rise after t12 is the landing.
     Landing,

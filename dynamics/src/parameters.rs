@@ -34,8 +34,8 @@ pub struct Parameters {
     pub nail: Nail,
     /// The wood.
     pub wood: Wood,
-    /// Friction along the shank as a share of the resistance at full depth; the resistance depends on it outside the tested
-    /// sizes of nails.
+    /// Friction along the shank as a share of the resistance at full depth; the resistance depends on it outside the
+    /// tested sizes of nails.
     pub friction_share: f64,
     /// Penetration resistance by points, in place of the law of the wood.
     pub penetration_table: Option<ForceTable>,
@@ -213,8 +213,8 @@ group! {
         vent_area: f64 = positive(AREA), "C A_tv";
         /// Effective area, C_d included, of the fill from the supply side.
         fill_area: f64 = positive(AREA), "C A_tvin";
-        /// Time from the trigger pull at which the operator releases the trigger valve, if the rising tool has not done so
-        /// before; 0 where the rise of the tool by `contacts.guard_travel` is the only release.
+        /// Time from the trigger pull at which the operator releases the trigger valve, if the rising tool has not done
+        /// so before; 0 where the rise of the tool by `contacts.guard_travel` is the only release.
         release_after: f64 = nonnegative(TIME), "";
     }
 }
@@ -226,7 +226,8 @@ group! {
         length: f64 = positive(LENGTH), "l_n";
         /// Diameter of the shank; for a wire that is not round, of a circle of the same area.
         diameter: f64 = positive(LENGTH), "D";
-        /// Number of shanks: 1, or 2 for a staple. Each meets the wood as one nail; their forces act on the nail's axis.
+        /// Number of shanks: 1, or 2 for a staple. Each meets the wood as one nail; their forces act on the nail's
+        /// axis.
         legs: u32 = Kind::Count(2), "";
         /// Diameter of the head; of a staple's crown or a T head, that of a circle of the same area.
         head_diameter: f64 = positive(LENGTH), "D_h";

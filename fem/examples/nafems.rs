@@ -1,5 +1,6 @@
 //! Solves the NAFEMS benchmarks FV41 (free cylinder, a quarter of it) and FV22 (clamped thick rhombic plate) on 20-node
-//! hexahedra and writes the same meshes for CalculiX: `cargo run --release -p nailnoise-fem --example nafems -- FOLDER`.
+//! hexahedra and writes the same meshes for CalculiX:
+//! `cargo run --release -p nailnoise-fem --example nafems -- FOLDER`.
 //!
 //! For each benchmark `FOLDER/NAME.inp` is CalculiX's input and `FOLDER/NAME.csv` our frequencies in Hz;
 //! `tests/peers/calculix.py` runs the other program and compares.

@@ -131,7 +131,8 @@ impl Equations {
     }
 
     /// The values of the unknowns in columns over the degrees of freedom of the mesh: expanding them gives the columns
-    /// back where these respect constraints and ties. The unknowns of rigid masses are none of the mesh's and left zero.
+    /// back where these respect constraints and ties. The unknowns of rigid masses are none of the mesh's and left
+    /// zero.
     ///
     /// # Errors
     /// [`FemError::LoadRows`] unless there are three rows a node.
@@ -186,9 +187,9 @@ pub fn assemble_with(
     nodes.assemble(mesh, materials, None)
 }
 
-/// The same with the nodes in the order of elimination that [`elimination_order`] returned for this mesh, these constraints
-/// and attachments of the same kind on the same groups. [`crate::modes`] then needs neither to find an order nor to copy K and
-/// M into it.
+/// The same with the nodes in the order of elimination that [`elimination_order`] returned for this mesh, these
+/// constraints and attachments of the same kind on the same groups. [`crate::modes`] then needs neither to find an
+/// order nor to copy K and M into it.
 ///
 /// # Errors
 /// Those of [`assemble_with`]; [`FemError::Order`] for an order of other nodes.

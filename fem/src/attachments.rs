@@ -1,10 +1,7 @@
 //! Attachments of a mesh: separately meshed bodies, lumped masses, springs to the ground.
 
-use nailnoise_meshes::{Location, Mesh};
+use nailnoise_meshes::Location;
 use nalgebra::{Matrix3, Point3};
-
-use crate::reduction::Reduction;
-use crate::{Constraints, FemError};
 
 /// Attachments of a mesh; none by default.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -15,27 +12,6 @@ pub struct Attachments {
     pub masses: Vec<LumpedMass>,
     /// Springs to ground.
     pub springs: Vec<GroundSpring>,
-}
-
-impl Attachments {
-    /// Each dependent node of a mesh with the nodes that it follows. Nothing is assembled, so attachments can be
-    /// checked before a body is solved. Each slave node must reach its master, and none may be both fixed and tied.
-    ///
-    /// # Errors
-    /// As [`crate::assemble_with`], as far as attachments are concerned.
-    pub fn followers(&self, mesh: &Mesh, constraints: &Constraints) -> Result<Vec<(usize, Vec<usize>)>, FemError> {
-        let reduction = Reduction::new(mesh, self, constraints)?;
-        let of_mesh = |&node: &usize| node < mesh.nodes.len();
-        let dependent = reduction.dependent().filter(|(node, _)| of_mesh(node));
-        Ok(dependent
-            .map(|(node, terms)| {
-                (
-                    node,
-                    terms.iter().map(|(followed, _)| *followed).filter(of_mesh).collect(),
-                )
-            })
-            .collect())
-    }
 }
 
 /// A tied interface: each node of the slave group moves with the master element behind it.

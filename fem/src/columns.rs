@@ -15,8 +15,8 @@ const PIECE: usize = 128;
 /// V in pieces of [`PIECE`] columns, so that it grows without being copied and no more of it is in memory than is used.
 pub(crate) struct Columns {
     rows: usize,
-    /// Memory comes zeroed from the system. Its pages are touched only when a column is written, by all threads, because page
-    /// faults cost more than the copy.
+    /// Memory comes zeroed from the system. Its pages are touched only when a column is written, by all threads,
+    /// because page faults cost more than the copy.
     pieces: Vec<Vec<f64>>,
 }
 

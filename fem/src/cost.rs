@@ -44,8 +44,8 @@ impl ModalCost {
         Ok(Self::of(3.0 * mesh.nodes.len() as f64, modes, sectors, thin))
     }
 
-    /// The cost of this number of `modes` with `n` degrees of freedom in `sectors` independent problems; `thin` for bodies
-    /// of thin walls. Formulas as in [`estimate`](Self::estimate).
+    /// The cost of this number of `modes` with `n` degrees of freedom in `sectors` independent problems; `thin` for
+    /// bodies of thin walls. Formulas as in [`estimate`](Self::estimate).
     pub fn of(n: f64, modes: f64, sectors: u32, thin: bool) -> Self {
         let parallel = f64::from(sectors);
         let m = n / parallel;
@@ -62,8 +62,8 @@ impl ModalCost {
     }
 }
 
-/// Number of elastic modes below `hz` of a solid with this volume \[m3\] and thickness of its walls \[m\], by the leading
-/// terms that [`ModalCost::estimate`] names.
+/// Number of elastic modes below `hz` of a solid with this volume \[m3\] and thickness of its walls \[m\], by the
+/// leading terms that [`ModalCost::estimate`] names.
 pub fn modes_below(material: &Material, volume: f64, thickness: f64, hz: f64) -> f64 {
     let omega = TAU * hz;
     let c = |k: usize| (material.stiffness()[(k, k)] / material.density()).sqrt();

@@ -17,8 +17,8 @@ pub(crate) const RIGID: f64 = 2.5e-9;
 /// rounding.
 const CANCELLED: f64 = 1e-6;
 
-/// Rounding of phi^T K phi relative to phi^T diag(K) phi; half an epsilon in sheets of 0.5 and 1 mm. A thin sheet is so stiff
-/// across its thickness that the rounding of a rigid mode's lambda may exceed [`RIGID`] of the edge.
+/// Rounding of phi^T K phi relative to phi^T diag(K) phi; half an epsilon in sheets of 0.5 and 1 mm. A thin sheet is so
+/// stiff across its thickness that the rounding of a rigid mode's lambda may exceed [`RIGID`] of the edge.
 const ROUNDING: f64 = 8.0 * f64::EPSILON;
 
 /// Entries of Phi^T M Phi - I that count as rounding.
@@ -63,8 +63,9 @@ struct Balance {
 }
 
 impl Balance {
-    /// Of the columns phi, K phi and M phi; below `rigid`, or below its own rounding, lambda is that of a rigid mode. No strain
-    /// has a negative energy, so a negative lambda is rounding, too; how much of it there is, is in the residual.
+    /// Of the columns phi, K phi and M phi; below `rigid`, or below its own rounding, lambda is that of a rigid mode.
+    /// No strain has a negative energy, so a negative lambda is rounding, too; how much of it there is, is in the
+    /// residual.
     fn new([phi, k_phi, m_phi]: [ColRef<'_, f64>; 3], parts: &[f64], rigid: f64) -> Self {
         let lambda: f64 = phi.iter().zip(k_phi.iter()).map(|(x, y)| x * y).sum();
         let terms = phi.iter().zip(parts).map(|(x, part)| part * x * x).sum::<f64>() / CANCELLED;

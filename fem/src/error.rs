@@ -13,7 +13,8 @@ pub enum FemError {
     },
     /// The elastic constants store negative energy in some strain.
     #[error(
-        "the elastic constants are not positive definite: smallest eigenvalue of the scaled compliance is {eigenvalue:e}; \
+        "the elastic constants are not positive definite: smallest eigenvalue of the scaled compliance is \
+         {eigenvalue:e}; \
          lower the Poisson ratios (|nu_ij| < sqrt(E_i / E_j))"
     )]
     NotPositiveDefinite {
@@ -108,7 +109,8 @@ pub enum FemError {
     },
     /// A mode does not satisfy its equation.
     #[error(
-        "a mode has the residual {residual:e}, the limit is {limit:e}; repair badly shaped elements or raise the limit (in a \
+        "a mode has the residual {residual:e}, the limit is {limit:e}; repair badly shaped elements or raise the \
+         limit (in a \
          design analysis.mode_tolerance)"
     )]
     Residual {

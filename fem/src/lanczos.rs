@@ -91,9 +91,9 @@ struct Ritz {
     residual: Vec<f64>,
 }
 
-/// Finds the `target.count` negative eigenpairs; `apply` writes sigma (K - sigma M)^-1 Z, and `progress` is called after
-/// every step with the number of negative Ritz values. The order must exceed the count by five blocks at least. None when
-/// an eigenvalue lies so near sigma that others would lose their digits.
+/// Finds the `target.count` negative eigenpairs; `apply` writes sigma (K - sigma M)^-1 Z, and `progress` is called
+/// after every step with the number of negative Ritz values. The order must exceed the count by five blocks at least.
+/// None when an eigenvalue lies so near sigma that others would lose their digits.
 pub(crate) fn lanczos(
     mass: &Split<'_>,
     target: &Target,

@@ -223,8 +223,8 @@ impl Layout {
             stiffness: vec![0.0; self.stiffness.nnz()],
             mass: vec![0.0; self.mass.nnz()],
         };
-        // Elements are integrated in parallel. Each piece of the columns adds them up in the order of their numbers, so the sums
-        // do not depend on the threads. One batch is integrated while the one before it is added.
+        // Elements are integrated in parallel. Each piece of the columns adds them up in the order of their numbers, so
+        // the sums do not depend on the threads. One batch is integrated while the one before it is added.
         let elements: Vec<usize> = (0..mesh.element_count()).collect();
         let integrated = |batch: &[usize]| -> Vec<Result<ElementMatrices, FemError>> {
             let of_element = |&e: &usize| {
@@ -334,9 +334,9 @@ impl Layout {
         }
     }
 
-    /// Adds the stiffness and the mass between the axes i of node `row` and j of node `column`, which does not come after it:
-    /// all of them, or where both are one node those of the lower triangle. The mass of a pair that does not mix the axes is
-    /// zero between different ones.
+    /// Adds the stiffness and the mass between the axes i of node `row` and j of node `column`, which does not come
+    /// after it: all of them, or where both are one node those of the lower triangle. The mass of a pair that does not
+    /// mix the axes is zero between different ones.
     #[inline(always)]
     fn add_pair(
         &self,

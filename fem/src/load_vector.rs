@@ -93,8 +93,8 @@ impl LoadVector {
         Ok((area > 0.0).then(|| Self::summed(weights)))
     }
 
-    /// Mean displacement along a unit vector of the surface within a radius \[m\] of a point; `None` where no face is that
-    /// near.
+    /// Mean displacement along a unit vector of the surface within a radius \[m\] of a point; `None` where no face is
+    /// that near.
     ///
     /// # Errors
     /// None for a valid mesh.

@@ -6,8 +6,8 @@
 //! take over the contributions from below, and their rows as they are eliminated, in pieces of [`WIDTH`] and
 //! [`HEIGHT`].
 //!
-//! The factorisation is our own because that of faer is only parallel within single supernodes. This does not pay off for the
-//! many small supernodes of a thin housing. The dense kernels are those of faer.
+//! The factorisation is our own because that of faer is only parallel within single supernodes. This does not pay off
+//! for the many small supernodes of a thin housing. The dense kernels are those of faer.
 
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::cholesky::ldlt::factor::{LdltError, cholesky_in_place, cholesky_in_place_scratch};
@@ -97,8 +97,8 @@ fn within(room: &mut Vec<f64>, rows: usize, columns: usize) -> MatMut<'_, f64> {
 }
 
 impl Numeric<'_> {
-    /// Writes L below the diagonal of every supernode and D on it; the part above the diagonal of a supernode's own rows
-    /// is left undefined.
+    /// Writes L below the diagonal of every supernode and D on it; the part above the diagonal of a supernode's own
+    /// rows is left undefined.
     ///
     /// # Errors
     /// The number of a pivot that is zero.
@@ -247,8 +247,8 @@ fn scale<'a>(l: MatRef<'_, f64>, rows: MatRef<'_, f64>, room: &'a mut Vec<f64>) 
     scaled.into_const()
 }
 
-/// L D L^T of a supernode's own columns, in blocks of [`WIDTH`] of them: each takes over what those before it add, and then
-/// its own rows are eliminated, those below piece by piece.
+/// L D L^T of a supernode's own columns, in blocks of [`WIDTH`] of them: each takes over what those before it add, and
+/// then its own rows are eliminated, those below piece by piece.
 fn eliminate(mut l: MatMut<'_, f64>, room: &mut Room) -> Result<(), usize> {
     let (rows, columns) = (l.nrows(), l.ncols());
     for first in (0..columns).step_by(WIDTH) {

@@ -226,7 +226,8 @@ impl<'a> Panels<'a> {
     }
 }
 
-/// The forward sweep through a subtree, compiled for the vector instructions found at run time as the other kernels are.
+/// The forward sweep through a subtree, compiled for the vector instructions found at run time as the other kernels
+/// are.
 struct Forward<'a> {
     panels: &'a Panels<'a>,
     part: &'a Part,
@@ -599,7 +600,8 @@ impl Block<'_> {
         }
     }
 
-    /// x_k -= sum of L_ik x_i over the rows below, then within the triangle from its last row up; `sums` is room to work.
+    /// x_k -= sum of L_ik x_i over the rows below, then within the triangle from its last row up; `sums` is room to
+    /// work.
     #[inline(always)]
     fn backward<S: Simd>(&self, x: &mut Lanes<'_, S>, sums: &mut [Row; WIDTH]) {
         let sums = &mut sums[..self.columns];

@@ -42,6 +42,27 @@ pub(crate) struct Reduction {
     pub(crate) rotations: Vec<usize>,
 }
 
+impl Attachments {
+    /// Each dependent node of a mesh with the nodes that it follows. Nothing is assembled, so attachments can be
+    /// checked before a body is solved. Each slave node must reach its master, and none may be both fixed and tied.
+    ///
+    /// # Errors
+    /// As [`crate::assemble_with`], as far as attachments are concerned.
+    pub fn followers(&self, mesh: &Mesh, constraints: &Constraints) -> Result<Vec<(usize, Vec<usize>)>, FemError> {
+        let reduction = Reduction::new(mesh, self, constraints)?;
+        let of_mesh = |&node: &usize| node < mesh.nodes.len();
+        let dependent = reduction.dependent().filter(|(node, _)| of_mesh(node));
+        Ok(dependent
+            .map(|(node, terms)| {
+                (
+                    node,
+                    terms.iter().map(|(followed, _)| *followed).filter(of_mesh).collect(),
+                )
+            })
+            .collect())
+    }
+}
+
 impl Reduction {
     /// # Errors
     /// See [`crate::assemble_with`].

@@ -1,4 +1,5 @@
-//! Blocks of vectors with the values of one unknown side by side, as the kernels of solves and sparse products read them.
+//! Blocks of vectors with the values of one unknown side by side, as the kernels of solves and sparse products read
+//! them.
 
 use faer::{MatMut, MatRef};
 use pulp::Simd;

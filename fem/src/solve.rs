@@ -24,8 +24,8 @@ const ATTEMPTS: usize = 6;
 /// bodies have a solution; it changes what modes above the top contribute by its square, 1e-4, at most.
 const SHIFT_FRACTION: f64 = 0.01;
 
-/// Called with the number of modes found and the number of modes there are in the sectors factorised so far, from several
-/// threads; both start again from zero when the edge is moved.
+/// Called with the number of modes found and the number of modes there are in the sectors factorised so far, from
+/// several threads; both start again from zero when the edge is moved.
 pub type Progress<'a> = dyn Fn(usize, usize) + Sync + 'a;
 
 /// Solves K phi = lambda M phi for all modes below `settings.top_hz`.
@@ -42,8 +42,8 @@ pub type Progress<'a> = dyn Fn(usize, usize) + Sync + 'a;
 /// [`FemError::NotPositive`], [`FemError::LoadRows`]. [`FemError::Pivot`], [`FemError::Probe`],
 /// [`FemError::NotConverged`] or [`FemError::Incomplete`] when the numerics fail, never a basis with a mode missing.
 pub fn modes(system: &System, settings: &ModalSettings, progress: &Progress<'_>) -> Result<ModalBasis, FemError> {
-    // Work is shared thousands of times, each time for less than a millisecond. A thread outside the pool would sleep after
-    // each hand-over; a pool thread starts at once. While it waits it may take up other work of the pool.
+    // Work is shared thousands of times, each time for less than a millisecond. A thread outside the pool would sleep
+    // after each hand-over; a pool thread starts at once. While it waits it may take up other work of the pool.
     let (basis, ()) = rayon::join(|| solve(system, settings, progress), || ());
     basis
 }
@@ -245,8 +245,8 @@ impl<'a> Problem<'a> {
         }))
     }
 
-    /// The eigenvectors of the `count` eigenvalues below the edge, ascending, and behind them those of some just above it;
-    /// none when the edge falls on a mode.
+    /// The eigenvectors of the `count` eigenvalues below the edge, ascending, and behind them those of some just above
+    /// it; none when the edge falls on a mode.
     fn find(
         &self,
         sector: &Sector<'_>,

@@ -71,8 +71,8 @@ pub(crate) struct PartsRoom {
 pub(crate) struct Split<'a> {
     a: &'a CscMatrix<f64>,
     parts: &'a Subtrees,
-    /// For each subtree and the top the places of the rows that lie beyond the range of their column, in the order of the
-    /// columns.
+    /// For each subtree and the top the places of the rows that lie beyond the range of their column, in the order of
+    /// the columns.
     beyond: Vec<Vec<u32>>,
 }
 

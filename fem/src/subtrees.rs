@@ -45,8 +45,8 @@ pub(crate) struct Member {
     pattern: Range<usize>,
 }
 
-/// Rows of a block of vectors for every part: its own and those it reaches, the top behind the subtrees. They are one piece
-/// of memory, so that the system can give it large pages.
+/// Rows of a block of vectors for every part: its own and those it reaches, the top behind the subtrees. They are one
+/// piece of memory, so that the system can give it large pages.
 #[derive(Default)]
 pub(crate) struct PartRows(Rows);
 

@@ -1,9 +1,9 @@
-//! What each fuzz target does with bytes of any kind: reads them as the program reads a file, and goes as far as a command
-//! goes before it spends time. Nothing may panic, hang or need much memory; errors are as good as values.
+//! What each fuzz target does with bytes of any kind: reads them as the program reads a file, and goes as far as a
+//! command goes before it spends time. Nothing may panic, hang or need much memory; errors are as good as values.
 
 use std::path::Path;
 
-use nailnoise::bundle::Bundle;
+use nailnoise::artifacts::RunArtifacts;
 use nailnoise::design::Design;
 use nailnoise::measurement::Manifest;
 use nailnoise::measurement::recordings::{Selector, decode};
@@ -92,7 +92,7 @@ pub fn cache_entry(bytes: &[u8]) {
     }
     read::<Body, WithMatrix>(bytes);
     read::<WholeModes, WithMatrix>(bytes);
-    read::<Bundle, Postcard>(bytes);
+    read::<RunArtifacts, Postcard>(bytes);
     read::<BodySensors, Postcard>(bytes);
     read::<ResponseChecks, Postcard>(bytes);
     read::<Vec<Vec<f64>>, Postcard>(bytes);

@@ -5,8 +5,8 @@ use std::f64::consts::PI;
 
 use nalgebra::Complex;
 
-/// A record later by `delay` \[s\], also by fractions of a sample: its lines times e^(-j 2 pi f delay). Zeros enter at one end, and
-/// what leaves at the other is lost.
+/// A record later by `delay` \[s\], also by fractions of a sample: its lines times e^(-j 2 pi f delay). Zeros enter at
+/// one end, and what leaves at the other is lost.
 pub fn delayed(record: &[f64], rate: f64, delay: f64) -> Vec<f64> {
     if record.is_empty() {
         return Vec::new();
@@ -25,8 +25,8 @@ pub fn delayed(record: &[f64], rate: f64, delay: f64) -> Vec<f64> {
     moved
 }
 
-/// Delay of `record` behind `reference` \[s\] by the largest correlation within `most` \[s\], to a fraction of a sample by the
-/// parabola through the three values at the largest; `None` where one of them is silent.
+/// Delay of `record` behind `reference` \[s\] by the largest correlation within `most` \[s\], to a fraction of a sample
+/// by the parabola through the three values at the largest; `None` where one of them is silent.
 pub fn delay(reference: &[f64], record: &[f64], rate: f64, most: f64) -> Option<f64> {
     let reach = (most * rate).ceil() as usize;
     let length = (reference.len().max(record.len()) + reach + 1).next_power_of_two();

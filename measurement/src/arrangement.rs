@@ -104,7 +104,8 @@ impl Arrangement {
         }
     }
 
-    /// Single-event sound power level \[dB re 1 pW s\] of a mean exposure over the microphones \[Pa2 s\]; `None` for none.
+    /// Single-event sound power level \[dB re 1 pW s\] of a mean exposure over the microphones \[Pa2 s\]; `None` for
+    /// none.
     ///
     /// ```text
     /// L_WA,1s = 10 lg(mean_m E_m/(20 uPa)^2 s) + 10 lg(S/1 m2) - K2

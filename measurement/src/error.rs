@@ -14,7 +14,8 @@ use super::recordings::Fault;
 #[non_exhaustive]
 pub enum MeasurementError {
     /// A file that cannot be read.
-    #[error("cannot read {}{}: {cause}", path.display(), channel.as_ref().map_or_else(String::new, |name| format!(", channel {name}")))]
+    #[error("cannot read {}{}: {cause}", path.display(),
+        channel.as_ref().map_or_else(String::new, |name| format!(", channel {name}")))]
     Unreadable {
         /// The file.
         path: PathBuf,

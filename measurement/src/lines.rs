@@ -46,8 +46,8 @@ impl OneSecond {
         (0..=self.samples() / 2).map(|k| k as f64 * self.df()).collect()
     }
 
-    /// The second of a record that begins [`BEFORE`] the trigger, at `trigger` \[s\] from the record's start: the record with
-    /// half-cosine ends, zeros beyond it. The first end lies before the trigger.
+    /// The second of a record that begins [`BEFORE`] the trigger, at `trigger` \[s\] from the record's start: the
+    /// record with half-cosine ends, zeros beyond it. The first end lies before the trigger.
     pub fn cut(&self, record: &[f64], trigger: f64) -> Vec<f64> {
         let start = ((trigger - BEFORE) * self.rate).round() as i64;
         let begin = start.max(0) as usize;

@@ -1,13 +1,13 @@
 //! Event markers of the measurement: instants found on accelerometers and pressure transducers.
 //!
-//! Markers t0 to t13 are those of the published tests; [`MARKERS`] maps them to the events of the cycle. They are found by
-//! these rules. Block or table: first at 2 g (t3), largest acceleration in the drive (t7). Handle: below 6 g for 2 ms (t10),
-//! above 6 g again (t12; after t11, where it still rings above 6 g, the onset of a burst of twice its peak), for the last time (t13).
-//! Transducer in the cylinder wall: it sees the pressure behind the piston from its steepest rise (t4) to its next step of
-//! either sign (t11); its fluctuation ends (t8) where its range over 2 ms is below 2 %.
+//! Markers t0 to t13 are those of the published tests; [`MARKERS`] maps them to the events of the cycle. They are found
+//! by these rules. Block or table: first at 2 g (t3), largest acceleration in the drive (t7). Handle: below 6 g for 2
+//! ms (t10), above 6 g again (t12; after t11, where it still rings above 6 g, the onset of a burst of twice its peak),
+//! for the last time (t13). Transducer in the cylinder wall: it sees the pressure behind the piston from its steepest
+//! rise (t4) to its next step of either sign (t11); its fluctuation ends (t8) where its range over 2 ms is below 2 %.
 //!
-//! Where the body alone is bare, the burst of t12 is also found by the microphones ([`arrival`]), which shows whether they share the
-//! clock of the accelerometers.
+//! Where the body alone is bare, the burst of t12 is also found by the microphones ([`arrival`]), which shows whether
+//! they share the clock of the accelerometers.
 
 use serde::{Deserialize, Serialize};
 
@@ -111,7 +111,8 @@ pub struct Signals<'a> {
 }
 
 impl Markers {
-    /// Finds the markers of a shot sampled at `rate` \[1/s\] with its trigger at `trigger` \[s\] from the record's start.
+    /// Finds the markers of a shot sampled at `rate` \[1/s\] with its trigger at `trigger` \[s\] from the record's
+    /// start.
     pub fn find(signals: &Signals<'_>, rate: f64, trigger: f64) -> Self {
         let from = (trigger * rate).ceil().max(0.0) as usize;
         let time = |sample: usize| sample as f64 / rate - trigger;
@@ -221,8 +222,8 @@ fn quiet_from(signal: &[f64], begin: usize, limit: f64, quiet: usize) -> Option<
     None
 }
 
-/// The first sample of a burst of a signal that may still ring: one above the impact limit and above twice the peak of the
-/// 2 ms before its onset.
+/// The first sample of a burst of a signal that may still ring: one above the impact limit and above twice the peak of
+/// the 2 ms before its onset.
 fn burst(signal: &[f64], begin: usize, rate: f64) -> Option<usize> {
     let start = onset(signal, begin, rate)?;
     let window = ((QUIET * rate).ceil() as usize).max(1);
@@ -232,15 +233,16 @@ fn burst(signal: &[f64], begin: usize, rate: f64) -> Option<usize> {
     (after >= IMPACT && after > 2.0 * before).then_some(start)
 }
 
-/// Onset of the first steep burst from `begin` on: the sample that divides the changes x of the signal from sample to sample, up to
-/// there, into two parts whose variances have the least information criterion (Maeda 1985, Zisin 38, p. 365),
+/// Onset of the first steep burst from `begin` on: the sample that divides the changes x of the signal from sample to
+/// sample, up to there, into two parts whose variances have the least information criterion (Maeda 1985, Zisin 38, p.
+/// 365),
 ///
 /// ```text
 /// AIC(k) = k ln var(x_1 .. x_k) + (n - k) ln var(x_k+1 .. x_n)
 /// ```
 ///
-/// Changes rise with the frequency, and an impact stands out of the ringing of low modes. The burst is steep where a change reaches
-/// half of the largest one.
+/// Changes rise with the frequency, and an impact stands out of the ringing of low modes. The burst is steep where a
+/// change reaches half of the largest one.
 fn onset(signal: &[f64], begin: usize, rate: f64) -> Option<usize> {
     let changes = changes(signal.get(begin..)?);
     let largest = changes.iter().fold(0.0, |largest: f64, x| largest.max(x.abs()));
@@ -253,7 +255,8 @@ fn changes(signal: &[f64]) -> Vec<f64> {
     signal.windows(2).map(|pair| pair[1] - pair[0]).collect()
 }
 
-/// The information criterion of [`onset`] at every sample of a signal; infinite where a part is too short for a variance.
+/// The information criterion of [`onset`] at every sample of a signal; infinite where a part is too short for a
+/// variance.
 fn criterion(signal: &[f64]) -> Vec<f64> {
     let variances = || {
         let (mut count, mut mean, mut squares) = (0.0, 0.0, 0.0);
@@ -285,11 +288,12 @@ fn least(criterion: &[f64]) -> Option<usize> {
     finite.min_by(|&a, &b| criterion[a].total_cmp(&criterion[b]))
 }
 
-/// How much later than expected the burst of t12 arrives at the microphones \[s\], from their pressures and the instants at which each
-/// expects it, from the record's start on \[s\].
+/// How much later than expected the burst of t12 arrives at the microphones \[s\], from their pressures and the
+/// instants at which each expects it, from the record's start on \[s\].
 ///
-/// The microphones are one array: the sample has the least sum of their information criteria (Maeda 1985), because single microphones
-/// may lie where the tool hardly radiates. It is looked for within 4 ms; `None` where a record ends before.
+/// The microphones are one array: the sample has the least sum of their information criteria (Maeda 1985), because
+/// single microphones may lie where the tool hardly radiates. It is looked for within 4 ms; `None` where a record ends
+/// before.
 pub fn arrival(pressures: &[Vec<f64>], rate: f64, expected: &[f64]) -> Option<f64> {
     let around = (ARRIVAL * rate).round() as usize;
     let mut sum = vec![0.0; 2 * around];
@@ -303,8 +307,8 @@ pub fn arrival(pressures: &[Vec<f64>], rate: f64, expected: &[f64]) -> Option<f6
     Some((least(&sum)? as f64 - around as f64) / rate)
 }
 
-/// Samples at which the transducer begins to see the pressure behind the piston, at which that has come to rest, and at which
-/// it is lost.
+/// Samples at which the transducer begins to see the pressure behind the piston, at which that has come to rest, and at
+/// which it is lost.
 fn cylinder(pressure: &[f64], rate: f64, from: usize) -> (Option<usize>, Option<usize>, Option<usize>) {
     let step = ((STEEP * rate).round() as usize).max(1);
     let Some(rest) = pressure.get(from..).filter(|rest| rest.len() > 2 * step) else {
@@ -313,9 +317,9 @@ fn cylinder(pressure: &[f64], rate: f64, from: usize) -> (Option<usize>, Option<
     let slopes: Vec<f64> = rest.windows(step + 1).map(|window| window[step] - window[0]).collect();
     let middle = |at: usize| from + at + step.div_ceil(2);
     let rise = largest(&slopes, 0, |slope| slope);
-    // When the piston is back, the pressure behind it may have fallen below that of the return chamber: a step of either sign, in a
-    // pressure that falls faster while the exhaust is open. A step stands out of the slopes on either side. The step of the
-    // passage rings in the record at first.
+    // When the piston is back, the pressure behind it may have fallen below that of the return chamber: a step of
+    // either sign, in a pressure that falls faster while the exhaust is open. A step stands out of the slopes on either
+    // side. The step of the passage rings in the record at first.
     let settled = (SETTLED * rate).ceil() as usize;
     let beside = |at: usize| 0.5 * (slopes[at - 2 * step] + slopes[at + 2 * step]);
     let steps = slopes.len().saturating_sub(2 * step);
@@ -384,7 +388,8 @@ mod tests {
 
     #[test]
     fn a_burst_arrives_at_the_microphones_together() {
-        // Four records of the burst, each with its delay. The first two have only a hum of a tenth of its frequency, and begin.
+        // Four records of the burst, each with its delay. The first two have only a hum of a tenth of its frequency,
+        // and begin.
         let delays = [0.0, 3e-3, 5e-3, 8e-3];
         let record = |n: usize, delay: f64| {
             let hum = |k: usize| 60.0 * (2.0 * PI * 80.0 * k as f64 / RATE).sin();
@@ -408,7 +413,8 @@ mod tests {
         assert_eq!(arrival(&[bursts(&[(0.1, 60.0)])], RATE, &[100.0]), None);
     }
 
-    /// The envelope 100 g e^(-t/20 ms) is at 6 g after 56.27 ms; the last crest above 6 g lies within half a period before.
+    /// The envelope 100 g e^(-t/20 ms) is at 6 g after 56.27 ms; the last crest above 6 g lies within half a period
+    /// before.
     #[test]
     fn the_handle_is_quiet_where_its_envelope_falls_to_6_g() {
         let handle = bursts(&[(0.01, 100.0)]);
@@ -457,8 +463,8 @@ mod tests {
         let found = Markers::find(&signals, RATE, 0.002);
         assert!((found.t4.unwrap_or(f64::NAN) - 0.008).abs() < 0.1e-3);
         assert!((found.t11.unwrap_or(f64::NAN) - 0.058).abs() < 0.1e-3);
-        // 2 % of the range are 12 kPa. Over 2 ms the oscillation of 100 kPa and 300 Hz spans about 1.5 of its amplitudes, which is
-        // below that after 2 ms ln(150/12).
+        // 2 % of the range are 12 kPa. Over 2 ms the oscillation of 100 kPa and 300 Hz spans about 1.5 of its
+        // amplitudes, which is below that after 2 ms ln(150/12).
         assert!(
             (found.t8.unwrap_or(f64::NAN) - 0.008 - 5e-3).abs() < 1e-3,
             "{:?}",

@@ -1,4 +1,5 @@
-//! What a wrapping test measured: levels of its configurations, of the sources, of intervals; accelerations and markers.
+//! What a wrapping test measured: levels of its configurations, of the sources, of intervals; accelerations and
+//! markers.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -22,7 +23,8 @@ pub struct MeasurementResult {
     pub setup: Setup,
     /// Area of the measurement surface \[m2\].
     pub area_m2: f64,
-    /// Correction for the room \[dB\]. The correction for background, K1, is 0: the residual is subtracted line by line.
+    /// Correction for the room \[dB\]. The correction for background, K1, is 0: the residual is subtracted line by
+    /// line.
     pub k2_db: f64,
     /// Range of the levels \[Hz\].
     pub range_hz: [f64; 2],
@@ -133,7 +135,8 @@ pub struct MeasuredSource {
     pub configuration: String,
     /// Level by lines.
     pub level: Option<RepeatedLevel>,
-    /// Level by energies of the range, without a limit; none where the residual is larger. Without bias, with more scatter.
+    /// Level by energies of the range, without a limit; none where the residual is larger. Without bias, with more
+    /// scatter.
     pub by_energy_db: Option<f64>,
     /// Level that a silent source would read by lines \[dB re 1 pW s\]: nothing measures lower.
     pub floor_db: Option<f64>,

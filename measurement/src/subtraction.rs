@@ -4,8 +4,8 @@
 //! G^2 = 1 - R^2/|S|^2   where 10 lg(|S|^2/R^2) >= beta,   else G = 0;      X = G S
 //! ```
 //!
-//! S is the spectrum of a shot, R^2 the mean of those of the residual's shots, X keeps the phase of S. For lines of a Gaussian
-//! process the rule overestimates: [`expected_energy`].
+//! S is the spectrum of a shot, R^2 the mean of those of the residual's shots, X keeps the phase of S. For lines of a
+//! Gaussian process the rule overestimates: [`expected_energy`].
 
 use serde::{Deserialize, Serialize};
 

@@ -20,8 +20,30 @@ pub enum Configuration {
     Workpiece,
 }
 
-/// Sources by place in all tables of this module: workpiece, exhaust, body.
-pub const SOURCES: [&str; 3] = ["workpiece", "exhaust", "body"];
+/// A source as the protocol of the test separates it, in the order of all tables of this module.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Role {
+    /// The workpiece with its support.
+    Workpiece,
+    /// The exhaust.
+    Exhaust,
+    /// The tool's body.
+    Body,
+}
+
+impl Role {
+    /// All, in their order.
+    pub const ALL: [Self; 3] = [Self::Workpiece, Self::Exhaust, Self::Body];
+
+    /// Its name in manifests and results.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Workpiece => "workpiece",
+            Self::Exhaust => "exhaust",
+            Self::Body => "body",
+        }
+    }
+}
 
 impl Configuration {
     /// All, in their order.
@@ -37,13 +59,22 @@ impl Configuration {
         self as usize + 1
     }
 
+    /// What it measures: a source, `total` or `residual`.
+    pub fn measures(self) -> &'static str {
+        match self {
+            Self::Total => "total",
+            Self::Residual => "residual",
+            Self::Exhaust | Self::Body | Self::Workpiece => self.source().map_or("", Role::name),
+        }
+    }
+
     /// The source that it measures once the residual is subtracted; `None` for total and residual.
-    pub fn source(self) -> Option<&'static str> {
+    pub fn source(self) -> Option<Role> {
         match self {
             Self::Total | Self::Residual => None,
-            Self::Exhaust => Some("exhaust"),
-            Self::Body => Some("body"),
-            Self::Workpiece => Some("workpiece"),
+            Self::Exhaust => Some(Role::Exhaust),
+            Self::Body => Some(Role::Body),
+            Self::Workpiece => Some(Role::Workpiece),
         }
     }
 }
@@ -143,9 +174,13 @@ impl Wrapping {
 }
 
 impl Transmissions {
-    /// Through the wrap or muffler of a source, by its place in [`SOURCES`].
-    pub fn of_source(&self, place: usize) -> f64 {
-        [self.workpiece, self.muffler, self.body][place]
+    /// Through the wrap or muffler of a source.
+    pub fn of_source(&self, source: Role) -> f64 {
+        match source {
+            Role::Workpiece => self.workpiece,
+            Role::Exhaust => self.muffler,
+            Role::Body => self.body,
+        }
     }
 
     /// Share T_cs of the energy of each source (workpiece, exhaust, body) in each configuration.
@@ -172,8 +207,8 @@ pub fn configurations(shares: &[[f64; 3]; 5], sources: &[f64; 3], background: f6
 /// min_E sum_c (sum_s T_cs E_s + B - E_c)^2,   E_s >= 0
 /// ```
 ///
-/// With three sources, all eight sets of sources that may be positive are tried: the least sum of squares among the solutions
-/// without negative values is the minimum (the problem is convex).
+/// With three sources, all eight sets of sources that may be positive are tried: the least sum of squares among the
+/// solutions without negative values is the minimum (the problem is convex).
 pub fn sources(shares: &[[f64; 3]; 5], energies: &[f64; 5], background: f64) -> [f64; 3] {
     let (mut best, mut least) = ([0.0; 3], f64::INFINITY);
     for set in 0..8_u32 {
@@ -323,7 +358,8 @@ mod tests {
         assert_eq!((found.bound, found.closure), (3.0, 1.0));
     }
 
-    /// Wraps of 10, 20 and 30 dB that hide nothing: each source low, and the closure high, by 10 lg(1/(1 - 10^(-D/10))).
+    /// Wraps of 10, 20 and 30 dB that hide nothing: each source low, and the closure high, by 10 lg(1/(1 -
+    /// 10^(-D/10))).
     #[test]
     fn leaking_wraps_lower_the_sources_by_what_they_leak() {
         for (loss, expected) in [(10.0, 0.458), (20.0, 0.0436), (30.0, 0.0043)] {

@@ -60,7 +60,8 @@ pub fn jointed_block(size: [f64; 3], element_size: f64, origin: [f64; 3], height
     Ok(mesh)
 }
 
-/// Meshes a block with 20-node hexahedra; part `block`, face groups `x_min`, `x_max`, `y_min`, `y_max`, `bottom`, `top`.
+/// Meshes a block with 20-node hexahedra; part `block`, face groups `x_min`, `x_max`, `y_min`, `y_max`, `bottom`,
+/// `top`.
 ///
 /// # Errors
 /// [`MeshError::Dimension`] or [`MeshError::NoElements`].

@@ -4,8 +4,8 @@
 //!
 //! Numbers have the digits that the standard library writes.
 //!
-//! The digits are those of value x 10^k, computed in double precision, where its error cannot reach the next place at which
-//! they would be rounded another way; near such a place the standard library decides.
+//! The digits are those of value x 10^k, computed in double precision, where its error cannot reach the next place at
+//! which they would be rounded another way; near such a place the standard library decides.
 
 use std::io::Write;
 use std::sync::LazyLock;

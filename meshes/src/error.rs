@@ -102,7 +102,8 @@ pub enum MeshError {
     },
     /// Elements of a mesh are inverted or flat.
     #[error(
-        "element {element} has the Jacobian determinant {determinant:.3e} m3 at its worst node, as the worst of {inverted} \
+        "element {element} has the Jacobian determinant {determinant:.3e} m3 at its worst node, as the worst of \
+         {inverted} \
          inverted or flat elements of {of}; repair the mesh (gmsh: Mesh.HighOrderOptimize = 2, or \
          Mesh.SecondOrderLinear = 1), or turn the elements round if all are inverted"
     )]
@@ -118,7 +119,8 @@ pub enum MeshError {
     },
     /// More than two elements share a face.
     #[error(
-        "{edges} edges of the skin are open or wrongly oriented: elements overlap, so that more than two share a face; remove the \
+        "{edges} edges of the skin are open or wrongly oriented: elements overlap, so that more than two share a \
+         face; remove the \
          elements that are there twice (gmsh: Coherence Mesh)"
     )]
     OpenSkin {
@@ -147,8 +149,10 @@ pub enum MeshError {
     },
     /// gmsh did not end in time.
     #[error(
-        "gmsh could not mesh {what}: it had not ended after {seconds} s of processor time, several times what such a body takes: its \
-         dimensions do not go together, or its elements are too small for it; repair the geometry or change the element size"
+        "gmsh could not mesh {what}: it had not ended after {seconds} s of processor time, several times what such a \
+         body takes: its \
+         dimensions do not go together, or its elements are too small for it; repair the geometry or change the \
+         element size"
     )]
     OutOfTime {
         /// The geometry.
@@ -158,7 +162,8 @@ pub enum MeshError {
     },
     /// A geometry consists of faces.
     #[error(
-        "{what} contains {faces} faces and no solid, also after sewing faces with common edges; export a solid body (STEP: \"solid\", \
+        "{what} contains {faces} faces and no solid, also after sewing faces with common edges; export a solid body \
+         (STEP: \"solid\", \
          not \"surfaces\" or \"shells\")"
     )]
     Sheets {
@@ -179,7 +184,8 @@ pub enum MeshError {
     },
     /// A mesh would need more memory than is allowed.
     #[error(
-        "{what} with element sides of at most {} mm would have about {elements:.1e} elements, for which gmsh needs {gigabytes:.1} GB; \
+        "{what} with element sides of at most {} mm would have about {elements:.1e} elements, for which gmsh needs \
+         {gigabytes:.1} GB; \
          {allowed:.1} GB are allowed (--memory); allow longer elements, or check the size of the geometry", 1e3 * size
     )]
     TooFine {
@@ -195,7 +201,8 @@ pub enum MeshError {
         allowed: f64,
     },
     /// A solid geometry is far larger or smaller than the object it represents.
-    #[error("{what} is {extent:.4e} m long, expected are {:.4e} to {:.4e} m; give the unit of its lengths", expected[0], expected[1])]
+    #[error("{what} is {extent:.4e} m long, expected are {:.4e} to {:.4e} m; give the unit of its \
+        lengths", expected[0], expected[1])]
     Extent {
         /// The geometry.
         what: String,
@@ -206,7 +213,8 @@ pub enum MeshError {
     },
     /// gmsh does not keep its elements below the required size.
     #[error(
-        "gmsh leaves an element side of {longest:.4} m in {what}, where {size:.4} m is asked for; divide its faces (gmsh: \
+        "gmsh leaves an element side of {longest:.4} m in {what}, where {size:.4} m is asked for; divide its faces \
+         (gmsh: \
          Mesh.OptimizeNetgen = 1), or allow longer elements"
     )]
     TooLong {

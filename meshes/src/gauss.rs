@@ -4,8 +4,8 @@ use std::num::NonZeroUsize;
 
 use gauss_quad::GaussLegendre;
 
-/// Points and weights of the Gauss-Legendre rule with `n` points on \[-1, 1\], ascending, exact for polynomials of degree
-/// 2n - 1; none for n = 0.
+/// Points and weights of the Gauss-Legendre rule with `n` points on \[-1, 1\], ascending, exact for polynomials of
+/// degree 2n - 1; none for n = 0.
 pub fn gauss_legendre(n: usize) -> Vec<(f64, f64)> {
     let Some(points) = NonZeroUsize::new(n) else {
         return Vec::new();

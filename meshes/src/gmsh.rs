@@ -38,8 +38,8 @@ const OPTIMISE: &str = "optimise";
 
 /// How gmsh mends folded elements: values of `Mesh.HighOrderOptimize`, in the order of the attempts.
 ///
-/// The elastic analogy deforms the whole mesh, and takes three quarters of gmsh's time, although some ten of 8 500 elements of half
-/// a tool are folded.
+/// The elastic analogy deforms the whole mesh, and takes three quarters of gmsh's time, although some ten of 8 500
+/// elements of half a tool are folded.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum HighOrderOptimization {
     /// None: folded elements stay as they are.
@@ -61,7 +61,8 @@ impl HighOrderOptimization {
     }
 }
 
-/// Share of a limit of processor time that gmsh has without the elastic analogy. The N80CB takes a quarter of the time without it.
+/// Share of a limit of processor time that gmsh has without the elastic analogy. The N80CB takes a quarter of the time
+/// without it.
 pub(crate) const SHARE_WITHOUT_ANALOGY: f64 = 1.0 / 3.0;
 
 /// The version of the gmsh that would be used.
@@ -221,8 +222,8 @@ pub(crate) fn made(job: &Job<'_>, optimization: HighOrderOptimization) -> Result
     })
 }
 
-/// The first error that gmsh reports, without frame and counts of its summary. A folded element that stays folded after its
-/// optimisation is an error to gmsh; straightening mends it.
+/// The first error that gmsh reports, without frame and counts of its summary. A folded element that stays folded after
+/// its optimisation is an error to gmsh; straightening mends it.
 fn fatal(said: &str) -> Option<&str> {
     let lines = said.lines().filter_map(|line| line.trim().strip_prefix("Error"));
     let mut errors = lines.map(|line| line.trim_start_matches([' ', ':']));

@@ -46,6 +46,7 @@ pub use grid::Grid;
 pub use locate::Location;
 pub use mesh::{ElementRef, FaceGroup, FaceRef, Mesh};
 pub use msh::MshError;
+pub use nailnoise_documents::read_regular;
 pub use open_surface::open_faces;
 pub use quality::{Jacobian, POOR, Quality};
 pub use size::{element_size, subdivide};

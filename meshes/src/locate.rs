@@ -112,15 +112,15 @@ impl Mesh {
         Err(outside(point, format!("the face group \"{group}\""), nearest))
     }
 
-    /// The weights with which the shape functions of the element behind the face of a group nearest to `point`, carried on
-    /// beyond the face if need be, take a value to the point itself: every linear field arrives unchanged. An element too
-    /// curved to reach the point is carried on by its tangent at the face. Where faces are
-    /// equally near, as where the foot lies on their common edge, the weights are the mean of those of their elements, so
-    /// that a symmetric mesh has symmetric weights. Nodes without weight are left out.
+    /// The weights with which the shape functions of the element behind the face of a group nearest to `point`, carried
+    /// on beyond the face if need be, take a value to the point itself: every linear field arrives unchanged. An
+    /// element too curved to reach the point is carried on by its tangent at the face. Where faces are equally near, as
+    /// where the foot lies on their common edge, the weights are the mean of those of their elements, so that a
+    /// symmetric mesh has symmetric weights. Nodes without weight are left out.
     ///
     /// # Errors
-    /// [`MeshError::UnknownGroup`], or [`MeshError::Outside`] when no face is within `tolerance` \[m\], or the elements behind
-    /// the nearest ones are singular there.
+    /// [`MeshError::UnknownGroup`], or [`MeshError::Outside`] when no face is within `tolerance` \[m\], or the elements
+    /// behind the nearest ones are singular there.
     pub fn locate_near(&self, group: &str, point: Point3<f64>, tolerance: f64) -> Result<Location, MeshError> {
         let (mut nearest, mut nearest_box) = (f64::INFINITY, f64::INFINITY);
         let mut near: Vec<(FaceRef, Vector2<f64>)> = Vec::new();
@@ -178,8 +178,8 @@ impl Mesh {
         })
     }
 
-    /// Whether weights of an element's nodes give a point. Those of Newton's method do not where the element is too curved
-    /// for its surroundings.
+    /// Whether weights of an element's nodes give a point. Those of Newton's method do not where the element is too
+    /// curved for its surroundings.
     fn carries(&self, element: ElementRef<'_>, weights: &[f64], point: Point3<f64>) -> bool {
         let at = |(&node, weight): (&usize, &f64)| self.nodes[node].coords * *weight;
         let x: Vector3<f64> = element.nodes.iter().zip(weights).map(at).sum();
@@ -187,8 +187,8 @@ impl Mesh {
         (x - point.coords).norm() <= 1e-10 * size
     }
 
-    /// Weights with which the nodes of the element behind a face carry a value to `point` by the value and gradient at natural
-    /// coordinates of the face; none where its map is singular there.
+    /// Weights with which the nodes of the element behind a face carry a value to `point` by the value and gradient at
+    /// natural coordinates of the face; none where its map is singular there.
     fn tangent(&self, face: FaceRef, xi: Vector2<f64>, point: Point3<f64>) -> Option<Vec<f64>> {
         let view = self.element(face.element);
         let (mut on_face, mut unused) = ([0.0; 9], [[0.0; 2]; 9]);

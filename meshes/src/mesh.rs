@@ -125,7 +125,8 @@ impl Mesh {
         Ok(nodes)
     }
 
-    /// Takes in the nodes and elements of another mesh; parts and groups of the same name become one, no node is shared.
+    /// Takes in the nodes and elements of another mesh; parts and groups of the same name become one, no node is
+    /// shared.
     pub fn join(&mut self, other: &Self) {
         let (nodes, elements, corners) = (self.nodes.len(), self.element_count(), self.connectivity.len());
         self.nodes.extend(&other.nodes);

@@ -14,10 +14,10 @@ const ON_FLOOR: f64 = 1e-6;
 
 /// Whether each face of a skin meets the open air, for a body in free space or above a rigid floor at a height \[m\].
 ///
-/// The skin consists of closed pieces that share no point. The normals of a piece around a cavity point inwards, so that its
-/// volume, the closed integral of z n_z dS, is negative. At the points of a body within the cavity of another one, the
-/// outline of that one fills the whole solid angle. Neither radiates into the open air. The floor covers the faces that lie
-/// on it, and closes the bores that open towards it.
+/// The skin consists of closed pieces that share no point. The normals of a piece around a cavity point inwards, so
+/// that its volume, the closed integral of z n_z dS, is negative. At the points of a body within the cavity of another
+/// one, the outline of that one fills the whole solid angle. Neither radiates into the open air. The floor covers the
+/// faces that lie on it, and closes the bores that open towards it.
 ///
 /// # Errors
 /// [`MeshError::GaussPoints`] if the surface has no quadrature rule.

@@ -174,8 +174,8 @@ impl Mesh {
         pieces.len()
     }
 
-    /// For each node the first node of the piece that it belongs to, where pieces share no node; none for a node without
-    /// an element.
+    /// For each node the first node of the piece that it belongs to, where pieces share no node; none for a node
+    /// without an element.
     pub fn piece_of_nodes(&self) -> Vec<Option<usize>> {
         let mut parent: Vec<usize> = (0..self.nodes.len()).collect();
         let mut used = vec![false; self.nodes.len()];

@@ -7,11 +7,12 @@ use crate::{ElementKind, FaceRef, Mesh};
 const IN_PLANE: f64 = 1e-7;
 
 impl Mesh {
-    /// Adds the image of all elements, which lie at y >= 0, in the plane y = 0, with their parts and groups. Both halves share
-    /// the nodes in the plane. Returns the element and the node of the half that each element and node is the image of.
+    /// Adds the image of all elements, which lie at y >= 0, in the plane y = 0, with their parts and groups. Both
+    /// halves share the nodes in the plane. Returns the element and the node of the half that each element and node is
+    /// the image of.
     ///
-    /// The mesh of a symmetric body is then symmetric to the last digit: even and odd modes are independent problems of half
-    /// the size, and so are even and odd sound fields.
+    /// The mesh of a symmetric body is then symmetric to the last digit: even and odd modes are independent problems of
+    /// half the size, and so are even and odd sound fields.
     pub(crate) fn add_image(&mut self) -> Images {
         let (nodes, elements) = (self.nodes.len(), self.element_count());
         let mut node_of: Vec<usize> = (0..nodes).collect();
@@ -65,8 +66,8 @@ pub(crate) struct Images {
 }
 
 impl ElementKind {
-    /// For each local node of the image of an element, the local node of the element that it is the image of. The first two
-    /// natural coordinates are exchanged, so that the image is not inverted.
+    /// For each local node of the image of an element, the local node of the element that it is the image of. The first
+    /// two natural coordinates are exchanged, so that the image is not inverted.
     fn reflected_nodes(self) -> impl Iterator<Item = usize> {
         let natural = self.natural_nodes();
         natural.iter().map(|&[x, y, z]| {

@@ -22,8 +22,8 @@ pub struct SmoothFace {
 }
 
 impl Surface {
-    /// The smooth faces of the skin: faces of elements are joined at edges where the normals on both sides differ by less
-    /// than `angle` \[rad\]. Normals are those of the curved faces at the middle of the edge.
+    /// The smooth faces of the skin: faces of elements are joined at edges where the normals on both sides differ by
+    /// less than `angle` \[rad\]. Normals are those of the curved faces at the middle of the edge.
     ///
     /// # Errors
     /// [`MeshError::GaussPoints`], never for the kinds of faces there are.

@@ -1,5 +1,5 @@
-//! Solid geometries (STEP, IGES, BREP) meshed by gmsh: which solids there are, whether memory suffices, and how long gmsh may
-//! mend curved elements.
+//! Solid geometries (STEP, IGES, BREP) meshed by gmsh: which solids there are, whether memory suffices, and how long
+//! gmsh may mend curved elements.
 
 use std::path::Path;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -26,16 +26,17 @@ const MARGIN: f64 = 0.97;
 /// Meshes made before a geometry is given up.
 const MOST_MESHES: usize = 6;
 
-/// Tetrahedra of gmsh 4.8 in a volume V with the surface A at the target h: 4 V/h^3 + 2.5 A/h^2. For a sphere, a plate and a
-/// tube at 1.5 to 10 mm it is between 0.9 and 1.6 times the number found.
+/// Tetrahedra of gmsh 4.8 in a volume V with the surface A at the target h: 4 V/h^3 + 2.5 A/h^2. For a sphere, a plate
+/// and a tube at 1.5 to 10 mm it is between 0.9 and 1.6 times the number found.
 const IN_VOLUME: f64 = 4.0;
 const ON_SURFACE: f64 = 2.5;
 
 /// Memory of a quadratic tetrahedron in gmsh (0.9 kB) and in its file and mesh here \[byte\].
 const BYTES: f64 = 1.5e3;
 
-/// Time that gmsh has for the optimisation of curved elements: a start \[s\], and a multiple of the time of the mesh itself. With
-/// 18 solids in 15 mm the mesh takes 2.5 s and its optimisation 185 s, for elements that straight sides mend as well.
+/// Time that gmsh has for the optimisation of curved elements: a start \[s\], and a multiple of the time of the mesh
+/// itself. With 18 solids in 15 mm the mesh takes 2.5 s and its optimisation 185 s, for elements that straight sides
+/// mend as well.
 const OPTIMISATION: [f64; 2] = [10.0, 3.0];
 
 /// Most solids that are listed one by one.
@@ -44,8 +45,8 @@ const LISTED: usize = 20;
 /// Memory that gmsh may use \[byte\], as the bits of a number.
 static MEMORY: AtomicU64 = AtomicU64::new(f64::INFINITY.to_bits());
 
-/// Limits the memory of all meshes that gmsh makes for this process from now on \[GB\]. A geometry that would need more is refused
-/// before it is meshed; the mesh of one that is not refused does not depend on the limit.
+/// Limits the memory of all meshes that gmsh makes for this process from now on \[GB\]. A geometry that would need more
+/// is refused before it is meshed; the mesh of one that is not refused does not depend on the limit.
 pub fn allow_memory(gigabytes: f64) {
     MEMORY.store((1e9 * gigabytes).to_bits(), Ordering::Relaxed);
 }
@@ -114,9 +115,10 @@ fn listed(solids: &[Solid]) -> String {
 impl SolidGeometry<'_> {
     /// Meshes the geometry with quadratic tetrahedra none of whose sides is longer than asked for.
     ///
-    /// gmsh takes a size as a target that its longest sides exceed by half. The mesh is measured, and made anew with a smaller
-    /// target as long as a side is too long. All solids become the part `body`, touching ones joined. No surface has a name.
-    /// Elements that curved sides fold are optimised for a limited time; those that are folded then get straight sides.
+    /// gmsh takes a size as a target that its longest sides exceed by half. The mesh is measured, and made anew with a
+    /// smaller target as long as a side is too long. All solids become the part `body`, touching ones joined. No
+    /// surface has a name. Elements that curved sides fold are optimised for a limited time; those that are folded then
+    /// get straight sides.
     ///
     /// # Errors
     /// Before anything is meshed. [`MeshError::Sheets`] for faces that enclose no solid, [`MeshError::NoSolid`],
@@ -225,7 +227,8 @@ impl SolidGeometry<'_> {
         several
             .then(|| {
                 format!(
-                    "{} has {} solids, all of which are meshed as one body: {}; take one of them by `nailnoise mesh FILE --solid \
+                    "{} has {} solids, all of which are meshed as one body: {}; take one of them by `nailnoise mesh \
+                     FILE --solid \
                      NUMBER --write PART.msh`",
                     self.what(),
                     solids.len(),
@@ -247,7 +250,8 @@ impl SolidGeometry<'_> {
             }
             Ok(_) | Err(MeshError::Gmsh { .. } | MeshError::Msh { .. }) => {}
             Err(MeshError::OutOfTime { seconds, .. }) => notes.push(format!(
-                "gmsh's optimisation of {folded} elements with curved sides of {} was ended after {seconds} s of processor time",
+                "gmsh's optimisation of {folded} elements with curved sides of {} was ended after {seconds} s of \
+                 processor time",
                 self.what()
             )),
             Err(other) => return Err(other),

@@ -33,7 +33,8 @@ pub struct TemporaryFolder {
 }
 
 impl TemporaryFolder {
-    /// Creates a folder under `parent` whose name begins with `prefix`, and removes those that ended processes left there.
+    /// Creates a folder under `parent` whose name begins with `prefix`, and removes those that ended processes left
+    /// there.
     ///
     /// # Errors
     /// Those of the file system.

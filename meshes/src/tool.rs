@@ -22,8 +22,8 @@ const SHIPPED: [&[u8]; 1] = [include_bytes!("../data/tool-n80cb.msh.gz")];
 const BEGINNING: u64 = 4096;
 
 group! {
-    /// Dimensions of the tool body: barrel with cap on a hollow nose, hollow handle, coil-magazine can, cylinder sleeve; z up
-    /// from the nose's tip, the handle along +x.
+    /// Dimensions of the tool body: barrel with cap on a hollow nose, hollow handle, coil-magazine can, cylinder
+    /// sleeve; z up from the nose's tip, the handle along +x.
     ToolDimensions {
         /// Wall of the barrel, its floor and its roof. Its outer radius follows from bore, sleeve, gap and wall.
         barrel_wall: f64 = positive(LENGTH).within(1e-4, 2.0), "";
@@ -99,8 +99,8 @@ impl ToolDimensions {
 }
 
 impl Tool {
-    /// Name and value \[m\] of every constant of the geometry's script: the radius of the barrel, then the dimensions but
-    /// for the gap that it follows from.
+    /// Name and value \[m\] of every constant of the geometry's script: the radius of the barrel, then the dimensions
+    /// but for the gap that it follows from.
     pub fn dimensions(&self) -> Vec<(&'static str, f64)> {
         let mut dimensions = vec![("barrel_radius", self.barrel_radius(self.sleeve_radius))];
         self.visit("", &mut |_, spec, value| match value {

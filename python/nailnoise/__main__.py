@@ -90,7 +90,7 @@ def _on_cluster(command: str) -> int:
     from distributed import Client
 
     from ._cluster import Cluster
-    from ._work import _points
+    from ._draws import _points
 
     try:
         design: Design = load(given.design, dict(given.set))

@@ -18,6 +18,7 @@ from typing import TYPE_CHECKING, Any
 
 from . import _native
 from ._design import Design, load
+from ._trial import try_design
 
 if TYPE_CHECKING:
     from distributed import Client
@@ -168,9 +169,7 @@ def draws(sent: Sent, study: tuple[int, int, int | None], task: tuple[int, int],
 
 def trial(sent: Sent, key: str, values: dict[str, Any], constraints: Sequence[Any], shared: str | None, *received: Files) -> Any:
     """Task: a design that an optimiser proposes, with its figures and how far it is beyond each constraint."""
-    from ._optimise import _tried
-
-    return _tried(sent.design(), key, values, constraints, _begin(shared, received))
+    return try_design(sent.design(), key, values, constraints, _begin(shared, received))
 
 
 Progress = Callable[[str, int, int], None]

@@ -70,7 +70,7 @@ def measure(
 class WrappingTest(_Shown):
     """What a wrapping test of a design gives in energies, as ``nailnoise test --energies``."""
 
-    SOURCES = ("workpiece", "exhaust", "body")
+    SOURCES = tuple(_native.ROLES)
 
     def __init__(self, text: str) -> None:
         self.json = text

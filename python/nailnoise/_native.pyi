@@ -10,6 +10,12 @@ __version__: str
 #: Candidates of a block.
 CANDIDATES: int
 
+#: Names of the sources, in the order of every table.
+SOURCES: list[str]
+
+#: Names of the sources that a wrapping test separates.
+ROLES: list[str]
+
 Report = Callable[[str, str, int, int], None]
 Charts = list[tuple[str, str]]
 Bands = list[tuple[float, float | None, float | None]]

@@ -3,54 +3,26 @@ and for the front of two."""
 
 from __future__ import annotations
 
-import json
 import math
 import os
-import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from . import _native
+from ._cluster import Cluster, Sent, structures, trial
 from ._design import Design, Value, _text
 from ._results import _Shown
 from ._tables import decibels, table
-from ._work import Cache, Progress, _cache, _reporter, _shown, cycle
+from ._trial import LEVELS, Constraint, Proposal, Tried, Values, figures_of, number, try_design
+from ._work import Cache, Progress, _shown
 
 if TYPE_CHECKING:
     from distributed import Client
     from optuna.trial import Trial
 
-#: Sources and their sum, whose levels are in dB.
-LEVELS = ("total", "workpiece", "exhaust", "body")
-
-#: Unit and factor to SI of the figures in a constraint.
-UNITS = {
-    "": 1.0, "m": 1.0, "mm": 1e-3, "m/s": 1.0, "N": 1.0, "kN": 1e3, "kg": 1.0, "g": 1e-3, "J": 1.0, "s": 1.0, "ms": 1e-3, "dB": 1.0,
-}  # fmt: skip
-
 #: Most candidates for each trial: where hardly any shot meets the constraints, an optimisation ends.
 CANDIDATES_A_TRIAL = 20
-
-_NUMBER = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(.*?)\s*$")
-
-
-def _unit_of(figure: str) -> str:
-    """SI unit of a figure; empty for plain numbers."""
-    if figure in LEVELS:
-        return "dB"
-    if figure in ("penetration", "head_depth"):
-        return "m"
-    ends = {"_force": "N", "_mass": "kg", "_energy": "J", "_speed": "m/s"}
-    return next((unit for end, unit in ends.items() if figure.endswith(end)), "m/s" if figure.startswith("speed_") else "")
-
-
-def _number(text: str) -> tuple[float, str]:
-    found = _NUMBER.match(text)
-    if found is None:
-        raise ValueError(f"`{text}` does not begin with a number")
-    return float(found[1]), found[2]
 
 
 @dataclass(frozen=True)
@@ -75,7 +47,7 @@ class Variable:
             return cls(key, choices=choices)
         span, _, scale = text.partition(":")
         low, _, high = span.partition("..")
-        (from_, unit_of_low), (to, unit) = _number(low), _number(high)
+        (from_, unit_of_low), (to, unit) = number(low), number(high)
         if unit_of_low not in ("", unit):
             raise ValueError(f"both ends of `{key}` need the same unit; found `{text}`")
         if scale not in ("", "log"):
@@ -93,89 +65,6 @@ class Variable:
         # Six digits are more than a workshop needs, and can be read.
         value = float(f"{trial.suggest_float(self.key, self.low, self.high, log=self.log):.6g}")
         return f"{value!r} {self.unit}" if self.unit else value
-
-
-@dataclass(frozen=True)
-class Constraint:
-    """A figure of the shot, or a level, that must not be beyond a limit; or the outcome that the shot must have."""
-
-    text: str
-    figure: str
-    sign: float
-    limit: float
-    outcome: str = ""
-
-    @classmethod
-    def parse(cls, text: str) -> Constraint:
-        """``"penetration >= 80 mm"``, ``"exhaust <= 92 dB"``, ``"outcome == drives"``."""
-        found = re.fullmatch(r"\s*(\w+)\s*(>=|<=|==|=)\s*(.+)", text)
-        if found is None:
-            raise ValueError(f"`{text}` is no constraint; give FIGURE >= VALUE, FIGURE <= VALUE or outcome == drives")
-        figure, relation, value = found[1], found[2], found[3].strip()
-        if figure == "outcome":
-            return cls(text, figure, 0.0, 0.0, value.replace(" ", "_"))
-        if relation not in (">=", "<="):
-            raise ValueError(f"`{text}`: a figure is held by >= or <=")
-        number, unit = _number(value)
-        if unit not in UNITS:
-            raise ValueError(f"`{unit}` is no unit of a constraint; units are {', '.join(filter(None, UNITS))}")
-        expected = _unit_of(figure)
-        if {"mm": "m", "kN": "N", "g": "kg", "ms": "s"}.get(unit, unit) != expected:
-            raise ValueError(f"`{text}`: the unit of {figure} is {expected or 'none'}")
-        return cls(text, figure, 1.0 if relation == "<=" else -1.0, number * UNITS[unit])
-
-    def excess(self, figures: Mapping[str, Any]) -> float:
-        """How far a shot is beyond the limit, in parts of it; at most 0 where the constraint is met."""
-        if self.figure == "outcome":
-            return 0.0 if figures["outcome"] == self.outcome else 1.0
-        if self.figure not in figures:
-            known = ", ".join(sorted(key for key, value in figures.items() if isinstance(value, float)))
-            raise ValueError(f"there is no figure `{self.figure}`; there are {known}")
-        value = figures[self.figure]
-        if value is None:
-            # Silence is below any limit, and a phase that does not occur has no figure.
-            return -1.0 if self.figure in LEVELS and self.sign > 0.0 else 1.0
-        return self.sign * (float(value) - self.limit) / (abs(self.limit) or 1.0)
-
-
-def _figures(design: Design) -> dict[str, Any]:
-    """Figures of a shot; ``drive_energy`` is the work that nail and wood take up [J]."""
-    shot = cycle(design)
-    return {**shot.data["summary"], "outcome": shot.outcome, "drive_energy": shot.data["energy"]["penetration"]}
-
-
-def _levels(design: Design, key: str, cache: Cache) -> dict[str, float | None]:
-    """Levels of the sources and of all together [dB re 1 pW s]."""
-    value = design.entry(key)["value"]
-    text, _ = _native.sweep(design._native, [f"{key}={_text(value)}"], None, 1, *_cache(cache), _reporter(None))
-    (point,) = json.loads(text)
-    if point["levels"] is None:
-        raise _native.NailnoiseError(point["refused"])
-    return {**{own["source"]: own["lwa_db"] for own in point["levels"]["sources"]}, "total": point["total_db"]}
-
-
-@dataclass
-class Proposal:
-    """A design that was tried."""
-
-    values: dict[str, Value]
-    #: Figures of the shot and, where these meet the constraints, levels.
-    figures: dict[str, Any]
-    feasible: bool
-    #: Why it is not a design; empty for a design.
-    refused: str = ""
-
-    @property
-    def has_levels(self) -> bool:
-        """Whether its sound was computed: its shot meets the constraints."""
-        return "total" in self.figures
-
-    def toml(self, base: str, before: Mapping[str, Value] | None = None) -> str:
-        """The design as a file over its base, with values that were set before."""
-        values = {**(before or {}), **self.values}
-        lines = [f"base = {json.dumps(base)}"]
-        lines += [f"{key} = {_text(value) if not isinstance(value, str) else json.dumps(value)}" for key, value in values.items()]
-        return "\n".join(lines) + "\n"
 
 
 class Optimisation(_Shown):
@@ -287,7 +176,7 @@ def optimise(
     variables = [_variable(design, key, given) for key, given in vary.items()]
     constraints = [Constraint.parse(text) for text in subject_to]
     objectives = [minimise, *([pareto] if pareto else [])]
-    known = {**_figures(design), **dict.fromkeys(LEVELS, 0.0)}
+    known = {**figures_of(design), **dict.fromkeys(LEVELS, 0.0)}
     for name in [*(own.lstrip("-") for own in objectives), *(own.figure for own in constraints)]:
         if name not in known:
             raise ValueError(f"there is no figure `{name}`; there are {', '.join(sorted(known))}")
@@ -318,23 +207,17 @@ def optimise(
     return found
 
 
-Values = dict[str, Value]
-Tried = tuple[Proposal, dict[str, float]]
-
-
 def _here(
     design: Design, variables: Sequence[Variable], constraints: Sequence[Constraint], cache: Cache
 ) -> Callable[[list[Values]], list[Tried]]:
     """Tries designs in this process."""
-    return lambda batch: [_tried(design, variables[0].key, values, constraints, cache) for values in batch]
+    return lambda batch: [try_design(design, variables[0].key, values, constraints, cache) for values in batch]
 
 
 def _on_cluster(
     client: Client, shared: str | None, design: Design, variables: Sequence[Variable], constraints: Sequence[Constraint]
 ) -> tuple[Callable[[list[Values]], list[Tried]], int]:
     """Tries designs on a cluster, after the structures of the design itself are made; and the threads of the cluster."""
-    from ._cluster import Cluster, Sent, structures, trial
-
     cluster = Cluster(client, shared, "", None)
     sent = cluster.share(Sent.of(design))
     first = cluster.submit(structures, sent, shared)
@@ -352,20 +235,3 @@ def _variable(design: Design, key: str, given: str | Sequence[Value]) -> Variabl
     text = given if isinstance(given, str) else ",".join(str(value) for value in given)
     whole = isinstance(design[key], int) and not isinstance(design[key], bool)
     return Variable.parse(key, text, whole)
-
-
-def _tried(design: Design, key: str, values: Values, constraints: Sequence[Constraint], cache: Cache) -> Tried:
-    """A design with these values, and how far it is beyond each constraint; ``key`` is one of those varied."""
-    excesses: dict[str, float] = {"is a design": 0.0}
-    try:
-        own = design.with_(values)
-        figures = _figures(own)
-        of_shot = [constraint for constraint in constraints if constraint.figure not in LEVELS]
-        excesses |= {constraint.text: constraint.excess(figures) for constraint in of_shot}
-        if all(excess <= 0.0 for excess in excesses.values()):
-            figures |= _levels(own, key, cache)
-            of_levels = [constraint for constraint in constraints if constraint.figure in LEVELS]
-            excesses |= {constraint.text: constraint.excess(figures) for constraint in of_levels}
-    except _native.NailnoiseError as error:
-        return Proposal(values, {}, False, str(error)), {"is a design": 1.0}
-    return Proposal(values, figures, all(excess <= 0.0 for excess in excesses.values())), excesses

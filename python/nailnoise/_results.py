@@ -89,6 +89,36 @@ class Run(_Shown):
         return table([{name: source[name] for name in columns} for source in self.data["ranking"]], "source")
 
     @property
+    def study(self) -> dict[str, Any] | None:
+        """What a study that serves the design says about the levels: draws, intervals, orders; None without one."""
+        study: dict[str, Any] = self.data["study"]
+        return study if study["state"] == "known" else None
+
+    @property
+    def no_study(self) -> str | None:
+        """Why no intervals are stated; None where they are."""
+        return None if self.study else str(self.data["study"]["reason"])
+
+    @property
+    def intervals(self) -> Any:
+        """Interval of each source and of the total [dB re 1 pW s] and P(first), as a table; empty without a study.
+
+        The ends are P5 and P95 from 32 draws, else the lowest and the highest level (``study["ends"]``)."""
+        spreads = [*self.study["sources"], self.study["total"]] if self.study else []
+        return table(spreads, "source")
+
+    @property
+    def orders(self) -> list[tuple[list[str], float]]:
+        """Orders of the sources, loudest first, with their shares of the draws; empty without a study."""
+        return [(list(own["order"]), float(own["share"])) for own in (self.study or {}).get("orders", [])]
+
+    @property
+    def k_db(self) -> int | None:
+        """K of the declaration [dB]; None where it is not stated, for the reason ``data["declaration"]["k_not_stated"]``."""
+        k: int | None = self.data["declaration"]["k_db"]
+        return k
+
+    @property
     def bands(self) -> Any:
         """A-weighted one-third-octave levels [dB re 1 pW s]: a row a band, a column a source."""
         rows: dict[float, dict[str, Any]] = {}
@@ -145,7 +175,14 @@ class Run(_Shown):
             for source in self.data["ranking"]
         ]
         rows.append(["total", decibels(self.total_db), decibels(self.data["total"]["lw_db"]), ""])
-        return title, ["source", "L_WA,1s dB", "L_W,1s dB", "share (A)"], rows
+        headings = ["source", "L_WA,1s dB", "L_W,1s dB", "share (A)"]
+        if self.study:
+            spreads = {own["source"]: own for own in [*self.study["sources"], self.study["total"]]}
+            headings.append("90 % of draws dB" if self.study["ends"] == "percentiles" else f"{self.study['draws']} draws dB")
+            for row in rows:
+                own = spreads[row[0]]
+                row.append(f"{decibels(own['low_db'])} .. {decibels(own['high_db'])}")
+        return title, headings, rows
 
 
 class Cycle(_Shown):

@@ -22,8 +22,9 @@ fn wrong(error: impl std::fmt::Display) -> Refused {
     Refused::Value(error.to_string())
 }
 
-/// Power \[W\] that a closed surface of triangles radiates into free air at 20 degC and 101 325 Pa: points \[m\], triangles (their
-/// corners counter-clockwise from outside), a normal velocity for each point \[m/s, rms\], and the frequency \[Hz\].
+/// Power \[W\] that a closed surface of triangles radiates into free air at 20 degC and 101 325 Pa: points \[m\],
+/// triangles (their corners counter-clockwise from outside), a normal velocity for each point \[m/s, rms\], and the
+/// frequency \[Hz\].
 #[pyfunction]
 pub(crate) fn radiated_power(
     py: Python<'_>,
@@ -193,8 +194,8 @@ pub(crate) fn exhaust_levels<'py>(
     Ok(made)
 }
 
-/// Levels of a record of sound pressure \[Pa\]: sound exposure levels A, C and Z, peak levels C and Z \[dB re 20 uPa\], and one-third-octave
-/// bands of the sound exposure level.
+/// Levels of a record of sound pressure \[Pa\]: sound exposure levels A, C and Z, peak levels C and Z \[dB re 20 uPa\],
+/// and one-third-octave bands of the sound exposure level.
 #[pyfunction]
 pub(crate) fn signal_levels<'py>(
     py: Python<'py>,

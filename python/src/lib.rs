@@ -21,6 +21,13 @@ use pyo3::prelude::*;
 fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add("__version__", env!("CARGO_PKG_VERSION"))?;
     module.add("CANDIDATES", nailnoise::study::tasks::CANDIDATES)?;
+    module.add("SOURCES", nailnoise::model::sources::names().collect::<Vec<_>>())?;
+    module.add(
+        "ROLES",
+        nailnoise::measurement::wrapping::Role::ALL
+            .map(|role| role.name())
+            .to_vec(),
+    )?;
     module.add("NailnoiseError", module.py().get_type::<error::NailnoiseError>())?;
     module.add("NoCacheError", module.py().get_type::<error::NoCacheError>())?;
     module.add_class::<design::NativeDesign>()?;

@@ -80,7 +80,8 @@ pub(crate) fn penetration_curve<'py>(
     Ok(made)
 }
 
-/// Fits a law to the drives of files; its figures and the notes as JSON, the text of `fit.toml`, residuals by point, and charts.
+/// Fits a law to the drives of files; its figures and the notes as JSON, the text of `fit.toml`, residuals by point,
+/// and charts.
 #[pyfunction]
 #[allow(clippy::too_many_arguments)] // they are those of the Python function
 pub(crate) fn fit_penetration<'py>(

@@ -10,6 +10,7 @@ use nailnoise::design::inputs;
 use nailnoise::graph::Graph;
 use nailnoise::result::CycleFigures;
 use nailnoise::stages::bodies::BodyKind;
+use nailnoise::study::StudySource;
 use nailnoise::{figures, output};
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
@@ -34,8 +35,12 @@ pub(crate) fn run<'py>(
     let design = Arc::clone(&design.design);
     let (run, charts) = work::off_the_lock(py, report, move |observer| {
         cost::refuse(&design, &cost::of_run(&design)?, MemoryLimit::default())?;
-        let graph = Graph::new(Arc::new(store(cache, keep)?), observer);
-        let run = Chain::new(&graph, &design, Options::default())?.run(&design)?;
+        let store = store(cache, keep)?;
+        let study = StudySource::find(&store, &design, false);
+        let graph = Graph::new(Arc::new(store), observer);
+        let mut run = Chain::new(&graph, &design, Options::default())?.run(&design)?;
+        let study = study.of_run(&design, &run.result);
+        run.result.state_study(study);
         let charts = drawn(&figures::sound(design.name(), &run));
         Ok((run, charts))
     })?;
@@ -70,8 +75,8 @@ pub(crate) fn cycle<'py>(
     Ok((json_of(&CycleFigures::from(&record))?, histories, charts))
 }
 
-/// Modes of a body (`workpiece`, `worktable` or `tool`): frequencies \[Hz\], which of them are rigid, loss factor, and points and
-/// displacements at the nodes (row by row, three values a node, a mode after the other).
+/// Modes of a body (`workpiece`, `worktable` or `tool`): frequencies \[Hz\], which of them are rigid, loss factor, and
+/// points and displacements at the nodes (row by row, three values a node, a mode after the other).
 #[pyfunction]
 pub(crate) fn modes<'py>(
     py: Python<'py>,

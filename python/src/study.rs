@@ -32,8 +32,8 @@ pub(crate) fn request(draws: u32, seed: u64, structures: Option<u16>, part: Part
 /// The text of `study.json` and of `draws.csv`, and charts as names and SVG.
 type StudyFiles = (String, String, Vec<(String, String)>);
 
-/// Draws designs from the ranges; the text of `study.json` and of `draws.csv`, and charts. Draws that tasks have left in `folder` are
-/// read from there, and those that are missing are computed into it.
+/// Draws designs from the ranges; the text of `study.json` and of `draws.csv`, and charts. Draws that tasks have left
+/// in `folder` are read from there, and those that are missing are computed into it.
 #[pyfunction(name = "study")]
 #[allow(clippy::too_many_arguments)] // they are those of the Python function
 pub(crate) fn study_of(

@@ -53,8 +53,8 @@ impl NativeCandidates {
     }
 }
 
-/// Computes a task of a study into a folder; how many draws it made, and the files. With `screened` the outcomes of all candidates are in
-/// the folder by then.
+/// Computes a task of a study into a folder; how many draws it made, and the files. With `screened` the outcomes of all
+/// candidates are in the folder by then.
 #[pyfunction]
 #[allow(clippy::too_many_arguments)] // they are those of the Python function
 pub(crate) fn study_task(

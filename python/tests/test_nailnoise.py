@@ -62,6 +62,25 @@ def test_a_run_is_that_of_the_command(small: nn.Design, cache: Path, tmp_path: P
     assert arrays["pressure"].sel(heard="total").shape == run.sound["total"].shape
 
 
+def test_a_run_states_the_study_that_serves_it(tmp_path: Path) -> None:
+    file, cache = tmp_path / "any.toml", tmp_path / "cache"
+    outcomes = '["drives", "underdriven", "overdriven", "strikes_bumper"]'
+    file.write_text(f'base = "{SMALL}"\n[study]\nrequire = {outcomes}\n')
+    design = nn.load(file)
+    without = nn.run(design, cache=cache)
+    assert without.study is None and "screening" in without.no_study
+    assert len(without.intervals) == 0 and without.orders == [] and without.k_db is None
+    study = nn.study(design, 3, cache=cache)
+    run = nn.run(design, cache=cache)
+    assert run.no_study is None and run.study["draws"] == 3 and run.study["ends"] == "extremes"
+    for source, first in study.first.items():
+        own = run.intervals.loc[source]
+        assert own["low_db"] <= run.levels[source] <= own["high_db"] and own["first"] == first
+    assert sum(share for _, share in run.orders) == pytest.approx(1.0)
+    assert run.k_db is None and "32 draws" in run.data["declaration"]["k_not_stated"]
+    assert "3 draws dB" in repr(run)
+
+
 def test_a_cycle_has_the_histories_of_the_command(small: nn.Design, cache: Path, tmp_path: Path) -> None:
     cycle = nn.cycle(small)
     expected = command(cache, tmp_path, "cycle", str(SMALL))

@@ -114,7 +114,8 @@ struct Named {
 }
 
 macro_rules! dimensions {
-    ($($constant:ident = [$($exponent:literal),+] $name:literal, $unit:literal, $examples:literal, $least:literal, $most:literal;)+) => {
+    ($($constant:ident = [$($exponent:literal),+] $name:literal, $unit:literal, $examples:literal, $least:literal,
+        $most:literal;)+) => {
         $(#[doc = concat!("Dimension of ", $name, ", in SI `", $unit, "`.")]
         pub const $constant: Dimension = Dimension::new($($exponent),+);)+
         const NAMED: &[Named] = &[$(Named {
@@ -156,5 +157,6 @@ dimensions! {
     MASS_FLOW = [0, 1, -1, 0, 0, 0] "a mass flow", "kg/s", "kg/s, g/s", 1e-9, 10.0;
     VOLTAGE = [2, 1, -3, 0, 0, -1] "a voltage", "V", "V, mV", 1e-9, 1e4;
     VOLTAGE_PER_PRESSURE = [3, 0, -1, 0, 0, -1] "a sensitivity to pressure", "V/Pa", "V/Pa, mV/Pa, mV/kPa", 1e-12, 1e3;
-    VOLTAGE_PER_ACCELERATION = [1, 1, -1, 0, 0, -1] "a sensitivity to acceleration", "V/(m/s2)", "mV/g, mV/(m/s2)", 1e-9, 1e3;
+    VOLTAGE_PER_ACCELERATION = [1, 1, -1, 0, 0, -1] "a sensitivity to acceleration", "V/(m/s2)",
+        "mV/g, mV/(m/s2)", 1e-9, 1e3;
 }

@@ -32,8 +32,8 @@ pub trait Group: Sized {
     fn build(path: &str, found: &Found) -> Result<Self, String>;
     /// Calls `f` with the full name, declaration and value of every key.
     fn visit(&self, path: &str, f: &mut dyn FnMut(&str, &'static KeySpec, Value));
-    /// The declaration and the place of one key by its name within this group (`friction.static_force`), if there is such a key. Costs
-    /// a few comparisons of names, where [`visit`](Self::visit) passes every key.
+    /// The declaration and the place of one key by its name within this group (`friction.static_force`), if there is
+    /// such a key. Costs a few comparisons of names, where [`visit`](Self::visit) passes every key.
     fn key_mut(&mut self, name: &str) -> Option<(&'static KeySpec, &mut dyn Assign)>;
 }
 

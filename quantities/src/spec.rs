@@ -35,8 +35,8 @@ impl KeySpec {
 pub struct GroupSpec {
     /// Description, one line of text an element.
     pub doc: &'static [&'static str],
-    /// The keys in the group itself, in their order: its own, or its own before the part, those of the part, and its own
-    /// after it.
+    /// The keys in the group itself, in their order: its own, or its own before the part, those of the part, and its
+    /// own after it.
     pub keys: &'static [&'static [KeySpec]],
     /// The groups within it, by name.
     pub groups: &'static [(&'static str, &'static GroupSpec)],

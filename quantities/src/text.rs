@@ -151,7 +151,8 @@ fn split(text: &str) -> Result<(&str, &str), QuantityError> {
     Ok((&text[..end], unit))
 }
 
-/// A number to so many significant digits without a tail of zeros, and with an exponent below 0.001 and from `large` on.
+/// A number to so many significant digits without a tail of zeros, and with an exponent below 0.001 and from `large`
+/// on.
 pub fn rounded(value: f64, digits: usize, large: f64) -> String {
     let rounded: f64 = format!("{value:.*e}", digits - 1).parse().unwrap_or(value);
     if rounded == 0.0 || (1e-3..large).contains(&rounded.abs()) {

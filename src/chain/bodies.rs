@@ -4,9 +4,10 @@ use std::sync::Arc;
 
 use crate::design::inputs;
 use crate::design::inputs::bodies::BodyInputs;
-use crate::design::{BodyModel, Carrier, Design, SupportKind};
+use crate::design::{BodyModel, Carrier, Design};
 use crate::error::Error;
 use crate::graph::Graph;
+use crate::model::supports;
 use crate::stages::Stored;
 use crate::stages::bodies::{
     Body, BodyKind, BodySensors, Discretisation, Meshed, ModalModel, Model, Modes, SensorModes, WholeModes,
@@ -95,21 +96,20 @@ impl BodyStages {
 
 /// Bodies of a design that a run solves.
 pub fn solved_bodies(design: &Design) -> Vec<BodyKind> {
-    let on_table = design.support.kind == SupportKind::Worktable;
     let mut kinds = vec![BodyKind::Workpiece];
-    kinds.extend(on_table.then_some(BodyKind::Worktable));
+    kinds.extend(supports::of(design).bodies());
     kinds.extend((design.body.model == BodyModel::Elastic).then_some(BodyKind::Tool));
     kinds
 }
 
 /// The bodies of a design that a run solves.
-pub(super) struct Bodies {
+pub(crate) struct Bodies {
     /// Workpiece, and worktable if there is one.
-    pub(super) structure: Vec<BodyStages>,
+    pub(crate) structure: Vec<BodyStages>,
     /// The tool's body, unless it is rigid.
-    pub(super) tool: Option<BodyStages>,
+    pub(crate) tool: Option<BodyStages>,
     /// Requirements of a run on each, known before any is solved.
-    pub(super) usable: Vec<Stored<Usable>>,
+    pub(crate) usable: Vec<Stored<Usable>>,
 }
 
 impl Bodies {
@@ -117,7 +117,7 @@ impl Bodies {
     ///
     /// # Errors
     /// As [`BodyStages::add`].
-    pub(super) fn add(graph: &Graph, design: &Design) -> Result<Self, Error> {
+    pub(crate) fn add(graph: &Graph, design: &Design) -> Result<Self, Error> {
         let add = |kind| Ok((kind, BodyStages::add(graph, design, kind, true)?));
         let solved: Vec<(BodyKind, BodyStages)> = solved_bodies(design)
             .into_iter()
@@ -136,12 +136,12 @@ impl Bodies {
     }
 
     /// Workpiece and worktable in modal coordinates.
-    pub(super) fn structure_bodies(&self) -> Vec<Stored<Body>> {
+    pub(crate) fn structure_bodies(&self) -> Vec<Stored<Body>> {
         self.structure.iter().map(|stages| stages.body.clone()).collect()
     }
 
     /// All in modal coordinates: the structure, then the tool.
-    pub(super) fn modal(&self) -> impl Iterator<Item = &Stored<Body>> {
+    pub(crate) fn modal(&self) -> impl Iterator<Item = &Stored<Body>> {
         self.structure.iter().chain(&self.tool).map(|stages| &stages.body)
     }
 }

@@ -4,8 +4,9 @@ use nailnoise_acoustics::radiator::Loading;
 use nailnoise_dynamics::{CycleRecord, Settings};
 
 use super::bodies::{Bodies, BodyStages};
+use super::context::Context;
 use super::radiation::Radiators;
-use crate::design::{Carrier, Coupling, Design, inputs};
+use crate::design::{Carrier, Coupling, inputs};
 use crate::error::Error;
 use crate::graph::Graph;
 use crate::stages::Stored;
@@ -17,50 +18,70 @@ use crate::stages::spectra::{BodyAnalysis, BodyMotion};
 use crate::stages::tool_response::{ToolResponse, ToolShot};
 
 /// Builder of the stages that compute the motion of a design's bodies.
-pub(super) struct Motions<'a> {
+pub(crate) struct Motions<'a> {
     graph: &'a Graph,
-    bodies: &'a Bodies,
-    radiators: &'a Radiators,
+    /// The bodies.
+    pub(crate) bodies: &'a Bodies,
+    /// How they radiate.
+    pub(crate) radiators: &'a Radiators,
     /// The cycle with only the tool's lumped masses.
-    lumped: Stored<CycleRecord>,
+    pub(crate) lumped: Stored<CycleRecord>,
     settings: Settings,
     /// The shot on workpiece and support.
-    pub(super) shot: Shot,
+    pub(crate) shot: Shot,
     /// The shot on the tool.
-    pub(super) tool_shot: ToolShot,
+    pub(crate) tool_shot: ToolShot,
     /// Workpiece and support.
-    pub(super) structure: Structure,
+    pub(crate) structure: Structure,
     /// Sensors on each body of the structure, and on the tool.
     on_structure: Vec<Option<Stored<BodySensors>>>,
     on_tool: Option<Stored<BodySensors>>,
-    force_scale: f64,
+    /// Factor on the forces of the shot on the workpiece, if a cycle drives it one way \[-\].
+    pub(crate) force_scale: f64,
     /// Range of the levels \[Hz\].
-    pub(super) range_hz: [f64; 2],
+    pub(crate) range_hz: [f64; 2],
     /// Whether the bodies act back on the cycle.
-    pub(super) two_way: bool,
+    pub(crate) two_way: bool,
+}
+
+/// The cycle that drives the bodies.
+pub(crate) struct Drive {
+    /// The cycle with only the tool's lumped masses.
+    pub(crate) lumped: Stored<CycleRecord>,
+    /// Factor on the forces of the shot on the workpiece, if that cycle drives it one way \[-\].
+    pub(crate) force_scale: f64,
+}
+
+/// Motion of an elastic tool.
+pub(crate) struct ToolMotion {
+    /// Its response.
+    pub(crate) vibration: Stored<Vibration>,
+    /// Spectra of its response.
+    pub(crate) motion: Stored<BodyMotion>,
 }
 
 /// Motion of workpiece and support with the cycle that drives it.
-pub(super) struct Driven {
+pub(crate) struct Driven {
     /// The cycle.
-    pub(super) cycle: Stored<CycleRecord>,
+    pub(crate) cycle: Stored<CycleRecord>,
     /// The motion.
-    pub(super) vibration: Stored<Vibration>,
+    pub(crate) vibration: Stored<Vibration>,
     /// Both together, if they are coupled two ways.
-    pub(super) coupled: Option<Stored<Coupled>>,
+    pub(crate) coupled: Option<Stored<Coupled>>,
 }
 
 impl<'a> Motions<'a> {
-    /// For a design with the cycle `lumped` of its lumped masses, and a factor on the forces of the shot on the workpiece.
+    /// For the bodies of a design.
     ///
     /// # Errors
     /// Values of the design that do not yield inputs.
-    pub(super) fn new(
-        graph: &'a Graph,
-        design: &Design,
-        (bodies, radiators): (&'a Bodies, &'a Radiators),
-        (lumped, force_scale): (Stored<CycleRecord>, f64),
+    pub(crate) fn new(
+        context: Context<'a>,
+        bodies: &'a Bodies,
+        radiators: &'a Radiators,
+        drive: Drive,
     ) -> Result<Self, Error> {
+        let Context { graph, design, .. } = context;
         let carriers = [Carrier::Workpiece, Carrier::Worktable];
         let on_structure = bodies.structure.iter().zip(carriers);
         let on_structure = on_structure.map(|(stages, carrier)| stages.sensors(graph, design, carrier));
@@ -71,7 +92,7 @@ impl<'a> Motions<'a> {
             graph,
             bodies,
             radiators,
-            lumped,
+            lumped: drive.lumped,
             settings: inputs::cycle::cycle_settings(design),
             shot: inputs::response::shot(design)?,
             tool_shot: inputs::response::tool(design)?,
@@ -82,7 +103,7 @@ impl<'a> Motions<'a> {
             },
             on_structure: on_structure.collect::<Result<_, _>>()?,
             on_tool: on_tool.transpose()?.flatten(),
-            force_scale,
+            force_scale: drive.force_scale,
             range_hz: [design.analysis.range_low, design.analysis.range_high],
             two_way: design.support.coupling == Coupling::TwoWay,
         })
@@ -90,12 +111,12 @@ impl<'a> Motions<'a> {
 
     /// Whether the complete impedance of the air acts: it is requested, and the contact neither opens nor acts back on
     /// the cycle.
-    pub(super) fn is_linear(&self) -> bool {
+    pub(crate) fn is_linear(&self) -> bool {
         self.radiators.acts == Loading::Full && !self.two_way && !self.shot.can_lose_contact()
     }
 
     /// The shot from one of its starts, with the impedance of the air frozen at each mode's resonance.
-    pub(super) fn driven(&self, start: u32, two_way: bool) -> Driven {
+    pub(crate) fn driven(&self, start: u32, two_way: bool) -> Driven {
         let shot = self.shot.with_start(start);
         if !two_way {
             return Driven {
@@ -126,7 +147,7 @@ impl<'a> Motions<'a> {
     }
 
     /// A response whose contact cannot open, with the complete impedance of the air.
-    pub(super) fn with_complete_impedance(&self, frozen: &Stored<Vibration>, shot: &Shot) -> Stored<Vibration> {
+    pub(crate) fn with_complete_impedance(&self, frozen: &Stored<Vibration>, shot: &Shot) -> Stored<Vibration> {
         self.graph.add(LinearResponse {
             frozen: frozen.clone(),
             radiator: self.radiators.workpiece.radiator.clone(),
@@ -139,7 +160,7 @@ impl<'a> Motions<'a> {
     }
 
     /// The same shot one way with every contact bonded: with the impedance frozen, and with the complete one.
-    pub(super) fn bonded(&self) -> [Stored<Vibration>; 2] {
+    pub(crate) fn bonded(&self) -> [Stored<Vibration>; 2] {
         let bonded = self.shot.bonded();
         let frozen = self.one_way(bonded.clone());
         let complete = self.with_complete_impedance(&frozen, &bonded);
@@ -147,7 +168,7 @@ impl<'a> Motions<'a> {
     }
 
     /// Spectra of workpiece and support, with the signals of their sensors on request.
-    pub(super) fn analysed(&self, vibration: &Stored<Vibration>, with_sensors: bool) -> Vec<Stored<BodyMotion>> {
+    pub(crate) fn analysed(&self, vibration: &Stored<Vibration>, with_sensors: bool) -> Vec<Stored<BodyMotion>> {
         let bodies = self.bodies.structure.iter().zip(&self.on_structure).enumerate();
         let analysis = bodies.map(|(index, (stages, sensors))| BodyAnalysis {
             vibration: vibration.clone(),
@@ -159,7 +180,7 @@ impl<'a> Motions<'a> {
     }
 
     /// Motion and spectra of an elastic tool in a cycle, with the impedance of the air that acts.
-    pub(super) fn tool(&self, cycle: &Stored<CycleRecord>) -> Option<(Stored<Vibration>, Stored<BodyMotion>)> {
+    pub(crate) fn tool(&self, cycle: &Stored<CycleRecord>) -> Option<ToolMotion> {
         let stages = self.bodies.tool.as_ref()?;
         let frozen = self.frozen_tool(stages, cycle);
         let complete = self.radiators.tool.as_ref();
@@ -177,11 +198,11 @@ impl<'a> Motions<'a> {
             }),
         };
         let motion = self.tool_analysed(stages, &vibration);
-        Some((vibration, motion))
+        Some(ToolMotion { vibration, motion })
     }
 
     /// Spectra of an elastic tool with the impedance of the air frozen, for comparison with the complete one.
-    pub(super) fn tool_with_frozen_impedance(&self, cycle: &Stored<CycleRecord>) -> Option<Stored<BodyMotion>> {
+    pub(crate) fn tool_with_frozen_impedance(&self, cycle: &Stored<CycleRecord>) -> Option<Stored<BodyMotion>> {
         let stages = self.bodies.tool.as_ref()?;
         self.radiators.tool.as_ref()?;
         Some(self.tool_analysed(stages, &self.frozen_tool(stages, cycle)))

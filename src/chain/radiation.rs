@@ -1,14 +1,13 @@
 //! Radiation per unit of modal motion, and fluid loads of the air on the modes.
 
-use nailnoise_acoustics::Air;
 use nailnoise_acoustics::bem::ModalBem;
 use nailnoise_acoustics::radiator::{FluidLoads, Loading, Radiator};
 
 use super::bodies::{Bodies, BodyStages};
-use super::shape::{SharedShapes, Standards, by_shape, standards};
-use crate::design::{Design, inputs};
+use super::context::Context;
+use super::shape::{Standards, by_shape, standards};
+use crate::design::inputs;
 use crate::error::Error;
-use crate::graph::Graph;
 use crate::stages::bodies::{Body, BodyKind};
 use crate::stages::radiation::{
     FluidLoadings, FlushMatrix, RadiatingShape, ToolRadiation, ToolRadiator, WorkpieceMethod, WorkpieceRadiation,
@@ -18,47 +17,47 @@ use crate::stages::sound_fields::FieldMethod;
 use crate::stages::{Digest, Stored};
 
 /// How the bodies of a design radiate.
-pub(super) struct Radiators {
+pub(crate) struct Radiators {
     /// The workpiece with its support.
-    pub(super) workpiece: WorkpieceStages,
+    pub(crate) workpiece: WorkpieceStages,
     /// Fluid loads of the air on the modes of workpiece and support.
-    pub(super) workpiece_loads: Stored<Vec<FluidLoads>>,
+    pub(crate) workpiece_loads: Stored<Vec<FluidLoads>>,
     /// The tool, if boundary elements are requested.
-    pub(super) tool: Option<ToolStages>,
+    pub(crate) tool: Option<ToolStages>,
     /// Fluid loads of the air that act on the modes.
-    pub(super) acts: Loading,
+    pub(crate) acts: Loading,
 }
 
 /// Radiation of the workpiece with its support.
-pub(super) struct WorkpieceStages {
+pub(crate) struct WorkpieceStages {
     /// The radiator.
-    pub(super) radiator: Stored<Box<dyn Radiator>>,
+    pub(crate) radiator: Stored<Box<dyn Radiator>>,
     /// The same with its pressures at the microphones.
-    pub(super) at_microphones: Stored<Box<dyn Radiator>>,
+    pub(crate) at_microphones: Stored<Box<dyn Radiator>>,
     /// How its sound field is computed.
-    pub(super) field: FieldMethod,
+    pub(crate) field: FieldMethod,
     /// The key of its radiation matrix.
     matrix_key: Option<Digest>,
 }
 
 /// Radiation of the tool by boundary elements.
-pub(super) struct ToolStages {
+pub(crate) struct ToolStages {
     /// Its boundary elements.
-    pub(super) elements: ToolRadiation,
+    pub(crate) elements: ToolRadiation,
     /// The full body.
-    pub(super) whole: ToolMatrix,
+    pub(crate) whole: ToolMatrix,
     /// A second column for each mode with only the cap in motion, if the cap belongs to another source.
-    pub(super) cap: Option<ToolMatrix>,
+    pub(crate) cap: Option<ToolMatrix>,
     /// Fluid loads of the air on its modes.
-    pub(super) loads: Stored<Vec<FluidLoads>>,
+    pub(crate) loads: Stored<Vec<FluidLoads>>,
 }
 
 /// Radiation of the tool in the ambient air.
-pub(super) struct ToolMatrix {
+pub(crate) struct ToolMatrix {
     /// The radiator.
-    pub(super) radiator: Stored<ModalBem>,
+    pub(crate) radiator: Stored<ModalBem>,
     /// The same with its pressures at the microphones.
-    pub(super) at_microphones: Stored<ModalBem>,
+    pub(crate) at_microphones: Stored<ModalBem>,
     /// The key of its radiation matrix in standard air.
     key: Digest,
 }
@@ -68,15 +67,11 @@ impl Radiators {
     ///
     /// # Errors
     /// Values of the design that do not yield inputs.
-    pub(super) fn add(
-        graph: &Graph,
-        design: &Design,
-        bodies: &Bodies,
-        (air, shared): (Air, SharedShapes),
-    ) -> Result<Self, Error> {
+    pub(crate) fn add(context: Context<'_>, bodies: &Bodies) -> Result<Self, Error> {
+        let Context { graph, design, .. } = context;
         let acts = inputs::radiation::loading(design);
         let structure = bodies.structure_bodies();
-        let workpiece = workpiece_radiation(graph, design, &structure, (air, shared))?;
+        let workpiece = workpiece_radiation(context, &structure)?;
         let loss_factors = bodies.structure.iter().map(|stages| stages.loss_factor);
         let workpiece_loads = graph.add(FluidLoadings {
             radiator: workpiece.radiator.clone(),
@@ -84,7 +79,7 @@ impl Radiators {
             with_mass: damping_ratios(acts, loss_factors),
         });
         let tool = match &bodies.tool {
-            Some(stages) => tool_radiation(graph, design, stages, (air, shared, acts))?,
+            Some(stages) => tool_radiation(context, stages, acts)?,
             None => None,
         };
         Ok(Self {
@@ -96,7 +91,7 @@ impl Radiators {
     }
 
     /// Keys of all radiation matrices.
-    pub(super) fn matrix_keys(&self) -> impl Iterator<Item = Digest> {
+    pub(crate) fn matrix_keys(&self) -> impl Iterator<Item = Digest> {
         let cap = self.tool.iter().flat_map(|tool| &tool.cap);
         let tool = self
             .tool
@@ -114,12 +109,13 @@ fn damping_ratios(acts: Loading, loss_factors: impl Iterator<Item = f64>) -> Opt
 }
 
 /// Radiation of the tool by boundary elements; none if the design does not request them.
-fn tool_radiation(
-    graph: &Graph,
-    design: &Design,
-    stages: &BodyStages,
-    (air, shared, acts): (Air, SharedShapes, Loading),
-) -> Result<Option<ToolStages>, Error> {
+fn tool_radiation(context: Context<'_>, stages: &BodyStages, acts: Loading) -> Result<Option<ToolStages>, Error> {
+    let Context {
+        graph,
+        design,
+        air,
+        shared,
+    } = context;
     let Some(elements) = inputs::radiation::tool(design) else {
         return Ok(None);
     };
@@ -131,7 +127,7 @@ fn tool_radiation(
     };
     let places = inputs::radiation::tool_places(design);
     let of = |shape: &RadiatingShape| {
-        let radiation = by_shape(graph, (shape, &places), &standards, std::slice::from_ref(&stages.body));
+        let radiation = by_shape(graph, shape, &places, &standards, std::slice::from_ref(&stages.body));
         let at_microphones = radiation.at_microphones(graph);
         let key = *radiation.matrix.key();
         let [radiator, at_microphones] =
@@ -158,12 +154,13 @@ fn tool_radiation(
 }
 
 /// Radiation of the workpiece with its support.
-pub(super) fn workpiece_radiation(
-    graph: &Graph,
-    design: &Design,
-    bodies: &[Stored<Body>],
-    (air, shared): (Air, SharedShapes),
-) -> Result<WorkpieceStages, Error> {
+pub(crate) fn workpiece_radiation(context: Context<'_>, bodies: &[Stored<Body>]) -> Result<WorkpieceStages, Error> {
+    let Context {
+        graph,
+        design,
+        air,
+        shared,
+    } = context;
     let radiator = |method| {
         graph.add(WorkpieceRadiator {
             method,
@@ -180,7 +177,7 @@ pub(super) fn workpiece_radiation(
             };
             let shape = RadiatingShape::Workpiece(elements.clone());
             let places = inputs::radiation::workpiece_places(design);
-            let radiation = by_shape(graph, (&shape, &places), &standards, bodies);
+            let radiation = by_shape(graph, &shape, &places, &standards, bodies);
             let (at_microphones, matrix) = (radiation.at_microphones(graph), radiation.matrix);
             WorkpieceStages {
                 radiator: radiator(WorkpieceMethod::BoundaryElements(matrix.clone())),

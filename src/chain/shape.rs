@@ -122,15 +122,16 @@ impl Radiation {
 /// The radiation of bodies from that of standard bodies of their shape.
 pub(super) fn by_shape(
     graph: &Graph,
-    (shape, places): (&RadiatingShape, &Places),
+    shape: &RadiatingShape,
+    places: &Places,
     standards: &Standards,
     bodies: &[Stored<Body>],
 ) -> Radiation {
-    let own = solved(graph, (shape, places), SurfaceModes(vec![bodies.to_vec()]));
+    let own = solved(graph, shape, places, SurfaceModes(vec![bodies.to_vec()]));
     let (mut powers, mut pressures) = (Vec::new(), Vec::new());
     for (standard, name) in standards {
         let limit = shape.limit(standard.0.len());
-        let of_standard = solved(graph, (shape, places), standard.clone());
+        let of_standard = solved(graph, shape, places, standard.clone());
         if of_standard.matrix.key() == own.matrix.key() && powers.is_empty() {
             return own;
         }
@@ -168,7 +169,7 @@ pub(super) fn by_shape(
 }
 
 /// Results of boundary elements for the modes of bodies.
-fn solved(graph: &Graph, (shape, places): (&RadiatingShape, &Places), modes: SurfaceModes) -> Radiation {
+fn solved(graph: &Graph, shape: &RadiatingShape, places: &Places, modes: SurfaceModes) -> Radiation {
     let bodies = modes.0.first().cloned().unwrap_or_default();
     let solution = solution(graph, shape, modes);
     let surface = graph.add(PressureOnSurface {
@@ -209,6 +210,7 @@ mod tests {
     use nailnoise_meshes::{Block, FaceGroup, FaceRef, Surface, block};
     use nalgebra::{Complex, DMatrix, DVector, Vector3};
 
+    use super::super::context::Context;
     use super::super::radiation::workpiece_radiation;
     use super::*;
     use crate::design::{BodyModel, Convention, RadiationMethod};
@@ -264,7 +266,7 @@ mod tests {
         let shape = RadiatingShape::Workpiece(inputs::radiation::workpiece_boundary_elements(design));
         let places = inputs::radiation::workpiece_places(design);
         let modes = SurfaceModes(vec![bodies.to_vec()]);
-        let Radiation { matrix, pressures } = solved(&graph, (&shape, &places), modes);
+        let Radiation { matrix, pressures } = solved(&graph, &shape, &places, modes);
         [*matrix.key(), *pressures.key()]
     }
 
@@ -302,7 +304,13 @@ mod tests {
         let air = inputs::air(design).unwrap();
         let kinds = [BodyKind::Workpiece, BodyKind::Worktable];
         let bodies = kinds.map(|kind| BodyStages::add(&graph, design, kind, true).unwrap().body);
-        let radiation = workpiece_radiation(&graph, design, &bodies, (air, SharedShapes::default())).unwrap();
+        let context = Context {
+            graph: &graph,
+            design,
+            air,
+            shared: SharedShapes::default(),
+        };
+        let radiation = workpiece_radiation(context, &bodies).unwrap();
         let FieldMethod::BoundaryElements(elements, by_shape) = radiation.field else {
             panic!("boundary elements")
         };
@@ -323,7 +331,7 @@ mod tests {
             .collect();
         let modes = SurfaceModes(vec![bodies.to_vec()]);
         let shape = RadiatingShape::Workpiece(elements);
-        let own = solved(&graph, (&shape, &inputs::radiation::workpiece_places(design)), modes).matrix;
+        let own = solved(&graph, &shape, &inputs::radiation::workpiece_places(design), modes).matrix;
         let (by_shape, own) = (by_shape.get().unwrap(), own.get().unwrap());
         let mut largest: f64 = 0.0;
         for hz in [60.0f64, 130.0, 240.0, 390.0] {
@@ -584,8 +592,8 @@ mod tests {
             println!("lacking at most {:.1e}", fitted.worst());
             assert!(fitted.worst() < 2e-4, "{:?}", fitted.lacking);
             let at = (&shape, &inputs::radiation::tool_places(&design));
-            let own = solved(&graph, at, SurfaceModes(vec![bodies.clone()]));
-            let by_shape = by_shape(&graph, at, &standards, &bodies);
+            let own = solved(&graph, at.0, at.1, SurfaceModes(vec![bodies.clone()]));
+            let by_shape = by_shape(&graph, at.0, at.1, &standards, &bodies);
             let both = [by_shape, own].map(|radiation| radiation.at_microphones(&graph).get().unwrap());
             for &load in &loads {
                 let spectra = match shape {
@@ -649,11 +657,11 @@ mod tests {
             );
         }
         let at = (&shape, &inputs::radiation::tool_places(&design));
-        let own = solved(&graph, at, SurfaceModes(vec![bodies.clone()]))
+        let own = solved(&graph, at.0, at.1, SurfaceModes(vec![bodies.clone()]))
             .matrix
             .get()
             .unwrap();
-        let by_shape = by_shape(&graph, at, &standards, &bodies).matrix.get().unwrap();
+        let by_shape = by_shape(&graph, at.0, at.1, &standards, &bodies).matrix.get().unwrap();
         for hz in [100.0, 800.0, 1400.0] {
             assert_eq!(by_shape.resistance(hz).real, own.resistance(hz).real);
         }

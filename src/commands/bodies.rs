@@ -4,8 +4,9 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use clap::{Args, ValueEnum};
-use nailnoise_meshes::gmsh;
+use nailnoise_fem::ModalCost;
 use nailnoise_meshes::msh::Imported;
+use nailnoise_meshes::{MeshError, gmsh};
 
 use nailnoise_quantities::dimension::LENGTH;
 use nailnoise_quantities::measure;
@@ -17,6 +18,12 @@ use crate::design::inputs::{bodies as inputs, located};
 use crate::design::{Design, Values};
 use crate::error::Error;
 use crate::stages::bodies::{BodyKind, FileUnit, MeshFile, Meshed, states_unit};
+
+/// Cost of the modes of a body below a frequency \[Hz\].
+pub(super) fn modal_cost(meshed: &Meshed, below_hz: f64) -> Result<ModalCost, MeshError> {
+    let mesh = &meshed.imported.mesh;
+    ModalCost::estimate(mesh, &meshed.materials, &mesh.quality()?, below_hz)
+}
 
 /// A body by its name on the command line.
 #[derive(Clone, Copy, ValueEnum)]

@@ -6,14 +6,14 @@ use std::process::ExitCode;
 
 use clap::Args;
 use nailnoise_fem::{ModalCost, ShortestWave, wall_thicknesses};
-use nailnoise_meshes::{Mesh, MeshError, Quality, Surface};
+use nailnoise_meshes::{Mesh, Quality, Surface};
 use serde::Serialize;
 
 use super::bodies::Input;
 use super::table::{fixed, table};
 use super::{print, print_json};
 use crate::error::Error;
-use crate::stages::bodies::{Meshed, Origin, SIDES_PER_WAVE as FEWEST};
+use crate::stages::bodies::{Origin, SIDES_PER_WAVE as FEWEST};
 
 #[derive(Args)]
 #[command(after_help = examples!(
@@ -27,7 +27,8 @@ pub(super) struct Arguments {
     input: Input,
     /// Draw the tool at the dimensions of the design, every key at its place, in place of the check
     /// [default FILE: out/NAME/drawing.svg]
-    #[arg(long, value_name = "FILE", num_args = 0..=1, conflicts_with = "body", value_parser = super::drawing::svg_path)]
+    #[arg(long, value_name = "FILE", num_args = 0..=1, conflicts_with = "body",
+        value_parser = super::drawing::svg_path)]
     drawing: Option<Option<PathBuf>>,
     /// Print exactly one JSON value instead of text
     #[arg(long)]
@@ -247,12 +248,6 @@ fn findings(
         }
     }
     (faults, warnings)
-}
-
-/// Cost of the modes of a body below a frequency \[Hz\].
-pub(super) fn modal_cost(meshed: &Meshed, below_hz: f64) -> Result<ModalCost, MeshError> {
-    let mesh = &meshed.imported.mesh;
-    ModalCost::estimate(mesh, &meshed.materials, &mesh.quality()?, below_hz)
 }
 
 fn text(name: &str, result: &CheckResult) -> String {

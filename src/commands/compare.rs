@@ -6,13 +6,12 @@ use std::process::ExitCode;
 use clap::Args;
 use serde::Serialize;
 
-use super::intervals::{Known, OwnShot};
-use super::table::{dash, decibels, fixed, table};
+use super::table::{dash, decibels, fixed, table, with_legend};
 use super::{
     Changes, Keeping, Memory, Threads, comparison_page, comparison_sounds, folder_of, message, print, print_json,
     progress, status_of,
 };
-use crate::bundle::deliver;
+use crate::artifacts::Delivery;
 use crate::comparison::{Comparison, Finished, Labelled, Levels, Limit};
 use crate::cost;
 use crate::design::Design;
@@ -39,8 +38,8 @@ pub(super) struct Arguments {
     /// Design files or finished results (a folder with result.json, or the file); the first is the reference
     #[arg(required = true, num_args = 1.., value_name = "DESIGN")]
     pub(super) designs: Vec<PathBuf>,
-    /// Compare with measurements instead: measurement.json of `measure`, a file as designs/measured/n80cb.json, or n80cb for
-    /// the published ones. One design, or one on the worktable and one in the sandbox, as they were tested
+    /// Compare with measurements instead: measurement.json of `measure`, a file as designs/measured/n80cb.json, or
+    /// n80cb for the published ones. One design, or one on the worktable and one in the sandbox, as they were tested
     #[arg(long, value_name = "FILE", conflicts_with_all = ["bands", "intervals", "fail_above"])]
     pub(super) measured: Option<PathBuf>,
     /// Print exactly one JSON value instead of tables
@@ -69,9 +68,10 @@ pub(super) struct Arguments {
     /// Seed of --draws
     #[arg(long, value_name = "SEED", default_value_t = 1, requires = "draws")]
     pub(super) seed: u64,
-    /// Draw the structures (block, table, tool body), too, each for N of the draws; without it they are those of the designs.
-    /// Modes and radiation of a new structure take minutes
-    #[arg(long, value_name = "N", num_args = 0..=1, require_equals = true, default_missing_value = "8", requires = "draws")]
+    /// Draw the structures (block, table, tool body), too, each for N of the draws; without it they are those of the
+    /// designs. Modes and radiation of a new structure take minutes
+    #[arg(long, value_name = "N", num_args = 0..=1, require_equals = true, default_missing_value = "8",
+        requires = "draws")]
     #[arg(value_parser = clap::value_parser!(u16).range(1..))]
     pub(super) structures: Option<u16>,
     /// End with status 1 if a design other than the reference is louder: total=100, exhaust=95.5
@@ -220,22 +220,19 @@ fn finish(
     progress.note(&format!("design {}", design.name()));
     let name = free_name(design.name(), before);
     let folder = folder_of(&arguments.out, &name, design.path())?;
-    let (bundle, _) = deliver(
-        &design,
-        &folder,
-        Exports::default(),
-        super::run::text,
-        cache,
-        arguments.memory.limit(),
+    let delivery = Delivery {
+        design: &design,
+        folder: &folder,
+        exports: Exports::default(),
+        screening: false,
+        printer: super::run::printed,
+        store: cache,
+        memory: arguments.memory.limit(),
         progress,
-    )?;
-    // Without it the report of an earlier run would lose its intervals.
-    let study = Known::of(cache, &design, &OwnShot::parse(&bundle.json)?).transpose();
-    if let Some(study) = study {
-        super::run::add_study(&folder, study.as_ref(), &bundle)?;
-    }
-    checks.extend(bundle.checks.into_iter().map(|check| check.of(&name)));
-    Ok((Finished::parse(&folder, &bundle.json)?, Some(folder)))
+    };
+    let artifacts = delivery.deliver()?.artifacts;
+    checks.extend(artifacts.checks.into_iter().map(|check| check.of(&name)));
+    Ok((Finished::parse(&folder, &artifacts.json)?, Some(folder)))
 }
 
 /// The name, followed by a number if another result of the comparison has it.
@@ -287,6 +284,9 @@ fn text(comparison: &Comparison, bands: bool, intervals: bool) -> String {
         .map(|row| level_row(&row.source, &row.levels))
         .chain([level_row("total", &comparison.total)]);
     text.push_str(&table(&with_changes("source"), &sources.collect::<Vec<_>>()));
+    if let Some(intervals) = comparison.intervals() {
+        text.push_str(&format!("\nintervals of the levels\n\n{}", with_legend(&intervals)));
+    }
     for row in &comparison.sources {
         let methods: Vec<&str> = row.methods.iter().flatten().map(String::as_str).collect();
         if methods.windows(2).any(|pair| pair[0] != pair[1]) {

@@ -19,7 +19,8 @@ struct Sound {
     pressure: Vec<f64>,
 }
 
-/// The sounds of designs, by name and folder. A result without its folder of sounds is left out: the page is complete without them.
+/// The sounds of designs, by name and folder. A result without its folder of sounds is left out: the page is complete
+/// without them.
 pub(super) fn recordings(results: &[(String, PathBuf)]) -> Vec<Recording> {
     let sounds: Vec<Sound> = results.iter().filter_map(|(name, folder)| read(name, folder)).collect();
     // A single one cannot be compared.

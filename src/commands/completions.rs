@@ -3,11 +3,11 @@
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-use clap::{Args, CommandFactory as _};
+use clap::{Args, Command};
 use clap_complete::{Generator as _, Shell};
 
+use super::print;
 use super::user_folders::{config, data};
-use super::{Cli, print};
 use crate::error::Error;
 use crate::staging;
 
@@ -27,10 +27,10 @@ pub(super) struct Arguments {
     out: Option<PathBuf>,
 }
 
-pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
+pub(super) fn execute(arguments: &Arguments, program: &mut Command) -> Result<ExitCode, Error> {
     let shell = arguments.shell.or_else(Shell::from_env).ok_or(Error::NoShell)?;
     let mut text = Vec::new();
-    clap_complete::generate(shell, &mut Cli::command(), "nailnoise", &mut text);
+    clap_complete::generate(shell, program, "nailnoise", &mut text);
     if !arguments.install && arguments.out.is_none() {
         print(&String::from_utf8_lossy(&text))?;
         return Ok(ExitCode::SUCCESS);

@@ -14,7 +14,7 @@ use crate::cost;
 use crate::design::inputs::cycle::{cycle_settings, parameters};
 use crate::error::Error;
 use crate::figures::{self, Chart};
-use crate::output::{self, EVENT_NAMES};
+use crate::output::{self, EVENT_NAMES, Exports};
 use crate::penetration;
 use crate::result::{CycleFigures, DesignId};
 use crate::stages::cycle::Preset;
@@ -27,7 +27,8 @@ const LAST: &str = "events.csv";
 #[derive(Args)]
 #[command(after_help = examples!(
     "nailnoise cycle my-tool.toml --figures" => "pressures, motion and forces of one shot, with charts",
-    "nailnoise cycle my-tool.toml --sensitivity --outputs speed,penetration" => "which parameters decide speed and depth",
+    "nailnoise cycle my-tool.toml --sensitivity --outputs \
+     speed,penetration" => "which parameters decide speed and depth",
 ))]
 pub(super) struct Arguments {
     #[command(flatten)]
@@ -164,7 +165,11 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
 /// Writes the tables of a cycle and these charts together; returns the files of the charts.
 fn write(folder: &Path, record: &CycleRecord, charts: &[Chart]) -> Result<Vec<PathBuf>, Error> {
     let staging = Staging::within(folder)?;
-    for file in output::of_cycle(record, true)? {
+    let exports = Exports {
+        histories: true,
+        ..Exports::default()
+    };
+    for file in output::of_cycle(record, exports)? {
         staging.write(&file.path, &file.content)?;
     }
     let figures = figures::write(&staging, Path::new("figures"), charts)?;

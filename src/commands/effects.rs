@@ -10,9 +10,7 @@ use crate::graph::Graph;
 use crate::stages::Progress;
 use crate::stages::cycle::Cycle;
 use crate::stages::outcomes::{Outcomes, ShotOutcome};
-use crate::study::{self, Draws, OneAtATime, Request, StudyResult, Tally, taking_part};
-
-use super::intervals::serving;
+use crate::study::{self, Draws, OneAtATime, Request, Serving, StudyResult, Tally, taking_part};
 
 /// Interval of the samples of cycles that are read only for the depth \[s\].
 const SAMPLES: f64 = 1e-3;
@@ -55,8 +53,8 @@ impl Effects {
     /// Effects on the total from a known study of a design; without one, one input at a time if `compute`, else the
     /// effects on the depth of the nail.
     pub(super) fn of(graph: &Graph, design: &Design, compute: bool, progress: &Progress) -> Result<Self, Error> {
-        let known = serving(graph.store(), design)?;
-        match known.and_then(|(found, _)| Self::of_study(&found.result)) {
+        let known = Serving::of(graph.store(), design)?;
+        match known.and_then(|serving| Self::of_study(&serving.result)) {
             Some(found) if !compute => Ok(found.described(design)),
             _ if compute => Ok(Self::computed(graph, design, progress)?.described(design)),
             _ => Ok(Self::on_depth(graph, design)?.described(design)),
@@ -74,7 +72,8 @@ impl Effects {
             .map(|own| (own.variable.clone(), own.effect_db.abs()));
         Some(Self::new(
             format!(
-                "change of the total between the outer thirds of each input, from a study of {} draws; inputs whose effect is \
+                "change of the total between the outer thirds of each input, from a study of {} draws; inputs whose \
+                 effect is \
                  within chance are left out",
                 study.draws
             ),
@@ -86,10 +85,13 @@ impl Effects {
 
     fn of_changes(own: &OneAtATime) -> Self {
         Self::new(
-            "largest change of the total with each input at the 5th or 95th percentile of its range, all others as in the design"
+            "largest change of the total with each input at the 5th or 95th percentile of its range, all others as in \
+             the design"
                 .to_owned(),
             "dB",
-            own.inputs.iter().map(|input| (input.variable.clone(), input.largest(0))),
+            own.inputs
+                .iter()
+                .map(|input| (input.variable.clone(), input.largest(0))),
         )
     }
 
@@ -150,7 +152,8 @@ impl Effects {
             }
         }
         Ok(Self::new(
-            "largest change of the depth of the nail's tip with each input at an end of its range, all others as in the design; no \
+            "largest change of the depth of the nail's tip with each input at an end of its range, all others as in \
+             the design; no \
              study of this design is known: --effects computes the effects on the total in dB, which takes minutes"
                 .to_owned(),
             "mm",

@@ -7,7 +7,7 @@ use std::process::ExitCode;
 use nailnoise_fem::ModalCost;
 use serde::Serialize;
 
-use super::check::modal_cost;
+use super::bodies::modal_cost;
 use super::effects::{Effect, Effects, ToMeasure};
 use super::table::{table, texts};
 use super::{outside_table, print, print_json, progress, red};

@@ -41,7 +41,8 @@ pub(super) fn install() {
 pub(super) fn announce_limits() {
     if let Some(gigabytes) = crate::cost::address_space() {
         message(&format!(
-            "warning: the address space is limited to {gigabytes:.1} GB (ulimit -v); a command that exceeds it ends with status 3"
+            "warning: the address space is limited to {gigabytes:.1} GB (ulimit -v); a command that exceeds it ends \
+             with status 3"
         ));
     }
 }

@@ -28,10 +28,12 @@ const OWN: &str = include_str!("init.toml");
 #[derive(Args)]
 #[command(after_help = examples!(
     "nailnoise init my-tool.toml" => "a design over the N80CB, with the keys that differ most often",
-    "nailnoise init my-tool.toml --like finish-nailer --bore 38mm --nail \"64 x 1.6 mm\"" => "another tool, scaled from the N80CB",
+    "nailnoise init my-tool.toml --like finish-nailer --bore 38mm --nail \"64 x 1.6 \
+     mm\"" => "another tool, scaled from the N80CB",
     "nailnoise init my-tool.toml --like stapler --from sawhorses" => "another tool, on another support",
     "nailnoise init --from n80cb" => "the N80CB itself, every key with its source and range",
-    "nailnoise init --from muffler quieter.toml" => "another design of the program, with its bases, under a name of your own",
+    "nailnoise init --from muffler quieter.toml" => "another design of the program, with its bases, under a name of \
+        your own",
 ))]
 pub(super) struct Arguments {
     /// The design file to write [default: my-tool.toml, or the name of the design given by --from]

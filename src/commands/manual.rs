@@ -3,11 +3,11 @@
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-use clap::{Args, Command, CommandFactory as _};
+use clap::{Args, Command};
 use clap_mangen::Man;
 
+use super::print;
 use super::user_folders::{beside_the_program, data};
-use super::{Cli, print};
 use crate::error::Error;
 use crate::staging::Staging;
 
@@ -20,8 +20,8 @@ pub(super) struct Arguments {
     /// The command whose page is printed [default: the program as a whole]
     #[arg(value_name = "COMMAND")]
     command: Vec<String>,
-    /// Write all pages where `man` looks for those of this program: in `share` beside the folder `bin` that holds it, else
-    /// in the user's
+    /// Write all pages where `man` looks for those of this program: in `share` beside the folder `bin` that holds it,
+    /// else in the user's
     #[arg(long, conflicts_with = "command")]
     install: bool,
     /// Write all pages into this folder
@@ -29,8 +29,8 @@ pub(super) struct Arguments {
     out: Option<PathBuf>,
 }
 
-pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
-    let mut program = Cli::command().disable_help_subcommand(true);
+pub(super) fn execute(arguments: &Arguments, program: Command) -> Result<ExitCode, Error> {
+    let mut program = program.disable_help_subcommand(true);
     program.build();
     if !arguments.install && arguments.out.is_none() {
         let mut page = &program;
@@ -62,7 +62,8 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
     let first = name(&program);
     staging.place(&[], first.as_ref())?;
     print(&format!(
-        "{count} pages in {}\n  `man nailnoise` shows the first; if it is not found, add the folder above man1 to MANPATH\n",
+        "{count} pages in {}\n  `man nailnoise` shows the first; if it is not found, add the folder above man1 to \
+         MANPATH\n",
         folder.display()
     ))?;
     Ok(ExitCode::SUCCESS)

@@ -146,7 +146,8 @@ fn name_of(path: &Path) -> String {
 fn text(measured: &Measured, folder: &Path) -> String {
     let result = &measured.result;
     let mut text = format!(
-        "{}: A-weighted single-event sound power levels, dB re 1 pW s, {:.0} to {:.0} Hz, surface of {:.2} m2, K2 {:.1} dB\n\n",
+        "{}: A-weighted single-event sound power levels, dB re 1 pW s, {:.0} to {:.0} Hz, surface of {:.2} m2, K2 \
+         {:.1} dB\n\n",
         result.manifest, result.range_hz[0], result.range_hz[1], result.area_m2, result.k2_db
     );
     text.push_str(&table(

@@ -18,8 +18,8 @@ use crate::error::Error;
         "the quietest number of holes that still drives the nail",
 ))]
 pub(super) struct Arguments {
-    /// DESIGN --vary KEY=LOW..HIGH [--minimise WHAT] [--subject-to "penetration >= 80 mm"] [--pareto=-drive_energy] [--trials N];
-    /// --help lists all
+    /// DESIGN --vary KEY=LOW..HIGH [--minimise WHAT] [--subject-to "penetration >= 80 mm"] [--pareto=-drive_energy]
+    /// [--trials N]; --help lists all
     #[arg(trailing_var_arg = true, allow_hyphen_values = true)]
     arguments: Vec<OsString>,
 }

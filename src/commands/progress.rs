@@ -39,7 +39,7 @@ pub(super) fn noted(notes: &[String]) -> String {
 }
 
 /// Progress on this process's standard error.
-pub(super) fn progress() -> Progress {
+pub(crate) fn progress() -> Progress {
     let quiet = QUIET.load(Ordering::Relaxed);
     let lines = MultiProgress::new();
     let bar = (!quiet && std::io::stderr().is_terminal()).then(|| {

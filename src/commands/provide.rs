@@ -1,5 +1,5 @@
-//! `nailnoise provide`: the studies of all shipped designs that come with the program, and whether they are those of today. It is
-//! for those who change the program, and is not listed by `--help`.
+//! `nailnoise provide`: the studies of all shipped designs that come with the program, and whether they are those of
+//! today. It is for those who change the program, and is not listed by `--help`.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -15,7 +15,7 @@ use crate::shipped;
 use crate::stages::Progress;
 use crate::staging;
 use crate::store::Store;
-use crate::study::{Draws, ProvidedStudy, Request, StudyResult};
+use crate::study::{self, ProvidedStudy, Request};
 
 /// Draws of a provided study at least: the pages and the intervals of `run` rest on them.
 const FEWEST: usize = 128;
@@ -34,7 +34,8 @@ pub(super) struct Arguments {
     #[arg(value_name = "DIR", required_unless_present = "check")]
     folder: Option<PathBuf>,
     /// Number of draws
-    #[arg(short = 'n', long, value_name = "N", default_value_t = 128, value_parser = clap::value_parser!(u32).range(1..=4096))]
+    #[arg(short = 'n', long, value_name = "N", default_value_t = 128,
+        value_parser = clap::value_parser!(u32).range(1..=4096))]
     draws: u32,
     /// Seed of the draws
     #[arg(long, value_name = "SEED", default_value_t = 1)]
@@ -67,24 +68,6 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
     studies.provide()
 }
 
-/// What made a study, in words.
-pub(super) fn command(path: &str, result: &StudyResult, options: &str) -> String {
-    format!(
-        "nailnoise study designs/{path} -n {} --seed {}{options}",
-        result.draws, result.seed
-    )
-}
-
-/// Writes a study of the shipped design of this path.
-pub(super) fn write(
-    file: &Path,
-    (path, command): (&str, &str),
-    (design, result, made): (&Design, &StudyResult, &Draws),
-) -> Result<(), Error> {
-    let text = ProvidedStudy::new(path, design, command, result, made)?.file()?;
-    staging::write(file, text.as_bytes())
-}
-
 /// Name of the file of a design's study: `quieter/muffler.toml` has `quieter-muffler.json`.
 fn file_name(path: &str) -> String {
     path.trim_end_matches(".toml").replace('/', "-") + ".json"
@@ -111,8 +94,8 @@ enum Current {
 }
 
 impl Studies<'_> {
-    /// Brings the study of each shipped design up to date, one after the other: they share shots and structures by the cache. A
-    /// design whose study fails is named, and the others are made.
+    /// Brings the study of each shipped design up to date, one after the other: they share shots and structures by the
+    /// cache. A design whose study fails is named, and the others are made.
     fn provide(&self) -> Result<ExitCode, Error> {
         let (mut failed, mut counts) = (Vec::new(), [0; 3]);
         for (number, (path, _)) in (1..).zip(shipped::DESIGNS) {
@@ -136,7 +119,8 @@ impl Studies<'_> {
         failed.iter().for_each(|reason| message(reason));
         let [unchanged, renewed, made] = counts;
         print(&format!(
-            "{made} studies made, {renewed} renewed because {REPEATED} draws repeated their levels, {unchanged} unchanged, {} failed, \
+            "{made} studies made, {renewed} renewed because {REPEATED} draws repeated their levels, {unchanged} \
+             unchanged, {} failed, \
              in {}; a program that is built now has them\n",
             failed.len(),
             self.folder.display()
@@ -162,22 +146,24 @@ impl Studies<'_> {
                 return Ok(Current::Unchanged);
             }
             let few = Request::new(REPEATED.min(request.draws), request.seed);
-            let (_, made) = super::study::compute(&self.store, design, &few, &self.progress)?;
+            let (_, made) = study::study(&self.store, design, &few, &self.progress)?;
             if let Some(renewed) = there.renewed(&made) {
                 staging::write(&file, renewed.file()?.as_bytes())?;
                 return Ok(Current::Renewed);
             }
             self.progress.note(&format!("{path}: the levels have changed"));
         }
-        let (result, made) = super::study::compute(&self.store, design, request, &self.progress)?;
+        let (result, made) = study::study(&self.store, design, request, &self.progress)?;
         let result = result.with_surrogates(design, &made);
-        write(&file, (path, &command(path, &result, "")), (design, &result, &made))?;
+        let command = super::study::command(path, &result, "");
+        let provided = ProvidedStudy::new(path, design, &command, &result, &made)?;
+        staging::write(&file, provided.file()?.as_bytes())?;
         Ok(Current::Made(result.candidates.failures))
     }
 }
 
-/// Lists the studies that are in the program. The status is 1 where a design has none, or one with too few draws or of another design
-/// or code.
+/// Lists the studies that are in the program. The status is 1 where a design has none, or one with too few draws or of
+/// another design or code.
 fn check() -> Result<ExitCode, Error> {
     let states = ProvidedStudy::states()?;
     let is_good =

@@ -1,36 +1,28 @@
 //! `nailnoise run`: the ranked sources of a design.
 
-use std::fs;
-use std::path::Path;
 use std::process::ExitCode;
 use std::sync::Arc;
 
 use clap::Args;
 
-use super::intervals::{self, Known, NotKnown, OwnShot};
 use super::progress::noted;
 use super::table::{dash, decibels, fixed, table};
 use super::{Common, Keeping, message, print, progress, status_of};
-use crate::bundle::{Bundle, Text, deliver};
+use crate::artifacts::{Delivered, Delivery, PrintedResult};
 use crate::chain::{Chain, Options};
-use crate::cost::MemoryLimit;
 use crate::declaration;
-use crate::design::Design;
 use crate::error::Error;
 use crate::graph::Graph;
 use crate::output::{self, Exports, event_name};
-use crate::report;
 use crate::result::{Check, Coupling, RankedSource, RunResult, loudest};
-use crate::run::Run;
-use crate::stages::Progress;
-use crate::staging;
-use crate::store::Store;
+use crate::study::legend;
 use crate::wording::{band, order, readable};
 
 #[derive(Args)]
 #[command(after_help = examples!(
     "nailnoise run my-tool.toml" => "ranks the sources; files and report in out/my-tool/",
-    "nailnoise run my-tool.toml --set supply.pressure=80psig --out out/80psig" => "the same tool at another pressure, in a folder of its own",
+    "nailnoise run my-tool.toml --set supply.pressure=80psig --out \
+     out/80psig" => "the same tool at another pressure, in a folder of its own",
     "nailnoise run my-tool.toml --json | jq .total.lwa_db" => "one number of the result, for a script",
 ))]
 pub(super) struct Arguments {
@@ -41,8 +33,9 @@ pub(super) struct Arguments {
     /// Draw third-octave levels, levels between events, and sound power over time as SVG
     #[arg(long)]
     figures: bool,
-    /// Write films and the sound field for ParaView: the bodies over the shot and over the bands; the sound on surfaces, in
-    /// planes and by direction, in third octaves. With boundary elements this takes about four times as long as a first run
+    /// Write films and the sound field for ParaView: the bodies over the shot and over the bands; the sound on
+    /// surfaces, in planes and by direction, in third octaves. With boundary elements this takes about four times as
+    /// long as a first run
     #[arg(long)]
     fields: bool,
     /// Write every sample of the histories of the cycle and of the sensors, instead of one each 10 us or more
@@ -58,37 +51,38 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
     let design = common.begin()?;
     let folder = common.out(&design)?;
     let cache = arguments.keeping.cache()?;
-    let store = cache.clone();
     let progress = progress();
-    let exports = Exports {
-        figures: arguments.figures,
-        films: arguments.fields,
-        histories: arguments.histories,
-    };
-    let Delivered {
-        bundle,
-        unchanged,
-        checks,
-    } = delivered(&design, &folder, exports, cache, common.memory.limit(), &progress)?;
-    progress.end();
-    let shot = OwnShot::parse(&bundle.json)?;
-    let contradiction;
-    if common.json {
+    let delivery = Delivery {
+        design: &design,
+        folder: &folder,
+        exports: Exports {
+            figures: arguments.figures,
+            films: arguments.fields,
+            histories: arguments.histories,
+        },
         // Scripts do not wait for a screening.
-        let study = Known::of(&store, &design, &shot).transpose();
-        let study = study.as_ref().map(Result::as_ref);
-        contradiction = study.and_then(contradiction_of);
-        print(&study.map_or_else(|| bundle.json.clone(), |study| amended(&bundle.json, study)))?;
+        screening: !common.json,
+        printer: printed,
+        store: &cache,
+        memory: common.memory.limit(),
+        progress: &progress,
+    };
+    let (delivered, checks) = delivered(&delivery)?;
+    let Delivered {
+        artifacts,
+        unchanged,
+        incomplete,
+    } = delivered;
+    progress.end();
+    if let Some(error) = incomplete {
+        message(&format!("the files lack the intervals of the levels: {error}"));
+    }
+    if common.json {
+        print(&artifacts.json)?;
     } else {
-        let study = intervals::study_of(&store, &design, &shot, &progress);
-        progress.end();
-        contradiction = contradiction_of(study.as_ref());
-        if let Err(error) = add_study(&folder, study.as_ref(), &bundle) {
-            message(&format!("the files lack the intervals of the levels: {error}"));
-        }
-        print(&with_intervals(&bundle.text, study.as_ref()))?;
+        print(&shown(&artifacts.printed))?;
         if arguments.components {
-            print(&bundle.text.parts)?;
+            print(&artifacts.printed.parts)?;
         }
         if unchanged {
             print("  unchanged design: result from the cache\n")?;
@@ -99,7 +93,7 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
         ))?;
     }
     let status = status_of(&checks);
-    match contradiction {
+    match artifacts.contradiction {
         // The numbers are right: the design is outside its limits.
         Some(check) if status == ExitCode::SUCCESS => {
             message(&format!("check failed: {}", check.name));
@@ -109,141 +103,85 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
     }
 }
 
-/// The check that fails where a design contradicts its draws.
-fn contradiction_of(study: Result<&Known, &NotKnown>) -> Option<Check> {
-    match study {
-        Ok(study) => study.check(),
-        Err(reason) => reason.check.clone(),
-    }
-}
-
-/// A result as JSON with the additions of a study: K of the declaration, and the check that fails if the design
-/// contradicts the draws.
-fn amended(json: &str, study: Result<&Known, &NotKnown>) -> String {
-    let json = match study.ok().and_then(intervals::k_of) {
-        Some(uncertainty) => declaration::with_uncertainty(json, &uncertainty),
-        None => json.to_owned(),
-    };
-    match contradiction_of(study) {
-        Some(check) => with_check(&json, &check),
-        None => json,
-    }
-}
-
-/// A result as JSON with one more check in front of the others.
-fn with_check(json: &str, check: &Check) -> String {
-    const LIST: &str = "\n  \"checks\": [";
-    let Ok(check) = serde_json::to_string(check) else {
-        return json.to_owned();
-    };
-    let Some(at) = json.find(LIST).map(|at| at + LIST.len()) else {
-        return json.to_owned();
-    };
-    let (before, after) = json.split_at(at);
-    let comma = if after.trim_start().starts_with(']') { "" } else { "," };
-    format!("{before}\n    {check}{comma}{after}")
-}
-
-/// Files of a run in its folder.
-pub(super) struct Delivered {
-    bundle: Bundle,
-    /// Whether it is that of an earlier run.
-    unchanged: bool,
-    /// Its checks, and those of sound fields.
-    pub(super) checks: Vec<Check>,
-}
-
-/// Runs a design and leaves its files in a folder; with films, the sound fields, too.
-pub(super) fn delivered(
-    design: &Design,
-    folder: &Path,
-    exports: Exports,
-    store: Store,
-    memory: MemoryLimit,
-    progress: &Progress,
-) -> Result<Delivered, Error> {
-    let (bundle, unchanged) = deliver(design, folder, exports, text, &store, memory, progress)?;
-    let mut checks = bundle.checks.clone();
-    if exports.films {
-        let graph = Graph::new(Arc::new(store), progress.observer());
+/// Runs a design and leaves its files in a folder; with films, the sound fields, too. The checks include those of the
+/// sound fields.
+pub(super) fn delivered(delivery: &Delivery<'_>) -> Result<(Delivered, Vec<Check>), Error> {
+    let delivered = delivery.deliver()?;
+    let mut checks = delivered.artifacts.checks.clone();
+    if delivery.exports.films {
+        let (design, progress) = (delivery.design, delivery.progress);
+        let graph = Graph::new(Arc::new(delivery.store.clone()), progress.observer());
         let fields = Chain::new(&graph, design, Options::default())?.fields.get()?;
         fields.notes.iter().for_each(|note| progress.note(note));
         progress.stage("writing sound fields");
-        output::write_sound_fields(folder, &design.digest(), &fields)?;
+        output::write_sound_fields(delivery.folder, &design.digest(), &fields)?;
         checks.extend(fields.checks.iter().cloned());
     }
-    Ok(Delivered {
-        bundle,
-        unchanged,
-        checks,
-    })
+    Ok((delivered, checks))
 }
 
-/// Adds the results of a study to report and result in a folder, which are complete without it.
-pub(super) fn add_study(folder: &Path, study: Result<&Known, &NotKnown>, bundle: &Bundle) -> Result<(), Error> {
-    if let Ok(study) = study {
-        let path = folder.join("report.html");
-        let report = fs::read_to_string(&path).map_err(|source| Error::Write {
-            path: path.clone(),
-            source,
-        })?;
-        let intervals = intervals::of_report(study, &bundle.text);
-        staging::write(&path, report::with_intervals(&report, &intervals).as_bytes())?;
-    }
-    let json = amended(&bundle.json, study);
-    if json != bundle.json {
-        staging::write(&folder.join("result.json"), json.as_bytes())?;
-    }
-    Ok(())
-}
-
-/// The table with the intervals of a study, or why there is none.
-fn with_intervals(text: &Text, study: Result<&Known, &NotKnown>) -> String {
-    let Text {
-        before,
-        headings,
-        rows,
-        between,
-        notes,
-        after,
-        ..
-    } = text;
-    let (mut headings, mut rows) = (headings.clone(), rows.clone());
-    let legend = match study {
-        Ok(study) => {
-            headings.splice(2..2, intervals::headings(study));
-            for row in &mut rows {
-                row.splice(2..2, intervals::cells(study, &row[0]));
-            }
-            intervals::legend(study)
-        }
-        Err(none) if none.check.is_some() => format!("\n  {}\n", none.reason),
-        Err(none) => format!("\n  how sure these levels are is not known: {}\n", none.reason),
-    };
-    let (mut own, ear) = text.declared.clone();
-    (own.k_db, own.k_basis) = study.ok().and_then(intervals::k_of).unzip();
-    let [power, peak] = declaration::lines(&own, &ear);
-    let declared = format!("\n  declared: {power}\n  {peak}\n");
-    let headings: Vec<&str> = headings.iter().map(String::as_str).collect();
-    let notes = match noted(notes) {
+/// A result for standard output.
+fn shown(text: &PrintedResult) -> String {
+    let notes = match noted(&text.notes) {
         notes if notes.is_empty() => notes,
         notes => format!("\n{notes}"),
     };
-    let failed = contradiction_of(study).map_or_else(String::new, |check| {
-        format!("\n  check against the draws FAILED: {}\n", check.name)
-    });
-    let (alarm, after) = match &text.headline {
-        None => (String::new(), after.clone()),
+    let (alarm, last) = match &text.headline {
+        None => (String::new(), String::new()),
         // The last line must state no less than the first.
         Some(headline) => (
             super::alarm(&headline.lines()),
-            format!("\n  {}\n{after}", super::red(&headline.text)),
+            format!("\n  {}\n", super::red(&headline.text)),
         ),
     };
-    format!(
-        "{alarm}{before}{}{legend}{failed}{declared}{between}{notes}{after}",
-        table(&headings, &rows)
-    )
+    format!("{alarm}{}{notes}{last}{}", text.levels, text.checks)
+}
+
+/// The table of the sources with their intervals, its legend, and the declaration.
+fn levels(result: &RunResult) -> String {
+    let mut headings = ["source", "L_WA,1s dB", "share", "band", "loudest after"]
+        .map(str::to_owned)
+        .to_vec();
+    let mut rows: Vec<Vec<String>> = result
+        .ranking
+        .iter()
+        .map(|source| {
+            let band_of = loudest(&source.bands, |band| band.lwa_db);
+            let interval = loudest(&source.intervals, |interval| interval.lwa_db);
+            vec![
+                source.source.clone(),
+                decibels(source.lwa_db),
+                format!("{:.1} %", 100.0 * source.share),
+                dash(band_of, |band| format!("{} Hz", band.hz)),
+                dash(interval, |interval| event_name(&interval.from)),
+            ]
+        })
+        .chain([vec!["total".to_owned(), decibels(result.total.lwa_db)]])
+        .collect();
+    if let Some(study) = result.study.known() {
+        headings.splice(2..2, legend::headings(study));
+        for row in &mut rows {
+            row.splice(2..2, legend::cells(study, &row[0]));
+        }
+    }
+    let headings: Vec<&str> = headings.iter().map(String::as_str).collect();
+    let mut text = format!(
+        "{}: A-weighted single-event sound power levels re 1 pW s, one shot",
+        result.design.name
+    );
+    if let Some(range) = result.range() {
+        text.push_str(&format!(",\nthird-octave bands {range}"));
+    }
+    text.push_str(&format!("\n\n{}\n", table(&headings, &rows)));
+    for line in legend::legend(result) {
+        text.push_str(&format!("  {}\n", line.replace('\n', "\n  ")));
+    }
+    if let Some(check) = result.study.contradiction() {
+        text.push_str(&format!("\n  check against the draws FAILED: {}\n", check.name));
+    }
+    let [power, peak] = declaration::lines(&result.declaration, &result.ear);
+    text.push_str(&format!("\n  declared: {power}\n  {peak}\n"));
+    text
 }
 
 /// The parts of every source, loudest first.
@@ -346,15 +284,15 @@ fn in_short(result: &RunResult) -> Vec<String> {
     clauses.chain([methods]).collect()
 }
 
-/// Whether the checks pass; those that fail are named.
+/// Whether the checks of the computation pass; those that fail are named.
 fn checked(result: &RunResult) -> String {
-    let failed: Vec<&str> = result
-        .checks
+    let checks: Vec<&Check> = result.numerical_checks().collect();
+    let failed: Vec<&str> = checks
         .iter()
         .filter(|check| !check.ok)
         .map(|check| &*check.name)
         .collect();
-    let (total, checks) = (result.timing.whole(), result.checks.len());
+    let (total, checks) = (result.timing.whole(), checks.len());
     match failed.as_slice() {
         [] if result.headline.is_some() => format!("\n  {checks} numerical checks ok; {total:.1} s\n"),
         [] => format!("\n  all {checks} checks ok; {total:.1} s\n"),
@@ -366,37 +304,11 @@ fn checked(result: &RunResult) -> String {
     }
 }
 
-/// The result as a person reads it.
-pub(super) fn text(run: &Run) -> Text {
-    let result = &run.result;
-    let rows: Vec<Vec<String>> = result
-        .ranking
-        .iter()
-        .map(|source| {
-            let band_of = loudest(&source.bands, |band| band.lwa_db);
-            let interval = loudest(&source.intervals, |interval| interval.lwa_db);
-            vec![
-                source.source.clone(),
-                decibels(source.lwa_db),
-                format!("{:.1} %", 100.0 * source.share),
-                dash(band_of, |band| format!("{} Hz", band.hz)),
-                dash(interval, |interval| event_name(&interval.from)),
-            ]
-        })
-        .chain([vec!["total".to_owned(), decibels(result.total.lwa_db)]])
-        .collect();
-    let headings = ["source", "L_WA,1s dB", "share", "band", "loudest after"];
-    let mut before = format!(
-        "{}: A-weighted single-event sound power levels re 1 pW s, one shot",
-        result.design.name
-    );
-    if let Some(range) = result.range() {
-        before.push_str(&format!(",\nthird-octave bands {range}"));
-    }
-    before.push_str("\n\n");
-    let mut text = String::new();
+/// The result as a terminal shows it.
+pub(super) fn printed(result: &RunResult) -> PrintedResult {
+    let mut levels = levels(result);
     if let Some(starts) = &result.starts {
-        text.push_str(&format!(
+        levels.push_str(&format!(
             "\n  workpiece over {} starts: {:.1} dB, standard deviation {:.2} dB\n",
             starts.lwa_db.len(),
             starts.mean_lwa_db,
@@ -404,17 +316,13 @@ pub(super) fn text(run: &Run) -> Text {
         ));
     }
     if let Some(coupling) = &result.coupling {
-        text.push_str(&coupled(coupling));
+        levels.push_str(&coupled(coupling));
     }
-    Text {
+    PrintedResult {
         headline: result.headline.clone(),
-        before,
-        headings: headings.map(str::to_owned).to_vec(),
-        rows,
-        between: text,
+        levels,
         notes: in_short(result),
-        declared: (result.declaration.clone(), result.ear.clone()),
-        after: checked(result),
+        checks: checked(result),
         parts: components(result),
     }
 }

@@ -17,9 +17,9 @@ use crate::error::Error;
 use crate::graph::Graph;
 use crate::headline::{self, Headline};
 use crate::stages::Progress;
-use crate::staging::Staging;
+use crate::staging::{self, Staging};
 use crate::store::Store;
-use crate::study::{self, Draws, Estimate, Part, Request, StudyResult};
+use crate::study::{self, Draws, Estimate, Part, ProvidedStudy, Request, StudyResult};
 use crate::{figures, report, shipped};
 
 /// The last file to be written, so that a folder with it has all the rest.
@@ -28,7 +28,8 @@ const LAST: &str = "study.json";
 #[derive(Args)]
 #[command(after_help = examples!(
     "nailnoise study my-tool.toml" => "256 draws from the ranges of the design",
-    "nailnoise study my-tool.toml -n 2048 --until order=0.05" => "more draws, until the probabilities of the order are known to 0.05",
+    "nailnoise study my-tool.toml -n 2048 --until order=0.05" => "more draws, until the probabilities of the order \
+        are known to 0.05",
 ))]
 pub(super) struct Arguments {
     #[command(flatten)]
@@ -36,18 +37,19 @@ pub(super) struct Arguments {
     #[command(flatten)]
     keeping: Keeping,
     /// Number of draws
-    #[arg(short = 'n', long, value_name = "N", default_value_t = 256, value_parser = clap::value_parser!(u32).range(1..=60_000))]
+    #[arg(short = 'n', long, value_name = "N", default_value_t = 256,
+        value_parser = clap::value_parser!(u32).range(1..=60_000))]
     draws: u32,
     /// Seed of the draws; the same seed draws the same designs
     #[arg(long, value_name = "SEED", default_value_t = 1)]
     seed: u64,
-    /// Draw the structures (block, table, tool body), too, each for N of the draws; without it they are those of the design.
-    /// Modes and radiation of a new structure take minutes
+    /// Draw the structures (block, table, tool body), too, each for N of the draws; without it they are those of the
+    /// design. Modes and radiation of a new structure take minutes
     #[arg(long, value_name = "N", num_args = 0..=1, require_equals = true, default_missing_value = "8")]
     #[arg(value_parser = clap::value_parser!(u16).range(1..))]
     structures: Option<u16>,
-    /// Begin with 32 draws and double them until half of the 90 % interval is below a limit, with N draws at most: order=0.05 for
-    /// the probability of being first, p50=0.3 for the median of the total in dB, or both
+    /// Begin with 32 draws and double them until half of the 90 % interval is below a limit, with N draws at most:
+    /// order=0.05 for the probability of being first, p50=0.3 for the median of the total in dB, or both
     #[arg(long, value_name = "WHAT=LIMIT", value_delimiter = ',', conflicts_with_all = ["no_cache", "task"])]
     until: Vec<Until>,
     /// Keep the draws in this folder, which tasks on several machines may share, and not in the cache
@@ -59,18 +61,19 @@ pub(super) struct Arguments {
     /// State the result of draws that are in the store, and compute none
     #[arg(long, requires = "store", conflicts_with = "until")]
     collect: bool,
-    /// State which groups of inputs decide each level, by two more draws for each draw and group, as `exhaust` or `wood`
+    /// State which groups of inputs decide each level, by two more draws for each draw and group, as `exhaust` or
+    /// `wood`
     #[arg(long, conflicts_with_all = ["task", "collect"])]
     groups: bool,
-    /// State what each input does to the levels of the design itself, by two shots for each: at the 5th and the 95th percentile of its
-    /// distribution, all others as in the design
+    /// State what each input does to the levels of the design itself, by two shots for each: at the 5th and the 95th
+    /// percentile of its distribution, all others as in the design
     #[arg(long, conflicts_with_all = ["task", "collect"])]
     one_at_a_time: bool,
     /// Also write the study of a shipped design to this file, as those in designs/studies that `nailnoise run` uses
     #[arg(long, value_name = "FILE", conflicts_with = "task")]
     provide: Option<PathBuf>,
-    /// Compute the draws on a cluster of Dask, by the address of its scheduler (needs the Python package); with --store, in that
-    /// folder, which its workers share
+    /// Compute the draws on a cluster of Dask, by the address of its scheduler (needs the Python package); with
+    /// --store, in that folder, which its workers share
     #[arg(long, value_name = "ADDRESS", conflicts_with_all = ["no_cache", "task", "collect"])]
     scheduler: Option<String>,
     /// Draw the charts of the page as SVG
@@ -194,7 +197,7 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
     if let (Some(task), Some(folder)) = (arguments.task, &arguments.store) {
         return execute_task(
             task,
-            &draws(&store, &design, &request, &progress)?.0,
+            &study::draws(&Graph::quiet(&store, progress.observer()), &design, &request, &progress)?,
             folder,
             common.json,
             &progress,
@@ -211,7 +214,7 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
             };
             cluster.fill("study-on", (common, &design), &arguments_of(&request))?;
         }
-        let (result, made) = compute(&store, &design, &request, &progress)?;
+        let (result, made) = study::study(&store, &design, &request, &progress)?;
         // If candidates run out, more draws are useless.
         if request.draws >= most
             || result.draws < request.draws
@@ -319,8 +322,9 @@ fn provide(
         .structures
         .map_or_else(String::new, |each| format!(" --structures={each}"));
     let groups = if arguments.groups { " --groups" } else { "" };
-    let command = super::provide::command(path, result, &format!("{structures}{groups}"));
-    super::provide::write(file, (path, &command), (design, result, made))
+    let command = command(path, result, &format!("{structures}{groups}"));
+    let provided = ProvidedStudy::new(path, design, &command, result, made)?;
+    staging::write(file, provided.file()?.as_bytes())
 }
 
 /// A request in the words of the Python package.
@@ -357,31 +361,10 @@ fn execute_task(task: Task, made: &Draws, folder: &Path, json: bool, progress: &
     Ok(ExitCode::SUCCESS)
 }
 
-/// The requested draws, and the graph that made them.
-fn draws(store: &Store, design: &Design, request: &Request, progress: &Progress) -> Result<(Draws, Graph), Error> {
-    let graph = Graph::quiet(store, progress.observer());
-    Ok((study::draws(&graph, design, request, progress)?, graph))
-}
-
-/// A study of a design, stored for later runs, and its draws.
-pub(super) fn compute(
-    store: &Store,
-    design: &Design,
-    request: &Request,
-    progress: &Progress,
-) -> Result<(StudyResult, Draws), Error> {
-    let (made, graph) = draws(store, design, request, progress)?;
-    if request.part == Part::Kept && !made.failures.is_empty() {
-        return Err(Error::NotCollected {
-            missing: made.failures.len(),
-            draws: made.failures.len() + made.draws.len(),
-            store: store.folder().map(Path::to_owned).unwrap_or_default(),
-        });
-    }
-    progress.stage("levels of the design itself");
-    let nominal = study::nominal(&graph, design, request)?;
-    progress.stage("statistics");
-    let result = StudyResult::new(design, request, &made, nominal.as_deref());
-    study::keep(store, design, &result, &made)?;
-    Ok((result, made))
+/// What made a study, in words.
+pub(super) fn command(path: &str, result: &StudyResult, options: &str) -> String {
+    format!(
+        "nailnoise study designs/{path} -n {} --seed {}{options}",
+        result.draws, result.seed
+    )
 }

@@ -91,7 +91,8 @@ fn by_chance(own: &Contributions) -> String {
 /// Effects of single inputs on the levels of the design.
 fn of_single_inputs(own: &OneAtATime) -> String {
     let mut text = String::from(
-        "\n  one input at a time, at the 5th and the 95th percentile of its distribution, all others as in the design; changes in dB\n",
+        "\n  one input at a time, at the 5th and the 95th percentile of its distribution, all others as in the \
+         design; changes in dB\n",
     );
     let change = |change: &Option<f64>| dash(*change, |change| format!("{change:+.1}"));
     let row = |input: &InputChanges| {
@@ -150,7 +151,8 @@ fn of_condition(own: &Condition) -> String {
 /// The groups of inputs that decide each level.
 fn of_groups(study: &GroupStudy) -> String {
     let mut text = format!(
-        "\n  groups of inputs, by {} draws with two partners for each group; first-order index: part of the variance that\n  \
+        "\n  groups of inputs, by {} draws with two partners for each group; first-order index: part of the variance \
+         that\n  \
          knowing the group takes off; total index: part that remains where all else is known\n",
         study.rows
     );
@@ -220,7 +222,10 @@ pub(super) fn text(result: &StudyResult) -> String {
         "silenced dB",
     ];
     text.push_str(&table(&headings, &rows));
-    text.push_str("\n  loss: expected distance to the loudest source; silenced: expected fall of the total without the source\n\n");
+    text.push_str(
+        "\n  loss: expected distance to the loudest source; silenced: expected fall of the total without \
+        the source\n\n",
+    );
     let orders = result
         .orders
         .iter()

@@ -12,6 +12,7 @@ use super::run::delivered;
 use super::study_text::probability;
 use super::table::{decibels, table};
 use super::{Common, Keeping, print, print_json, progress, status_of};
+use crate::artifacts::Delivery;
 use crate::error::Error;
 use crate::figures::{self, Chart};
 use crate::graph::Graph;
@@ -28,16 +29,18 @@ const LAST: &str = "sweep.csv";
 #[derive(Args)]
 #[command(after_help = examples!(
     "nailnoise sweep my-tool.toml --vary supply.pressure=80psig..110psig:7" => "levels over the pressure",
-    "nailnoise sweep my-tool.toml --vary exhaust.holes=3,5,12 --vary ambient.temperature=0degC,20degC --figures" => "a grid of two keys, as a chart, too",
-    "nailnoise sweep my-tool.toml --vary exhaust.holes=3,5 --fields" => "films of both for ParaView in out/my-tool/sweep/exhaust.holes=3/ and .../exhaust.holes=5/",
+    "nailnoise sweep my-tool.toml --vary exhaust.holes=3,5,12 --vary ambient.temperature=0degC,20degC \
+     --figures" => "a grid of two keys, as a chart, too",
+    "nailnoise sweep my-tool.toml --vary exhaust.holes=3,5 --fields" => "films of both for ParaView in \
+        out/my-tool/sweep/exhaust.holes=3/ and .../exhaust.holes=5/",
 ))]
 pub(super) struct Arguments {
     #[command(flatten)]
     common: Common,
     #[command(flatten)]
     keeping: Keeping,
-    /// A key and its values: supply.pressure=80psig..110psig:7 (equal steps), wood.loss_factor=0.01..0.08:4:log (equal ratios) or
-    /// support.worktable.preset=A,B,C; given again, the grid of all
+    /// A key and its values: supply.pressure=80psig..110psig:7 (equal steps), wood.loss_factor=0.01..0.08:4:log (equal
+    /// ratios) or support.worktable.preset=A,B,C; given again, the grid of all
     #[arg(long, value_name = "KEY=VALUES", required = true)]
     vary: Vec<Axis>,
     /// Draw N shots of all points in common, and state how sure levels and changes from the first point are
@@ -55,8 +58,8 @@ pub(super) struct Arguments {
     /// Draw the levels over the first key as SVG
     #[arg(long)]
     figures: bool,
-    /// Also run each point and leave its films and sound fields for ParaView, report and result in a folder named after its
-    /// values. Each takes as long as `nailnoise run --fields`
+    /// Also run each point and leave its films and sound fields for ParaView, report and result in a folder named after
+    /// its values. Each takes as long as `nailnoise run --fields`
     #[arg(long)]
     fields: bool,
 }
@@ -110,15 +113,17 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
             let Some(name) = &point.folder else { continue };
             progress.note(&format!("films of {name}"));
             let design = at_point(base, &arguments.vary, &point.values)?;
-            let delivered = delivered(
-                &design,
-                &folder.join(name),
-                films,
-                graph.store().clone(),
-                limit,
-                &progress,
-            )?;
-            checks.extend(delivered.checks);
+            let (_, own) = delivered(&Delivery {
+                design: &design,
+                folder: &folder.join(name),
+                exports: films,
+                screening: false,
+                printer: super::run::printed,
+                store: graph.store(),
+                memory: limit,
+                progress: &progress,
+            })?;
+            checks.extend(own);
         }
     }
     let staging = Staging::within(&folder)?;
@@ -197,7 +202,8 @@ fn text(name: &str, axes: &[Axis], points: &[SweptPoint]) -> String {
     };
     let rows: Vec<Vec<String>> = points.iter().map(row).collect();
     format!(
-        "{name}: A-weighted single-event sound power levels, dB re 1 pW s, of the design itself; `nailnoise study` says how sure \
+        "{name}: A-weighted single-event sound power levels, dB re 1 pW s, of the design itself; `nailnoise study` \
+         says how sure \
          they are\n\n{}",
         table(&headings, &rows)
     ) + &over_draws(axes, points)
@@ -222,7 +228,8 @@ fn over_draws(axes: &[Axis], points: &[SweptPoint]) -> String {
     };
     let rows: Vec<Vec<String>> = points.iter().filter_map(row).collect();
     format!(
-        "\n  90 % of common draws that count at all points, structures as in the design, dB; changes from the first point\n\n{}",
+        "\n  90 % of common draws that count at all points, structures as in the design, dB; changes from the first \
+         point\n\n{}",
         table(&headings, &rows)
     )
 }

@@ -1,5 +1,7 @@
 //! Plain text tables: columns as wide as their widest cell, numbers to the right.
 
+use crate::table::Table;
+
 /// Lays out rows under headings. The first column is text (left), the others numbers (right).
 pub(super) fn table(headings: &[&str], rows: &[Vec<String>]) -> String {
     let width = |column: usize| {
@@ -33,6 +35,13 @@ pub(super) fn table(headings: &[&str], rows: &[Vec<String>]) -> String {
         text.push_str(&line(&row.iter().map(String::as_str).collect::<Vec<_>>()));
     }
     text
+}
+
+/// A table with its legend.
+pub(super) fn with_legend(shown: &Table) -> String {
+    let headings: Vec<&str> = shown.headings.iter().map(String::as_str).collect();
+    let legend = shown.legend.iter().map(|line| format!("  {line}\n"));
+    format!("{}\n{}", table(&headings, &shown.rows), legend.collect::<String>())
 }
 
 /// The same with text in all columns, each to the left.

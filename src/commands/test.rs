@@ -14,7 +14,7 @@ use crate::design::Design;
 use crate::error::Error;
 use crate::graph::Graph;
 use crate::headline::{self, Headline};
-use crate::measurement::wrapping::{Configuration, SOURCES, Wrapping};
+use crate::measurement::wrapping::{Configuration, Role, Wrapping};
 use crate::output::virtual_test::{SensorPeaks, manifest, sensors, sounds};
 use crate::result::DesignId;
 use crate::staging::Staging;
@@ -123,7 +123,8 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
     Ok(ExitCode::SUCCESS)
 }
 
-/// Writes the recordings of all configurations with their manifest; returns the number of shots, and their sources bare.
+/// Writes the recordings of all configurations with their manifest; returns the number of shots, and their sources
+/// bare.
 fn record(
     design: &Design,
     test: &VirtualTest<'_>,
@@ -173,29 +174,22 @@ fn text(result: &TestResult) -> String {
         "{}: virtual wrapping test, A-weighted single-event sound power levels, dB re 1 pW s\n\n",
         result.design.name
     );
-    let [e1, e2, e3, e4, e5] = exact.configurations_db;
-    text.push_str(&table(
-        &["configuration", "measures", "dB"],
-        &[
-            ("1", "total", e1),
-            ("2", "residual", e2),
-            ("3", "exhaust", e3),
-            ("4", "body", e4),
-            ("5", "workpiece", e5),
-        ]
-        .map(|(number, what, level)| vec![number.to_owned(), what.to_owned(), decibels(level)]),
-    ));
+    let configurations = Configuration::ALL.into_iter().zip(exact.configurations_db);
+    let configurations: Vec<Vec<String>> = configurations
+        .map(|(own, level)| vec![own.number().to_string(), own.measures().to_owned(), decibels(level)])
+        .collect();
+    text.push_str(&table(&["configuration", "measures", "dB"], &configurations));
     text.push('\n');
     let recorded = !result.recorded.is_empty();
     let mut titles = vec!["source", "bare dB", "less residual dB", "least squares dB", "bound dB"];
-    let mut rows: Vec<Vec<String>> = (0..SOURCES.len())
-        .map(|place| {
+    let mut rows: Vec<Vec<String>> = (Role::ALL.into_iter().enumerate())
+        .map(|(place, role)| {
             vec![
-                SOURCES[place].to_owned(),
+                role.name().to_owned(),
                 decibels(exact.sources_db[place]),
                 decibels(exact.separated_db[place]),
                 decibels(exact.unmixed_db[place]),
-                if place == 0 {
+                if role == Role::Workpiece {
                     decibels(exact.bound_db)
                 } else {
                     String::new()
@@ -211,7 +205,8 @@ fn text(result: &TestResult) -> String {
     }
     text.push_str(&table(&titles, &rows));
     text.push_str(
-        "\n  bare: as the nine microphones measure it alone; less residual: what the test makes of it;\n  least squares: from all five, \
+        "\n  bare: as the nine microphones measure it alone; less residual: what the test makes of it;\n  least \
+         squares: from all five, \
          given the losses of the wraps; bound: the total less exhaust and body\n",
     );
     if recorded {

@@ -10,19 +10,17 @@ use std::time::{Duration, Instant};
 use clap::Args;
 use miette::{Diagnostic, GraphicalReportHandler, GraphicalTheme};
 
-use super::intervals::{self, OwnShot};
 use super::progress::note;
 use super::table::decibels;
-use super::{Changes, Keeping, Memory, Threads, print, progress, run};
-use crate::bundle;
+use super::{Changes, Keeping, Memory, Threads, print, progress};
+use crate::artifacts::ReportedRun;
 use crate::cost;
 use crate::design::Design;
 use crate::error::Error;
 use crate::graph::Graph;
-use crate::report;
-use crate::run::Run;
 use crate::stages::{Observer, Progress, Task};
 use crate::store::Store;
+use crate::study::StudySource;
 use crate::watch::{Board, Differences, Server, Shot, Watched};
 use crate::wording::change;
 
@@ -121,10 +119,11 @@ impl Watching<'_> {
         }
         cost::refuse(&design, &cost::of_run(&design)?, self.arguments.memory.limit())?;
         let graph = Graph::new(Arc::new(self.store.clone()), progress.observer());
-        let (run, page) = bundle::page(&graph, &design)?;
+        let source = StudySource::find(&self.store, &design, true);
+        let mut reported = ReportedRun::new(&graph, &design, &source)?;
         self.runs += 1;
-        let shot = Shot::new(self.runs, begin.elapsed().as_secs_f64(), &design, &run.result);
-        let [before, pinned] = self.board.show(shot.clone(), warnings, page.clone());
+        let shot = Shot::new(self.runs, begin.elapsed().as_secs_f64(), &design, &reported.run.result);
+        let [before, pinned] = self.board.show(shot.clone(), warnings, reported.page(&design));
         let mut text = shot
             .headline
             .as_ref()
@@ -134,15 +133,11 @@ impl Watching<'_> {
         text.extend(before.iter().map(|own| changed(own, "")));
         text.extend(other.iter().map(|own| changed(own, ", pinned")));
         print(&text)?;
-        self.amend(&design, &run, &page, progress)
-    }
-
-    /// Adds the intervals of the levels to the report: those of a stored study, else of a few draws.
-    fn amend(&self, design: &Design, run: &Run, page: &str, progress: &Progress) -> Result<(), Error> {
-        self.board.begin("how sure the levels are");
-        if let Ok(study) = intervals::study_of(&self.store, design, &OwnShot::of(&run.result), progress) {
-            let intervals = intervals::of_report(&study, &run::text(run));
-            self.board.amend(report::with_intervals(page, &intervals));
+        if source.awaits_screening(&design, &reported.run.result) {
+            self.board.begin("how sure the levels are");
+            let source = source.screened(&self.store, &design, progress);
+            reported.state(&design, &source);
+            self.board.complete(reported.page(&design));
         }
         Ok(())
     }

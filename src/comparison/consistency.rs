@@ -12,8 +12,8 @@ const ROUNDING_DB: f64 = 0.02;
 /// Largest difference of a share from that of the energy \[-\].
 const ROUNDING_SHARE: f64 = 1e-3;
 
-/// Numbers that can be, by the end of their key: levels \[dB\], frequencies \[Hz\], accelerations \[g\], sound pressures
-/// \[Pa\] and areas \[m2\].
+/// Numbers that can be, by the end of their key: levels \[dB\], frequencies \[Hz\], accelerations \[g\], sound
+/// pressures \[Pa\] and areas \[m2\].
 const POSSIBLE: [(&str, [f64; 2]); 5] = [
     ("_db", [-300.0, 300.0]),
     ("hz", [0.0, 1e6]),

@@ -7,7 +7,7 @@ use serde::Deserialize;
 
 use super::consistency;
 use crate::error::Error;
-use crate::result::{DesignId, RankedSource, SCHEMA, Total};
+use crate::result::{DesignId, RankedSource, RunStudy, SCHEMA, StudySummary, Total};
 use crate::stages::headline::Headline;
 
 /// A finished result.
@@ -21,6 +21,8 @@ pub struct Finished {
     pub(super) outcome: String,
     #[serde(default)]
     headline: Option<Headline>,
+    #[serde(default)]
+    study: Option<RunStudy>,
     pub(super) events: BTreeMap<String, Option<f64>>,
     pub(super) cycle: serde_json::Map<String, serde_json::Value>,
 }
@@ -108,6 +110,11 @@ impl Finished {
         let exhaust_opens = self.events.get("t13").is_some_and(Option::is_some);
         let bare = || Headline::of_finished(&self.outcome, figure("head_depth"), exhaust_opens);
         self.headline.clone().or_else(bare)
+    }
+
+    /// The study that serves its design; none if it states none.
+    pub(super) fn study(&self) -> Option<StudySummary> {
+        self.study.as_ref().and_then(RunStudy::known).cloned()
     }
 
     /// Version of the layout it was written in.

@@ -5,11 +5,13 @@
 
 mod consistency;
 mod finished;
+mod intervals;
 mod ranges;
 
 use serde::Serialize;
 
-use crate::result::RankedSource;
+use crate::model::sources;
+use crate::result::{RankedSource, StudySummary, TOTAL};
 use crate::stages::headline::{Headline, unlike};
 use crate::wording::{Placed, unit_of_figure};
 
@@ -40,6 +42,8 @@ pub struct Comparison {
     pub sources: Vec<SourceRow>,
     /// A-weighted level of all sources together \[dB re 1 pW s\].
     pub total: Levels,
+    /// Intervals of the levels of each design by the study that serves it; null without one.
+    pub studies: Vec<Option<StudySummary>>,
     /// Sources of each design, loudest first.
     pub rankings: Vec<Vec<String>>,
     /// Figures of the cycle, SI units.
@@ -143,8 +147,9 @@ impl std::str::FromStr for Limit {
         let (of, level) = text
             .split_once('=')
             .ok_or_else(|| "expected SOURCE=DB, as in total=100 or exhaust=95.5".to_owned())?;
-        if !["total", "workpiece", "exhaust", "body"].contains(&of) {
-            return Err(format!("`{of}` is no source: choose total, workpiece, exhaust or body"));
+        let known: Vec<&str> = std::iter::once(TOTAL).chain(sources::names()).collect();
+        if !known.contains(&of) {
+            return Err(format!("`{of}` is not a source: choose one of {}", known.join(", ")));
         }
         match level.parse::<f64>() {
             Ok(level_db) if level_db.is_finite() => Ok(Self {
@@ -157,7 +162,8 @@ impl std::str::FromStr for Limit {
 }
 
 impl Comparison {
-    /// Warnings that precede the levels: unlike ranges of frequency, unlike outcomes, and how each shot ended that does not drive.
+    /// Warnings that precede the levels: unlike ranges of frequency, unlike outcomes, and how each shot ended that does
+    /// not drive.
     pub fn alarms(&self) -> Vec<String> {
         let named = self.designs.iter().zip(&self.headlines);
         let ends = named.filter_map(|(name, headline)| Some((name, headline.as_ref()?)));
@@ -203,6 +209,7 @@ impl Comparison {
             unlike,
             sources: sources.iter().map(|source| source_row(source, results)).collect(),
             total: Levels::new(each(&|r| r.total.lwa_db)),
+            studies: results.iter().map(Finished::study).collect(),
             rankings: results
                 .iter()
                 .map(|r| r.ranking.iter().map(|s| s.source.clone()).collect())

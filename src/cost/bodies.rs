@@ -5,9 +5,9 @@ use std::path::Path;
 use nailnoise_fem::{Material, ModalCost, modes_below};
 use nailnoise_meshes::{Tool, Worktable};
 
-use super::{Remedy, StageCost, below_hz};
+use super::stage::{Remedy, StageCost};
 use crate::design::Design;
-use crate::design::inputs::bodies::geometry;
+use crate::design::inputs::bodies::{below_hz, geometry};
 use crate::error::Error;
 use crate::stages::bodies::{BodyKind, MeshSource, PartMaterials};
 
@@ -26,8 +26,8 @@ fn nominal_area(kind: BodyKind) -> f64 {
     }
 }
 
-/// Elements and nodes of a mesh, and the solids it is made of for the count of modes: volume \[m3\] and thickness of the
-/// walls \[m\] with the part's place among the materials.
+/// Elements and nodes of a mesh, and the solids it is made of for the count of modes: volume \[m3\] and thickness of
+/// the walls \[m\] with the part's place among the materials.
 struct Count {
     elements: f64,
     nodes: f64,

@@ -2,7 +2,7 @@
 
 use nailnoise_acoustics::bem::{EquationSolver, MeanBands, SurfaceSize};
 
-use super::{SOUND_SPEED, StageCost};
+use super::stage::{SOUND_SPEED, StageCost};
 use crate::design::{Acoustics, BemEquations};
 
 /// Panels of bisected triangles in a square of the longest edge: the N80CB's body to 8 kHz has 17 900 of them.

@@ -5,39 +5,21 @@
 
 mod bodies;
 mod means;
+mod stage;
 
 use means::RadiatingSurface;
-use nailnoise_fem::ModalCost;
-use serde::Serialize;
+use stage::SOUND_SPEED;
 
 use crate::chain::solved_bodies;
-use crate::design::inputs::bodies::{below_hz, block_size};
-use crate::design::{BemEquations, BodyModel, Convention, Design, RadiationMethod, SupportKind};
+use crate::design::inputs::bodies::block_size;
+use crate::design::{BemEquations, BodyModel, Convention, Design, RadiationMethod};
 use crate::error::Error;
+use crate::model::supports;
 use crate::stages::bodies::BodyKind;
+use crate::stages::radiation::OpenFaces;
 
 pub use nailnoise_documents::{MemoryLimit, address_space, available};
-
-/// Estimated cost of a stage that is computed anew.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct StageCost {
-    /// Name of the stage.
-    pub stage: &'static str,
-    /// Counts that determine its cost, each with its name.
-    pub counts: Vec<(&'static str, f64)>,
-    /// Memory \[GB\].
-    pub gigabytes: f64,
-    /// Processor time \[s\].
-    pub cpu_seconds: f64,
-    /// The keys that change it most.
-    pub keys: &'static [Remedy],
-}
-
-/// A key, and its change for a cheaper stage: "raise" or "lower".
-pub type Remedy = (&'static str, &'static str);
-
-/// The count of a body's degrees of freedom.
-const DOFS: &str = "degrees of freedom";
+pub use stage::{Remedy, StageCost};
 
 /// Histories of the nailing cycle, and their text in files \[byte a sample\].
 const CYCLE_SAMPLE: f64 = 60.0 * 8.0 + 700.0;
@@ -72,9 +54,6 @@ const COMPRESSED_FROM: f64 = 6000.0;
 
 /// Power of the unknowns with which the time of compressed equations grows.
 const COMPRESSED_GROWTH: f64 = 1.3;
-
-/// Speed of sound of the estimates \[m/s\].
-const SOUND_SPEED: f64 = 343.0;
 
 /// Processor time after which a run is announced as long \[s\].
 pub const LONG: f64 = 1800.0;
@@ -149,21 +128,19 @@ fn response(design: &Design, modes: f64) -> StageCost {
     }
 }
 
-/// Boundary elements of the workpiece with its support: unknowns of the four sectors grow with the area and the square of
-/// the top frequency; memory with their square and work with their cube, until the equations are compressed.
+/// Boundary elements of the workpiece with its support: unknowns of the four sectors grow with the area and the square
+/// of the top frequency; memory with their square and work with their cube, until the equations are compressed.
 fn radiation(design: &Design, modes: f64) -> Option<StageCost> {
-    let elements = design.acoustics.method == RadiationMethod::Bem && design.support.kind != SupportKind::Sandbox;
+    let support = supports::of(design);
+    let flush = support.open_faces() == OpenFaces::FlushTop;
+    let elements = design.acoustics.method == RadiationMethod::Bem && !flush;
     elements.then(|| {
         let [x, y, z] = block_size(design);
         let block = 2.0 * (x * y + y * z + z * x);
-        let table = &design.support.worktable;
-        let on_table = match design.support.kind {
-            SupportKind::Worktable => 2.0 * table.length * table.width + 16.0 * table.leg_width * table.height,
-            _ => 0.0,
-        };
+        let area = block + support.radiating_area();
         let acoustics = &design.acoustics;
         let panel = SOUND_SPEED / (acoustics.bem_top * acoustics.bem_panels);
-        let panels = (block + on_table) / (panel * panel);
+        let panels = area / (panel * panel);
         let unknowns = panels / 4.0;
         let (unknowns_0, seconds_0) = RADIATION;
         let dense = seconds_0 * (unknowns / unknowns_0).powi(3);
@@ -175,7 +152,7 @@ fn radiation(design: &Design, modes: f64) -> Option<StageCost> {
             cpu_seconds: seconds + 1e-3 * unknowns,
             keys: &[("acoustics.bem_top", "lower"), ("acoustics.bem_panels", "lower")],
         };
-        let surface = RadiatingSurface::Boxes(block + on_table);
+        let surface = RadiatingSurface::Boxes(area);
         means::add(&mut stage, acoustics, (&surface, modes), acoustics.bem_top);
         stage
     })
@@ -263,55 +240,11 @@ pub fn announcement(stages: &[StageCost]) -> Option<String> {
     let longest = stages.iter().max_by(|a, b| a.cpu_seconds.total_cmp(&b.cpu_seconds))?;
     (total > LONG).then(|| {
         format!(
-            "this takes about {:.1} hours of processor time unless it is kept from an earlier run, most of it for the {} ({})",
+            "this takes about {:.1} hours of processor time unless it is kept from an earlier run, most of it for the \
+             {} ({})",
             total / 3600.0,
             longest.stage,
             longest.counted()
         )
     })
-}
-
-impl StageCost {
-    fn of_modes(stage: &'static str, elements: f64, cost: ModalCost, keys: &'static [Remedy]) -> Self {
-        Self {
-            stage,
-            counts: vec![("elements", elements), (DOFS, cost.dofs as f64), ("modes", cost.modes)],
-            gigabytes: cost.gigabytes,
-            cpu_seconds: cost.cpu_seconds,
-            keys,
-        }
-    }
-
-    /// Degrees of freedom of a body's modes; none for other stages.
-    pub fn dofs(&self) -> Option<f64> {
-        let own = self.counts.iter().find(|(what, _)| *what == DOFS);
-        own.map(|(_, count)| *count)
-    }
-
-    /// Modes of a body; none for other stages.
-    fn modes(&self) -> Option<f64> {
-        let own = self.counts.iter().find(|(what, _)| *what == "modes");
-        own.map(|(_, count)| *count).filter(|_| self.dofs().is_some())
-    }
-
-    /// Takes the counts and the cost of modes from a mesh.
-    pub fn refine(&mut self, cost: &ModalCost) {
-        for (what, count) in &mut self.counts {
-            match *what {
-                DOFS => *count = cost.dofs as f64,
-                "modes" => *count = cost.modes,
-                _ => {}
-            }
-        }
-        (self.gigabytes, self.cpu_seconds) = (cost.gigabytes, cost.cpu_seconds);
-    }
-
-    /// Its counts in words: "3e6 samples, 195 modes".
-    pub fn counted(&self) -> String {
-        let count = |(what, count): &(&str, f64)| match *count {
-            n if n < 1e6 => format!("{n:.0} {what}"),
-            n => format!("{n:.1e} {what}"),
-        };
-        self.counts.iter().map(count).collect::<Vec<_>>().join(", ")
-    }
 }

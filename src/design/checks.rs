@@ -7,6 +7,8 @@ use nailnoise_acoustics::muffler::plane_wave_limit;
 
 use super::conflict::{Conflict, SAMPLES, SPRING_LIMIT};
 use super::groups::*;
+use super::rules::{at_most, below, elastic, incompressible, refuse};
+use crate::model::supports;
 
 impl Values {
     /// The first conflict between the values, if there is one.
@@ -27,46 +29,9 @@ fn check(v: &Values) -> Result<(), Conflict> {
     seated(v)?;
     nose(v)?;
     body(v)?;
-    support(v)?;
-    if let Some((body, key)) = v.not_carried() {
-        return Err(Conflict::NotCarried { body, key });
-    }
+    supports::of(v).check()?;
     elastic("wood.elastic", &v.wood.elastic.axes())?;
     analysis(v)
-}
-
-/// A conflict where its condition is met.
-fn refuse(broken: bool, conflict: Conflict) -> Result<(), Conflict> {
-    if broken { Err(conflict) } else { Ok(()) }
-}
-
-/// A length in a rule: its key, or a term with keys in backticks, and its value \[m\].
-type Length = (&'static str, f64);
-
-/// Conflict unless `value` is below `limit`.
-fn below((small, value): Length, (large, limit): Length, because: &'static str) -> Result<(), Conflict> {
-    let order = Conflict::Order {
-        small,
-        value,
-        large,
-        limit,
-        strict: true,
-        because,
-    };
-    refuse(value >= limit, order)
-}
-
-/// Conflict unless `value` is at most `limit`.
-fn at_most((small, value): Length, (large, limit): Length, because: &'static str) -> Result<(), Conflict> {
-    let order = Conflict::Order {
-        small,
-        value,
-        large,
-        limit,
-        strict: false,
-        because,
-    };
-    refuse(value > limit, order)
 }
 
 fn nail(v: &Values) -> Result<(), Conflict> {
@@ -294,59 +259,6 @@ fn assembly(v: &Values) -> Result<(), Conflict> {
     )
 }
 
-fn support(v: &Values) -> Result<(), Conflict> {
-    match v.support.kind {
-        SupportKind::Worktable => worktable(&v.workpiece, &v.support.worktable),
-        SupportKind::Sandbox => sandbox(v),
-        SupportKind::Floor | SupportKind::Clamped | SupportKind::Springs => Ok(()),
-    }
-}
-
-fn worktable(block: &Workpiece, table: &Worktable) -> Result<(), Conflict> {
-    let steel = &table.steel;
-    let (length, width) = (("workpiece.length", block.length), ("workpiece.width", block.width));
-    let on_table = "the block lies on the table";
-    at_most(length, ("support.worktable.length", table.length), on_table)?;
-    at_most(width, ("support.worktable.width", table.width), on_table)?;
-    let leg = ("support.worktable.leg_width", table.leg_width);
-    let half_length = ("half of `support.worktable.length`", table.length / 2.0);
-    let half_width = ("half of `support.worktable.width`", table.width / 2.0);
-    below(leg, half_length, "the legs stand apart")?;
-    below(leg, half_width, "the legs stand apart")?;
-    let top = ("support.worktable.top_thickness", table.top_thickness);
-    let height = ("support.worktable.height", table.height);
-    below(top, height, "the top stands on legs")?;
-    let wall = ("support.worktable.steel.tube_wall", steel.tube_wall);
-    let half_tube = ("half of `support.worktable.steel.tube_width`", steel.tube_width / 2.0);
-    below(wall, half_tube, "a tube is hollow")?;
-    let poisson = "support.worktable.steel.material.poisson_ratio";
-    incompressible(poisson, steel.material.poisson_ratio)?;
-    elastic("support.worktable.top", &table.top)?;
-    elastic("support.worktable.legs", &table.legs)
-}
-
-fn sandbox(v: &Values) -> Result<(), Conflict> {
-    let (block, sand) = (&v.workpiece, &v.support.sand);
-    let (length, width) = (("workpiece.length", block.length), ("workpiece.width", block.width));
-    let thickness = ("workpiece.thickness", block.thickness);
-    let in_sand = "the block lies in the sand";
-    at_most(length, ("support.sand.box_length", sand.box_length), in_sand)?;
-    at_most(width, ("support.sand.box_width", sand.box_width), in_sand)?;
-    below(thickness, ("support.sand.box_depth", sand.box_depth), in_sand)?;
-    incompressible("support.sand.poisson_ratio", sand.poisson_ratio)?;
-    microphones_above_sand(v)
-}
-
-/// Conflict unless the microphones half way up are above the sand: they are at half of 1 m more than the height of the
-/// tool's middle above the floor.
-fn microphones_above_sand(v: &Values) -> Result<(), Conflict> {
-    let (sand, body) = (&v.support.sand, &v.body);
-    let centre = 0.5 * (body.nose_height + body.barrel_height + body.cap_height);
-    let (depth, highest) = (sand.box_depth, 1.0 + centre);
-    let in_sand = sand.measurement_plane == SandboxPlane::Floor && depth >= highest;
-    refuse(in_sand, Conflict::MicrophonesInSand { depth, highest })
-}
-
 impl Grain {
     /// The constants with axis 1 along the grain, 2 radial and 3 tangential.
     pub fn axes(&self) -> Orthotropic {
@@ -395,30 +307,6 @@ impl Wood {
             },
         }
     }
-}
-
-/// Positive definiteness of the compliance of an orthotropic solid: with r_ij = nu_ij sqrt(E_j/E_i), every 1 - r_ij^2 >
-/// 0 and 1 - r_12^2 - r_13^2 - r_23^2 - 2 r_12 r_13 r_23 > 0; the shear moduli are positive anyway.
-fn elastic(group: &'static str, c: &Orthotropic) -> Result<(), Conflict> {
-    let r12 = c.nu12 * (c.e2 / c.e1).sqrt();
-    let r13 = c.nu13 * (c.e3 / c.e1).sqrt();
-    let r23 = c.nu23 * (c.e3 / c.e2).sqrt();
-    for (minor, value) in [
-        ("1 - nu_12 nu_21", 1.0 - r12 * r12),
-        ("1 - nu_13 nu_31", 1.0 - r13 * r13),
-        ("1 - nu_23 nu_32", 1.0 - r23 * r23),
-        (
-            "1 - nu_12 nu_21 - nu_13 nu_31 - nu_23 nu_32 - 2 nu_21 nu_32 nu_13",
-            1.0 - r12 * r12 - r13 * r13 - r23 * r23 - 2.0 * r12 * r13 * r23,
-        ),
-    ] {
-        refuse(value <= 0.0, Conflict::NotElastic { group, minor, value })?;
-    }
-    Ok(())
-}
-
-fn incompressible(key: &'static str, value: f64) -> Result<(), Conflict> {
-    refuse(value >= 0.5, Conflict::Incompressible { key, value })
 }
 
 fn analysis(v: &Values) -> Result<(), Conflict> {

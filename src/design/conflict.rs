@@ -140,7 +140,8 @@ pub enum Conflict {
         range: [f64; 2],
     },
     /// The exhaust is analysed where the law of its muffler's lining is not known.
-    #[error("the law of a porous lining ends where the frequency in Hz is its flow resistivity in Pa s/m2, here at {}; the \
+    #[error("the law of a porous lining ends where the frequency in Hz is its flow resistivity in Pa s/m2, here at \
+        {}; the \
          exhaust is analysed to {}", show(*resistivity, FREQUENCY), show(*top, FREQUENCY))]
     LiningRange {
         /// Flow resistivity \[Pa s/m2\].
@@ -171,7 +172,8 @@ pub enum Conflict {
         key: &'static str,
     },
     /// Microphones below the sand, on a measurement surface that stands on the floor.
-    #[error("a sandbox of {} on the floor is not below {}, where the microphones would be in the sand", mm(*depth), mm(*highest))]
+    #[error("a sandbox of {} on the floor is not below {}, where the microphones would be in the \
+        sand", mm(*depth), mm(*highest))]
     MicrophonesInSand {
         /// Depth of the box \[m\].
         depth: f64,
@@ -349,7 +351,8 @@ impl Conflict {
                 "lower `support.sand.box_depth`, or choose `support.sand.measurement_plane = \"sand\"`".to_owned()
             }
             Self::NotCarried { body, .. } => format!(
-                "name its springs: [springs.NAME] with body = \"{}\", x, y, z, and stiffness and damping along each axis",
+                "name its springs: [springs.NAME] with body = \"{}\", x, y, z, and stiffness and damping along each \
+                 axis",
                 body.as_str()
             ),
             Self::HeatCapacityRatio { .. } => "give `ambient.heat_capacity_ratio` as 1.4 for air".to_owned(),

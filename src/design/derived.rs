@@ -132,7 +132,8 @@ derived! {
         ["piston.bore", "body.sleeve_wall", "body.sleeve_gap", "body.barrel_wall"]
         |v| v.body.barrel_radius(0.5 * v.piston.bore);
     "body.volume" "V" VOLUME "Volume of air that the tool body displaces."
-        ["piston.bore", "body.sleeve_gap", "body.cap_radius", "body.handle_radius", "body.magazine_radius", "body.nose_width"]
+        ["piston.bore", "body.sleeve_gap", "body.cap_radius", "body.handle_radius", "body.magazine_radius",
+            "body.nose_width"]
         |v| v.body.volume(v.piston.bore);
     "ambient.density" "rho_0" DENSITY "Density of the air, P_a/(R T_a)."
         ["ambient.pressure", "ambient.gas_constant", "ambient.temperature"] |v| v.ambient.density();

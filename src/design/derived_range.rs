@@ -4,8 +4,9 @@
 //! exhaust.area = { range = "100 .. 1000 mm2", distribution = "log-uniform", follows = "hole_diameter" }
 //! ```
 //!
-//! The nearest file counts: a range of the follower in a file nearer to the design drops that of the derived quantity, and the other
-//! way round. Values of the primary quantities that are given without a range move the range in proportion (`range.rs`).
+//! The nearest file counts: a range of the follower in a file nearer to the design drops that of the derived quantity,
+//! and the other way round. Values of the primary quantities that are given without a range move the range in
+//! proportion (`range.rs`).
 
 use std::collections::HashMap;
 

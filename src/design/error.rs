@@ -289,7 +289,8 @@ pub enum Problem {
         problem: SurfaceProblem,
     },
     /// A cap that cannot be separated from the rest of the tool body, if its outer side counts to the exhaust.
-    #[error("{} of {} panels of the tool's outline are its cap, which by this convention counts to the exhaust", panels[0],
+    #[error("{} of {} panels of the tool's outline are its cap, which by this convention counts to the \
+        exhaust", panels[0],
         panels[1])]
     Cap {
         /// Name of the surface in the file of a body; none for the parametric one.
@@ -455,12 +456,16 @@ impl Problem {
                 format!("{}, or allow more with --memory", remedies.join(" or "))
             }
             Self::Surface { problem, .. } => problem.remedy(),
-            Self::Cap { surface: Some(name), .. } => format!(
-                "name the outer side of the cap with the exhaust's outlets (gmsh: Physical Surface(\"{name}\") = ...), give its \
+            Self::Cap {
+                surface: Some(name), ..
+            } => format!(
+                "name the outer side of the cap with the exhaust's outlets (gmsh: Physical Surface(\"{name}\") = \
+                 ...), give its \
                  place in the design ([surfaces.NAME] with surface = \"{name}\"), or choose \"physical\""
             ),
             Self::Cap { surface: None, .. } => {
-                "the cap is what lies above `body.nose_height` and `body.barrel_height` within `body.cap_radius`; or choose \
+                "the cap is what lies above `body.nose_height` and `body.barrel_height` within `body.cap_radius`; or \
+                 choose \
                  \"physical\""
                     .to_owned()
             }
@@ -490,7 +495,10 @@ impl Problem {
             Self::OutsideLimits { key, allowed, .. } => format!("give `{key}` a value {allowed}"),
             Self::BadRange { key, .. } => format!("write the lower end of the range of `{key}` first"),
             Self::RangeWithoutValue { key, .. } => {
-                format!("give `{key}` a range that includes its value, such as range = \"+-10 %\", or range = \"exact\"")
+                format!(
+                    "give `{key}` a range that includes its value, such as range = \"+-10 %\", or range \
+                    = \"exact\""
+                )
             }
             Self::BadProvenance { .. } => "begin with published, computed, estimated, decided, numerical, constant or \
                 design; the source may follow a colon: \"published: thesis Table 4-3\""
@@ -616,7 +624,8 @@ pub enum Warning {
         at: Box<Place>,
     },
     /// The base is missing, and the design of this name that comes with the program replaces it.
-    #[error("`base = \"{name}\"` is not found beside the design: it is the one that comes with nailnoise {}", env!("CARGO_PKG_VERSION"))]
+    #[error("`base = \"{name}\"` is not found beside the design: it is the one that comes with nailnoise \
+        {}", env!("CARGO_PKG_VERSION"))]
     ShippedBase {
         /// The name of the base as given.
         name: String,
@@ -625,7 +634,8 @@ pub enum Warning {
     },
     /// The exhaust is computed up to a frequency below the end of the range in which the sources are compared.
     #[error(
-        "the exhaust is computed up to `analysis.exhaust_top` = {top} Hz only: its sound in the bands from {} to {} Hz is \
+        "the exhaust is computed up to `analysis.exhaust_top` = {top} Hz only: its sound in the bands from {} to {} \
+         Hz is \
          missing from its level and from the total, which reach to `analysis.range_high` = {high} Hz",
         bands[0],
         bands[1]
@@ -681,16 +691,19 @@ impl Diagnostic for Warning {
     fn help<'a>(&'a self) -> Option<Box<dyn Display + 'a>> {
         Some(Box::new(match self {
             Self::OutsideRange { key, .. } => format!(
-                "studies draw it from the base's range in proportion to the value; if the value is meant, give its own range: \
+                "studies draw it from the base's range in proportion to the value; if the value is meant, give its \
+                 own range: \
                  {key} = {{ value = ..., range = \"+-10 %\" }}"
             ),
             Self::ExhaustTop { top, .. } => format!(
-                "raise `analysis.exhaust_top` to `analysis.range_high`, or lower `analysis.range_high` to {top} Hz so that all \
+                "raise `analysis.exhaust_top` to `analysis.range_high`, or lower `analysis.range_high` to {top} Hz so \
+                 that all \
                  sources are compared in one range"
             ),
             Self::Computed { key, .. } => format!("remove `{key}`"),
             Self::ShippedBase { name, .. } => format!(
-                "`nailnoise init --from {0}` writes it beside the design, where another version of the program does not change it",
+                "`nailnoise init --from {0}` writes it beside the design, where another version of the program does \
+                 not change it",
                 name.trim_end_matches(".toml")
             ),
         }))

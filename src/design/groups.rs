@@ -1,8 +1,9 @@
 //! Every key of the design file, group by group.
 //!
-//! Each group is declared beside the physics that uses it: those of the nailing cycle in [`nailnoise_dynamics`], the tool
-//! body's dimensions in [`nailnoise_meshes`], orthotropic solids in [`nailnoise_fem`], all others here. Symbols are those of Z. Nili Ahmadabadi, "Noise source identification and dynamic modeling of a pneumatic
-//! nailing device" (ETS Montreal, 2016), ch. 4, where it has one.
+//! Each group is declared beside the physics that uses it: those of the nailing cycle in [`nailnoise_dynamics`], the
+//! tool body's dimensions in [`nailnoise_meshes`], orthotropic solids in [`nailnoise_fem`], all others here. Symbols
+//! are those of Z. Nili Ahmadabadi, "Noise source identification and dynamic modeling of a pneumatic nailing device"
+//! (ETS Montreal, 2016), ch. 4, where it has one.
 
 use nailnoise_dynamics as dynamics;
 pub use nailnoise_dynamics::{
@@ -170,7 +171,8 @@ group! {
 group! {
     /// The nail, and where it stands under the rod.
     Nail {
-        /// Nail by size and shank, which sets length, diameter and head; keys beside it win. `nailnoise list nails` prints them.
+        /// Nail by size and shank, which sets length, diameter and head; keys beside it win. `nailnoise list nails`
+        /// prints them.
         kind: NailKind = NailKind::KIND, "";
         ..cycle: dynamics::Nail;
         /// Where the nail is driven: distance from the block's centre along its length.
@@ -193,8 +195,8 @@ choice! {
 group! {
     /// The wood of the workpiece.
     Wood {
-        /// Wood by name, which sets density, hardness modulus, loss factor, elastic constants and, with the shank of `nail.kind`,
-        /// penetration law and share of friction; keys beside it win. `nailnoise list woods` prints them.
+        /// Wood by name, which sets density, hardness modulus, loss factor, elastic constants and, with the shank of
+        /// `nail.kind`, penetration law and share of friction; keys beside it win. `nailnoise list woods` prints them.
         species: Species = Species::KIND, "";
         ..cycle: dynamics::Wood;
         /// Fitted law of the word `fitted`, a file that `nailnoise prf fit` writes; unused with the other laws.
@@ -240,8 +242,8 @@ group! {
     Workpiece {
         ..block: dynamics::Block;
         /// Mesh (.msh) or geometry (.step) in place of the block, for the modes and the response: the length centred on
-        /// x = 0, the width on y = 0, z up from the underside; with the surfaces `top` and `bottom`, in a file without names the
-        /// highest and the lowest plane, or those of `surfaces.NAME`.
+        /// x = 0, the width on y = 0, z up from the underside; with the surfaces `top` and `bottom`, in a file without
+        /// names the highest and the lowest plane, or those of `surfaces.NAME`.
         mesh: String = Kind::File, "";
         /// Length of one unit of that file.
         mesh_unit: f64 = positive(LENGTH), "";
@@ -252,8 +254,8 @@ group! {
 }
 
 group! {
-    /// A board on the block, of the same wood: the nail goes through it and fastens it. The pieces touch in unilateral points,
-    /// as block and table do; friction between them is left out.
+    /// A board on the block, of the same wood: the nail goes through it and fastens it. The pieces touch in unilateral
+    /// points, as block and table do; friction between them is left out.
     Board {
         /// Thickness, a part of `workpiece.thickness`; 0 for a workpiece of one piece.
         thickness: f64 = nonnegative(LENGTH), "";
@@ -275,8 +277,8 @@ choice! {
         Worktable = "worktable",
         /// The block lies in a sandbox, its top flush with the sand.
         Sandbox = "sandbox",
-        /// The block lies on a rigid floor, on the springs and dashpots of `support.contact`; soft and bonded ones hang it
-        /// free.
+        /// The block lies on a rigid floor, on the springs and dashpots of `support.contact`; soft and bonded ones hang
+        /// it free.
         Floor = "floor",
         /// The block's underside is held.
         Clamped = "clamped",
@@ -324,8 +326,8 @@ group! {
         kind: SupportKind = SupportKind::KIND, "";
         /// Whether the structures act back on the nailing cycle.
         coupling: Coupling = Coupling::KIND, "";
-        /// Height of the underside of a block on springs above the floor: that of rubber feet, or of straps. Up to 1 m the
-        /// floor is part of the block's radiation; one farther below is left out of its power and reflects to the
+        /// Height of the underside of a block on springs above the floor: that of rubber feet, or of straps. Up to 1 m
+        /// the floor is part of the block's radiation; one farther below is left out of its power and reflects to the
         /// microphones alone. With 0 the block lies on the floor, and its underside makes no sound.
         clearance: f64 = nonnegative(LENGTH), "h";
     }
@@ -337,8 +339,8 @@ group! {
 }
 
 group! {
-    /// Worktable: a plate on four square legs, clamped at the floor or on springs. Preset A takes the plywood top and the solid legs
-    /// given here, B and C the steel of the group below; all take length, width and height.
+    /// Worktable: a plate on four square legs, clamped at the floor or on springs. Preset A takes the plywood top and
+    /// the solid legs given here, B and C the steel of the group below; all take length, width and height.
     Worktable {
         /// Build of the table; results are stated with it.
         preset: WorktablePreset = WorktablePreset::KIND, "";
@@ -364,10 +366,10 @@ group! {
         stiffness: f64 = positive(STIFFNESS), "k_ws";
         /// Damping ratio of that spring, on the workpiece's mass.
         damping_ratio: f64 = nonnegative(NUMBER).within(0.0, 10.0), "zeta_ws";
-        /// Mesh (.msh) or geometry (.step) in place of the table, z = 0 at its upper face; with the parts `top` and `leg`
-        /// and the surfaces `top` and, if it is clamped, `floor`, in a file without names the highest and the lowest plane, or
-        /// those of `surfaces.NAME`. Bodies meshed apart are tied: the nodes of a surface `NAME_slave` follow
-        /// those of `NAME_master`.
+        /// Mesh (.msh) or geometry (.step) in place of the table, z = 0 at its upper face; with the parts `top` and
+        /// `leg` and the surfaces `top` and, if it is clamped, `floor`, in a file without names the highest and the
+        /// lowest plane, or those of `surfaces.NAME`. Bodies meshed apart are tied: the nodes of a surface `NAME_slave`
+        /// follow those of `NAME_master`.
         mesh: String = Kind::File, "";
         /// Length of one unit of that file.
         mesh_unit: f64 = positive(LENGTH), "";
@@ -469,9 +471,9 @@ group! {
         moving_surface: bool = Kind::Switch, "";
         /// Highest frequency at which the sand's surface moves with the block.
         moving_surface_top: f64 = positive(FREQUENCY), "";
-        /// The plane on which the measurement surface of ISO 3744 stands: the area of that surface, with it the correction K2,
-        /// and the heights of the microphones. Radiation is the same in both: the sand reflects all sources, and the block
-        /// radiates over the sand's plane.
+        /// The plane on which the measurement surface of ISO 3744 stands: the area of that surface, with it the
+        /// correction K2, and the heights of the microphones. Radiation is the same in both: the sand reflects all
+        /// sources, and the block radiates over the sand's plane.
         measurement_plane: SandboxPlane = SandboxPlane::KIND, "";
     }
 }
@@ -487,8 +489,9 @@ choice! {
 }
 
 group! {
-    /// Tool body: barrel with cap on a hollow nose, hollow handle, coil-magazine can, cylinder sleeve; z up from the nose's
-    /// tip, the handle along +x. A rigid one takes part in `run` with its outer dimensions, the air it displaces, alone.
+    /// Tool body: barrel with cap on a hollow nose, hollow handle, coil-magazine can, cylinder sleeve; z up from the
+    /// nose's tip, the handle along +x. A rigid one takes part in `run` with its outer dimensions, the air it
+    /// displaces, alone.
     Body {
         /// What of it sounds: rigid motion and vibration, or rigid motion alone, a lower bound.
         model: BodyModel = BodyModel::KIND, "";
@@ -502,12 +505,13 @@ group! {
         /// Loss factor of the assembled tool's modes.
         loss_factor: f64 = fraction(), "eta";
         /// Mesh (.msh) or geometry (.step) in place of all of this, in the same axes; parts named `housing`, `nose` and
-        /// `sleeve` take their materials, a mesh with one part alone takes that of the housing; masses are lumped on the
-        /// surfaces `nose_tip`, `magazine` and `seat`; the nodes of a surface `NAME_slave` follow those of `NAME_master`.
-        /// Forces of the shot act on `cap`, `seat`, `bumper_seat`, `gas_bore`, `nose_tip` and `handle`, and where there are
-        /// such, gas on `supply`, `plenum`, `sleeve_outside` and `barrel_inside`. `surfaces.NAME` gives the places of surfaces
-        /// that the file does not name; in a file that names none of them, all but the magazine are recognised by the axis
-        /// x = y = 0 and the bore (`nailnoise check DESIGN --body tool` shows them).
+        /// `sleeve` take their materials, a mesh with one part alone takes that of the housing; masses are lumped on
+        /// the surfaces `nose_tip`, `magazine` and `seat`; the nodes of a surface `NAME_slave` follow those of
+        /// `NAME_master`. Forces of the shot act on `cap`, `seat`, `bumper_seat`, `gas_bore`, `nose_tip` and `handle`,
+        /// and where there are such, gas on `supply`, `plenum`, `sleeve_outside` and `barrel_inside`. `surfaces.NAME`
+        /// gives the places of surfaces that the file does not name; in a file that names none of them, all but the
+        /// magazine are recognised by the axis x = y = 0 and the bore (`nailnoise check DESIGN --body tool` shows
+        /// them).
         mesh: String = Kind::File, "";
         /// Length of one unit of that file.
         mesh_unit: f64 = positive(LENGTH), "";
@@ -520,8 +524,8 @@ group! {
 }
 
 choice! {
-    /// How the radiation of the workpiece with its support, or of the tool's body, is computed; that of the workpiece in sand
-    /// is always Rayleigh's integral.
+    /// How the radiation of the workpiece with its support, or of the tool's body, is computed; that of the workpiece
+    /// in sand is always Rayleigh's integral.
     RadiationMethod {
         /// Boundary elements on the closed surface above the floor, block and table as one.
         Bem = "bem",
@@ -573,12 +577,12 @@ group! {
         bem_equations: BemEquations = BemEquations::KIND, "";
         /// Least number of panels per wavelength of sound.
         bem_panels: f64 = positive(NUMBER).within(2.0, 30.0), "";
-        /// Largest interpolation error of the radiation matrix over frequency: root mean square of the entries R_ij, relative
-        /// to sqrt(R_ii R_jj).
+        /// Largest interpolation error of the radiation matrix over frequency: root mean square of the entries R_ij,
+        /// relative to sqrt(R_ii R_jj).
         bem_tolerance: f64 = positive(NUMBER).within(1e-6, 0.5), "";
-        /// Fluid loading of the modes of workpiece, support and tool: none, radiation damping, or damping and added mass.
-        /// Added mass needs boundary elements; with it, linear motion has the impedance of every frequency. Every run states what
-        /// fluid loading changes.
+        /// Fluid loading of the modes of workpiece, support and tool: none, radiation damping, or damping and added
+        /// mass. Added mass needs boundary elements; with it, linear motion has the impedance of every frequency. Every
+        /// run states what fluid loading changes.
         fluid_loading: FluidLoading = FluidLoading::KIND, "";
         /// Equivalent absorption area of the room in which the microphones stand; 0 for none but the reflecting plane.
         room_absorption: f64 = nonnegative(AREA), "A";
@@ -598,8 +602,8 @@ choice! {
     Convention {
         /// By the mechanism: the exhaust is what the outflow radiates, the body all that vibrates.
         Physical = "physical",
-        /// As selective wrapping measures: the exhaust is the outflow with the surfaces of cap and exhaust, which lie outside
-        /// the body's wrap, whatever sets them in motion.
+        /// As selective wrapping measures: the exhaust is the outflow with the surfaces of cap and exhaust, which lie
+        /// outside the body's wrap, whatever sets them in motion.
         Wrapping = "wrapping",
     }
 }
@@ -615,8 +619,9 @@ choice! {
 }
 
 group! {
-    /// Bookkeeping of the sources. It moves energy between exhaust and body and leaves the total as it is: each part of the
-    /// body's surface has its own term and half of each cross term of the body's radiated power, and may be negative.
+    /// Bookkeeping of the sources. It moves energy between exhaust and body and leaves the total as it is: each part of
+    /// the body's surface has its own term and half of each cross term of the body's radiated power, and may be
+    /// negative.
     Sources {
         /// Which source a part counts to.
         convention: Convention = Convention::KIND, "";
@@ -650,10 +655,11 @@ group! {
         worktable_leg_element: f64 = positive(LENGTH).within(1e-5, 10.0), "";
         /// Largest side of a quadratic element in the walls of the steel tubes of worktables B and C.
         worktable_tube_element: f64 = positive(LENGTH).within(1e-5, 10.0), "";
-        /// Largest side of a quadratic tetrahedron of a tool body from a file. For the parametric one it is gmsh's target, which
-        /// its sides exceed by half at most; a third of it where nose, arm and handle join.
+        /// Largest side of a quadratic tetrahedron of a tool body from a file. For the parametric one it is gmsh's
+        /// target, which its sides exceed by half at most; a third of it where nose, arm and handle join.
         body_element: f64 = positive(LENGTH).within(1e-5, 10.0), "";
-        /// Fewest elements in the shortest bending wave or shear wave at the top frequency, for geometry meshed by gmsh.
+        /// Fewest elements in the shortest bending wave or shear wave at the top frequency, for geometry meshed by
+        /// gmsh.
         elements_per_wave: f64 = positive(NUMBER).within(0.5, 30.0), "";
         /// Layers of quadratic elements through the worktable's top.
         worktable_top_layers: u32 = Kind::Count(100), "";
@@ -661,8 +667,8 @@ group! {
         time_step: f64 = positive(TIME), "";
         /// Duration of the structural response from the trigger on.
         duration: f64 = positive(TIME).within(1e-3, 60.0), "";
-        /// Starts of the response, all but the first with gaps of 1 um between block and support: how far the level of a
-        /// block that bounces scatters. The levels are those of the first.
+        /// Starts of the response, all but the first with gaps of 1 um between block and support: how far the level of
+        /// a block that bounces scatters. The levels are those of the first.
         starts: u32 = Kind::Count(10_000), "";
         /// Latest end of the cycle's record.
         cycle_end: f64 = positive(TIME).within(1e-3, 10.0), "t_end";
@@ -699,8 +705,8 @@ group! {
 }
 
 group! {
-    /// Wraps of the virtual wrapping test: foam inside a barrier on body or workpiece, a muffler on the exhaust. Losses are in
-    /// dB, linear in the logarithm of frequency between the two frequencies, constant outside.
+    /// Wraps of the virtual wrapping test: foam inside a barrier on body or workpiece, a muffler on the exhaust. Losses
+    /// are in dB, linear in the logarithm of frequency between the two frequencies, constant outside.
     Wraps {
         /// Insertion loss of the workpiece's wrap up to 125 Hz, in dB.
         workpiece_low: f64 = nonnegative(NUMBER).within(0.0, 200.0), "";

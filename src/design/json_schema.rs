@@ -34,8 +34,10 @@ pub fn json_schema() -> Value {
     root["title"] = json!("nailnoise design");
     root["$defs"] = json!({
         "provenance": {"type": "string", "pattern": format!("^({provenances})(:.*)?$"),
-                       "description": "published, computed, estimated, decided, numerical, constant or design; the source may follow a colon"},
-        "range": {"description": "\"low .. high unit\", a list of two quantities, \"+-10 %\", \"+-2 mm\" or \"exact\"", "anyOf": [
+                       "description": "published, computed, estimated, decided, numerical, constant or design; the \
+                           source may follow a colon"},
+        "range": {"description": "\"low .. high unit\", a list of two quantities, \"+-10 %\", \"+-2 mm\" \
+            or \"exact\"", "anyOf": [
             {"type": "string", "pattern": "\\.\\.|^\\s*(\\+-|\u{b1})|^\\s*exact\\s*$"},
             {"type": "array", "items": {"type": ["number", "string"]}, "minItems": 2, "maxItems": 2},
         ]},
@@ -51,7 +53,8 @@ fn derived(key: &str) -> Value {
         .flat_map(|name| [name, name.rsplit('.').next().unwrap_or(name)])
         .collect();
     json!({
-        "description": format!("{description} It is computed; a study draws it from a range, and a primary quantity follows."),
+        "description": format!("{description} It is computed; a study draws it from a range, and a primary quantity \
+            follows."),
         "anyOf": [
             {"type": ["number", "string"]},
             {"type": "object", "additionalProperties": false, "properties": {

@@ -1,14 +1,19 @@
 //! Results of the sensors, springs and surfaces of a design.
 
-use super::groups::{BodyModel, SupportKind, TableFoot, Values};
+use super::groups::{BodyModel, Values};
 use super::sensors::SensorProblem;
 use super::springs::Sprung;
 use super::surfaces::{NamedSurface, SurfaceOf, SurfaceProblem};
+use crate::model::supports;
+use crate::stages::bodies::BodyKind;
 
 impl Values {
     /// Whether the design has this body.
     pub(crate) fn has(&self, body: Sprung) -> bool {
-        body == Sprung::Workpiece || self.support.kind == SupportKind::Worktable
+        match body {
+            Sprung::Workpiece => true,
+            Sprung::Worktable => supports::of(self).bodies().contains(&BodyKind::Worktable),
+        }
     }
 
     /// Names of the springs whose body is not in the design.
@@ -25,23 +30,11 @@ impl Values {
         })
     }
 
-    /// The body that rests only on springs and has none along z, and the key that states it.
-    pub(crate) fn not_carried(&self) -> Option<(Sprung, &'static str)> {
-        let (body, key) = match (self.support.kind, self.support.worktable.foot) {
-            (SupportKind::Springs, _) => (Sprung::Workpiece, "support.kind"),
-            (SupportKind::Worktable, TableFoot::Springs) => (Sprung::Worktable, "support.worktable.foot"),
-            _ => return None,
-        };
-        (self.sprung(body)[0] == 0.0).then_some((body, key))
-    }
-
     /// Names of the surfaces whose body is built in, or absent.
     pub(crate) fn idle_surfaces(&self) -> Vec<&str> {
         let idle = |surface: &NamedSurface| match surface.body {
             SurfaceOf::Workpiece => self.workpiece.mesh.is_empty(),
-            SurfaceOf::Worktable => {
-                self.support.kind != SupportKind::Worktable || self.support.worktable.mesh.is_empty()
-            }
+            SurfaceOf::Worktable => !self.has(Sprung::Worktable) || self.support.worktable.mesh.is_empty(),
             SurfaceOf::Tool => self.body.model == BodyModel::Rigid || self.body.mesh.is_empty(),
         };
         let idle = self.surfaces.iter().filter(|(_, surface)| idle(surface));

@@ -20,6 +20,7 @@ mod dependencies;
 mod derived;
 mod derived_range;
 mod distribution;
+mod entry;
 mod error;
 mod facts;
 mod groups;
@@ -32,6 +33,7 @@ mod range;
 mod reference;
 mod report;
 mod resolve;
+pub(crate) mod rules;
 mod sensors;
 mod set;
 mod settings;
@@ -57,6 +59,7 @@ pub use conflict::Conflict;
 pub use dependencies::dependencies;
 pub use derived::{AGREEMENT, DERIVED, Derived, Solution};
 pub use distribution::Distribution;
+pub use entry::Entry;
 pub use error::{DesignError, Problem, Warning};
 pub use facts::{KeyFacts, Measurement, OutsideValue, facts};
 pub use groups::*;
@@ -101,36 +104,6 @@ pub struct Design {
     warnings: Vec<Warning>,
     /// Standard normal scores by which the fitted penetration law is drawn; none for the law itself.
     law_scores: Vec<f64>,
-}
-
-/// Facts about one key of a design.
-#[derive(Debug, Clone, serde::Serialize)]
-pub struct Entry {
-    /// Full name, as `piston.mass`.
-    pub key: String,
-    /// Symbol in the thesis or the field; empty if there is none.
-    pub symbol: &'static str,
-    /// Value, quantities in SI units.
-    pub value: Value,
-    /// SI unit; empty for plain numbers, counts, switches and choices.
-    pub unit: String,
-    /// Range of plausible values, in SI units; two equal ends for a value that is exact.
-    pub range: Option<[f64; 2]>,
-    /// Origin of the range; none without one.
-    pub range_origin: Option<RangeOrigin>,
-    /// Distribution over the range.
-    #[serde(skip)]
-    pub distribution: Distribution,
-    /// Origin of the value.
-    pub provenance: Provenance,
-    /// The source in words; may be empty.
-    pub source: String,
-    /// A remark; may be empty.
-    pub note: String,
-    /// The file that gives the value.
-    pub file: String,
-    /// The line in that file, from 1.
-    pub line: usize,
 }
 
 impl Design {
@@ -218,8 +191,8 @@ impl Design {
         &self.warnings
     }
 
-    /// Draws the fitted penetration law of this design by standard normal scores: the specimen's, then one a principal component
-    /// of the covariance of the coefficients. Without scores it is the law itself.
+    /// Draws the fitted penetration law of this design by standard normal scores: the specimen's, then one a principal
+    /// component of the covariance of the coefficients. Without scores it is the law itself.
     pub(crate) fn draw_law(&mut self, scores: Vec<f64>) {
         self.law_scores = scores;
     }

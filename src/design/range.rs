@@ -1,15 +1,15 @@
 //! Ranges: the forms of a range in a file, and the range of a value that is given without one.
 //!
-//! A value without a range has that of its base in proportion. With the base's value v_0 and its range low .. high, the range of
-//! another value v is
+//! A value without a range has that of its base in proportion. With the base's value v_0 and its range low .. high, the
+//! range of another value v is
 //!
 //! ```text
 //! low v/v_0 .. high v/v_0           0 is not inside low .. high, and v is 0 or has the sign of v_0
 //! v - w .. v + w, w = (high-low)/2  otherwise: there is no relative width
 //! ```
 //!
-//! both cut at the ends of the key's domain. v_0 and the range are those of the file that states the range, so that values in files
-//! between do not matter. The range always includes the value, because that of the base includes v_0.
+//! both cut at the ends of the key's domain. v_0 and the range are those of the file that states the range, so that
+//! values in files between do not matter. The range always includes the value, because that of the base includes v_0.
 
 use nailnoise_quantities::{Dimension, Measured, QuantityError, quantity, range};
 
@@ -205,7 +205,8 @@ mod tests {
 
         #[test]
         fn a_range_that_is_assumed_does_not_depend_on_the_unit(
-            base in 0.1..10.0_f64, below in 0.0..1.0_f64, above in 0.0..5.0_f64, value in 0.0..20.0_f64, unit in 1e-3..1e3_f64
+            base in 0.1..10.0_f64, below in 0.0..1.0_f64, above in 0.0..5.0_f64, value in 0.0..20.0_f64,
+                unit in 1e-3..1e3_f64
         ) {
             let range = [base * (1.0 - below), base + above];
             let domain = [0.0, 1e9];

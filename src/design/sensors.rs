@@ -40,8 +40,8 @@ group! {
         along_z: f64 = component(), "";
         /// Lower limit of its band, -3 dB: the discharge time of its amplifier, a filter of first order.
         band_low: f64 = positive(FREQUENCY), "";
-        /// Upper limit of its band, -3 dB: its mounted resonance and the anti-aliasing filter, a Butterworth low-pass of
-        /// fourth order; at most the top frequency of its body.
+        /// Upper limit of its band, -3 dB: its mounted resonance and the anti-aliasing filter, a Butterworth low-pass
+        /// of fourth order; at most the top frequency of its body.
         band_high: f64 = positive(FREQUENCY), "";
     }
 }
@@ -54,7 +54,8 @@ pub enum SensorProblem {
     #[error("has no direction: along_x, along_y and along_z are all 0")]
     NoDirection,
     /// Its band is empty or ends above half the sampling frequency of the response.
-    #[error("has a band from {} Hz to {} Hz; it must rise and end below {} Hz", Short(*low), Short(*high), Short(*nyquist))]
+    #[error("has a band from {} Hz to {} Hz; it must rise and end below {} \
+        Hz", Short(*low), Short(*high), Short(*nyquist))]
     Band {
         /// Lower limit \[Hz\].
         low: f64,

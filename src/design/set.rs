@@ -11,7 +11,8 @@ use super::suggest;
 #[non_exhaustive]
 pub enum SetError {
     /// The key does not exist.
-    #[error("there is no key `{key}`{}", nearest.as_ref().map_or_else(String::new, |near| format!("; is it `{near}`?")))]
+    #[error("there is no key `{key}`{}", nearest.as_ref().map_or_else(String::new, |near|
+        format!("; is it `{near}`?")))]
     UnknownKey {
         /// The name given.
         key: String,

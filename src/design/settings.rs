@@ -38,7 +38,8 @@ pub(crate) struct Setting {
     pub(crate) note: Option<String>,
 }
 
-/// What one file says about a derived quantity: a value that it must have all the same, or a range from which a study draws it.
+/// What one file says about a derived quantity: a value that it must have all the same, or a range from which a study
+/// draws it.
 #[derive(Debug)]
 pub(crate) struct GivenDerived {
     pub(crate) derived: &'static Derived,
@@ -74,7 +75,8 @@ const MOST_MEMBERS: usize = 250;
 const REPLACED: &[(&str, &str)] = &[
     (
         "acoustics.radiation_damping",
-        "`acoustics.fluid_loading`, \"damping\" where it was true and \"none\" where it was false; \"full\" adds the mass of air \
+        "`acoustics.fluid_loading`, \"damping\" where it was true and \"none\" where it was false; \"full\" adds the \
+         mass of air \
          that moves along",
     ),
     (
@@ -84,7 +86,8 @@ const REPLACED: &[(&str, &str)] = &[
     ),
     (
         "nail.tip_gap",
-        "`piston.rod_protrusion`, the length of the rod beyond the nose's face with the piston on the bumper; the travel \
+        "`piston.rod_protrusion`, the length of the rod beyond the nose's face with the piston on the bumper; the \
+         travel \
          until the tip reaches the wood is stroke - protrusion - `nail.length`",
     ),
 ];

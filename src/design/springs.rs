@@ -14,10 +14,10 @@ choice! {
 }
 
 group! {
-    /// Springs with dashpots beside them between a point of a body and the ground, one along each axis: a rubber foot, a
-    /// strap, a beam of another machine. They push and pull, and their dashpots act in full, not as damping of modes. None
-    /// has an effect while the design lacks its body. The origin is the centre of the workpiece's underside, x along its
-    /// length, y along its width, z up.
+    /// Springs with dashpots beside them between a point of a body and the ground, one along each axis: a rubber foot,
+    /// a strap, a beam of another machine. They push and pull, and their dashpots act in full, not as damping of modes.
+    /// None has an effect while the design lacks its body. The origin is the centre of the workpiece's underside, x
+    /// along its length, y along its width, z up.
     Spring {
         /// What it holds.
         body: Sprung = Sprung::KIND, "";
@@ -27,8 +27,8 @@ group! {
         y: f64 = any(LENGTH), "y";
         /// Height above the workpiece's underside.
         z: f64 = any(LENGTH), "z";
-        /// Radius of its foot: it acts evenly on the body's surface within this distance of its place; 0 at the point alone,
-        /// whose give under a force grows as a mesh gets finer.
+        /// Radius of its foot: it acts evenly on the body's surface within this distance of its place; 0 at the point
+        /// alone, whose give under a force grows as a mesh gets finer.
         radius: f64 = nonnegative(LENGTH), "a";
         /// Stiffness along x.
         stiffness_x: f64 = nonnegative(STIFFNESS), "k_x";

@@ -47,7 +47,7 @@ pub(super) fn outcomes() -> impl Iterator<Item = &'static str> {
     Outcome::ALL.into_iter().map(Outcome::name)
 }
 
-/// Sources by their names.
+/// Names of the sources whose method's error a design may give: those of the program, in their order.
 pub const SOURCES: [&str; 3] = ["workpiece", "exhaust", "body"];
 
 /// Variables of a study in addition to the ranges of the design, and the definition of shots that count.

@@ -62,10 +62,11 @@ choice! {
 }
 
 group! {
-    /// A surface of a body from a file (`body.mesh`, `workpiece.mesh`, `support.worktable.mesh`), by its place instead of its
-    /// name in the file. The point lies on the face; several members may give parts of one surface. A face ends where the
-    /// skin turns by more than 30 degrees. It has no effect on the built-in bodies. The origin is that of the body: the nose's
-    /// tip of the tool, z up on the axis of the cylinder, x along the handle; else the centre of the workpiece's underside.
+    /// A surface of a body from a file (`body.mesh`, `workpiece.mesh`, `support.worktable.mesh`), by its place instead
+    /// of its name in the file. The point lies on the face; several members may give parts of one surface. A face ends
+    /// where the skin turns by more than 30 degrees. It has no effect on the built-in bodies. The origin is that of the
+    /// body: the nose's tip of the tool, z up on the axis of the cylinder, x along the handle; else the centre of the
+    /// workpiece's underside.
     NamedSurface {
         /// The body.
         body: SurfaceOf = SurfaceOf::KIND, "";
@@ -79,8 +80,8 @@ group! {
         z: f64 = any(LENGTH), "z";
         /// Distance from the point up to which the face belongs to the surface; 0 for the whole face.
         radius: f64 = nonnegative(LENGTH), "a";
-        /// Component along x of the direction out of the body at that point, whose length does not matter; with three zeros the
-        /// nearest face is taken, whichever way it looks.
+        /// Component along x of the direction out of the body at that point, whose length does not matter; with three
+        /// zeros the nearest face is taken, whichever way it looks.
         along_x: f64 = component(), "";
         /// Component along y of that direction.
         along_y: f64 = component(), "";
@@ -102,7 +103,8 @@ pub enum SurfaceProblem {
         body: SurfaceOf,
     },
     /// It is not on its body.
-    #[error("at ({}, {}, {}) is {} outside the {}", mm(point[0]), mm(point[1]), mm(point[2]), mm(*distance), body.as_str())]
+    #[error("at ({}, {}, {}) is {} outside the {}", mm(point[0]), mm(point[1]), mm(point[2]), mm(*distance),
+        body.as_str())]
     Outside {
         /// The body.
         body: SurfaceOf,
@@ -162,7 +164,8 @@ impl SurfaceProblem {
                 format!("surfaces of the {} are {}", body.as_str(), known.join(", "))
             }
             Self::Outside { .. } | Self::NoFace { .. } => {
-                "move x, y and z onto the face, with along_x, along_y and along_z out of the body there, or all three 0; \
+                "move x, y and z onto the face, with along_x, along_y and along_z out of the body there, or all three \
+                 0; \
                  `nailnoise check DESIGN --body BODY` shows the centres of the surfaces that are known"
                     .to_owned()
             }

@@ -6,7 +6,8 @@ use nailnoise_quantities::{choice, group, nonnegative, positive};
 choice! {
     /// Where a pressure transducer is.
     Chamber {
-        /// In the wall of the cylinder: below the piston before the piston passes it, above the piston while that is lower.
+        /// In the wall of the cylinder: below the piston before the piston passes it, above the piston while that is
+        /// lower.
         Cylinder = "cylinder",
         /// In the return chamber.
         Return = "return",
@@ -19,8 +20,8 @@ group! {
     Transducer {
         /// Where it is.
         chamber: Chamber = Chamber::KIND, "";
-        /// Travel of the piston, from the upper stopper, at which it passes a transducer in the cylinder; unused in the return
-        /// chamber. The piston has no height: while it covers a transducer, that one reads the volume below.
+        /// Travel of the piston, from the upper stopper, at which it passes a transducer in the cylinder; unused in the
+        /// return chamber. The piston has no height: while it covers a transducer, that one reads the volume below.
         position: f64 = nonnegative(LENGTH), "";
         /// Discharge time of its amplifier, a high-pass filter of first order with the limit 1/(2 pi tau).
         discharge_time: f64 = positive(TIME), "tau";

@@ -1,8 +1,8 @@
 //! Where the parts of the tool lie: heights over the tip of the nose and distances from the axis.
 //!
-//! Every length that has a key is the value of that key. Piston, bumper and the ring of the head valve have no key for their
-//! height. They fill the room that stroke and dead volumes leave in the cylinder sleeve, so that the dead volumes V_01 and
-//! V_02 are to scale if the sleeve has room for them.
+//! Every length that has a key is the value of that key. Piston, bumper and the ring of the head valve have no key for
+//! their height. They fill the room that stroke and dead volumes leave in the cylinder sleeve, so that the dead volumes
+//! V_01 and V_02 are to scale if the sleeve has room for them.
 
 use std::f64::consts::PI;
 
@@ -55,8 +55,8 @@ pub struct Layout {
 
 /// The head valve on its seat: heights over the seat and distances from the axis \[m\].
 ///
-/// A ring slides on the tube of the exhaust. A skirt outside the seat overlaps the cylinder by the intake's lap. Its lower
-/// lip closes on a plug below the tube when the ring has risen by the exhaust's lap.
+/// A ring slides on the tube of the exhaust. A skirt outside the seat overlaps the cylinder by the intake's lap. Its
+/// lower lip closes on a plug below the tube when the ring has risen by the exhaust's lap.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ValveLayout {
     /// Inner, seat and outer radius of the ring.
@@ -154,8 +154,8 @@ impl Layout {
         let hole = |area: f64| (4.0 * area / (PI * HOLES)).sqrt();
         let valve = ValveLayout::new(v, barrel, roof - b.barrel_wall - seat);
         let handle_end = outer - 4e-3 + b.handle_length;
-        // The channel runs from above the ring to the trigger valve below the handle, and is as long as its key where that leaves
-        // the trigger valve on the handle.
+        // The channel runs from above the ring to the trigger valve below the handle, and is as long as its key where
+        // that leaves the trigger valve on the handle.
         let start = [0.5 * (valve.inner + valve.outer), seat + valve.stop];
         let level = (b.handle_level + b.handle_radius - 0.5 * b.handle_wall).max(start[1] + 1e-3);
         let valve_level = b.handle_level - b.handle_radius;

@@ -1,5 +1,5 @@
-//! Parts of the section through the tool: cylinder, piston, head valve, barrel and cap, handle, nose, nail, wood, and the gas
-//! between them.
+//! Parts of the section through the tool: cylinder, piston, head valve, barrel and cap, handle, nose, nail, wood, and
+//! the gas between them.
 
 use super::layout::Layout;
 use super::shape::{Chamber, Line, LineStyle, Material, Outline, Part, Point, mirrored, rectangle};

@@ -1,8 +1,8 @@
 //! The drawing of a tool: a section at the design's own dimensions, with every key at the length that it means.
 //!
-//! [`Drawing::new`] turns a design into views: shapes and annotated dimensions, in metres and without any notion of a page.
-//! [`Sheet`] chooses a scale for each view and places the labels; `svg` renders it. Parts for which the design has no
-//! key (thickness of the piston, height of the head valve, trigger valve) are schematic, see [`layout`].
+//! [`Drawing::new`] turns a design into views: shapes and annotated dimensions, in metres and without any notion of a
+//! page. [`Sheet`] chooses a scale for each view and places the labels; `svg` renders it. Parts for which the design
+//! has no key (thickness of the piston, height of the head valve, trigger valve) are schematic, see [`layout`].
 
 mod label;
 pub mod layout;
@@ -23,6 +23,7 @@ use std::collections::BTreeMap;
 pub use label::Label;
 use layout::Layout;
 pub use misfits::Misfit;
+pub(crate) use shape::rectangle;
 pub use shape::{
     Annotation, Bounds, Chamber, Line, LineStyle, Mark, Material, Outline, Part, Point, Side, View, corners,
 };
@@ -89,31 +90,5 @@ impl Drawing {
     /// The views placed on sheets, one each.
     pub fn sheets(&self) -> Vec<Sheet<'_>> {
         self.views.iter().map(|view| Sheet::new(view, &self.labels)).collect()
-    }
-
-    /// All views below each other as one SVG file.
-    pub fn svg(&self) -> String {
-        svg::file(self, &[])
-    }
-
-    /// The views of these names below each other as one SVG file.
-    pub fn svg_of(&self, names: &[&str]) -> String {
-        svg::file(self, names)
-    }
-
-    /// The views as figures for a page that contains [`STYLE`], with their titles.
-    pub(crate) fn figures(&self) -> Vec<(String, maud::Markup)> {
-        self.sheets()
-            .iter()
-            .map(|sheet| (sheet.view.title.clone(), svg::figure(sheet)))
-            .collect()
-    }
-
-    /// The legend of provenances.
-    pub(crate) fn legend(&self) -> Vec<(Standing, maud::Markup)> {
-        let mut standings: Vec<Standing> = self.shown().iter().map(|label| label.standing).collect();
-        standings.sort();
-        standings.dedup();
-        standings.into_iter().map(|own| (own, svg::sample(own))).collect()
     }
 }

@@ -1,6 +1,7 @@
 //! The contents of a drawing: parts with a material, lines, and annotations that show the length of a key.
 //!
-//! Coordinates are in metres in the plane of a view: x to the right, z up. Shapes do not depend on how they are rendered.
+//! Coordinates are in metres in the plane of a view: x to the right, z up. Shapes do not depend on how they are
+//! rendered.
 
 /// A point of a view, x and z \[m\].
 pub type Point = [f64; 2];
@@ -76,7 +77,7 @@ pub struct Part {
 
 impl Part {
     /// A part within polygons.
-    pub(super) fn new(name: &'static str, material: Material, polygons: Vec<Vec<Point>>) -> Self {
+    pub(crate) fn new(name: &'static str, material: Material, polygons: Vec<Vec<Point>>) -> Self {
         Self {
             name,
             material,
@@ -84,8 +85,8 @@ impl Part {
         }
     }
 
-    /// Volume of the solid of revolution about x = 0 \[m3\], if half of the part lies on each side: 2 pi times the first
-    /// moment of the half with x > 0 (Pappus). Circles are left out.
+    /// Volume of the solid of revolution about x = 0 \[m3\], if half of the part lies on each side: 2 pi times the
+    /// first moment of the half with x > 0 (Pappus). Circles are left out.
     pub fn volume_of_revolution(&self) -> f64 {
         let moment = |polygon: &Vec<Point>| {
             // First moment of area about x = 0, of |x|: each side of the axis contributes, hence the half.
@@ -200,7 +201,7 @@ impl Annotation {
     }
 
     /// A dot on what the key is of.
-    pub(super) fn dot(key: &'static str, side: Side, at: Point) -> Self {
+    pub(crate) fn dot(key: &'static str, side: Side, at: Point) -> Self {
         Self::new(key, side, at, vec![Mark::Dot(at)])
     }
 
@@ -209,9 +210,9 @@ impl Annotation {
         Self::new(key, side, at, vec![Mark::Area(area), Mark::Dot(at)])
     }
 
-    /// A horizontal dimension line at the height z between two abscissas, and extension lines from the heights where they are
-    /// measured.
-    pub(super) fn across(key: &'static str, side: Side, [a, b]: [f64; 2], z: f64, from: [f64; 2]) -> Self {
+    /// A horizontal dimension line at the height z between two abscissas, and extension lines from the heights where
+    /// they are measured.
+    pub(crate) fn across(key: &'static str, side: Side, [a, b]: [f64; 2], z: f64, from: [f64; 2]) -> Self {
         let marks = vec![
             Mark::Span([[a, z], [b, z]]),
             Mark::Extension([[a, from[0]], [a, z]]),
@@ -221,9 +222,9 @@ impl Annotation {
         Self::new(key, side, [end, z], marks)
     }
 
-    /// A vertical dimension line at the abscissa x between two heights, and extension lines from the abscissas where they are
-    /// measured.
-    pub(super) fn upright(key: &'static str, side: Side, [a, b]: [f64; 2], x: f64, from: [f64; 2]) -> Self {
+    /// A vertical dimension line at the abscissa x between two heights, and extension lines from the abscissas where
+    /// they are measured.
+    pub(crate) fn upright(key: &'static str, side: Side, [a, b]: [f64; 2], x: f64, from: [f64; 2]) -> Self {
         let marks = vec![
             Mark::Span([[x, a], [x, b]]),
             Mark::Extension([[from[0], a], [x, a]]),
@@ -357,7 +358,7 @@ pub fn corners(outline: &Outline) -> Vec<Point> {
 }
 
 /// The corners of a rectangle between two abscissas and two heights.
-pub(super) fn rectangle([left, right]: [f64; 2], [bottom, top]: [f64; 2]) -> Vec<Point> {
+pub(crate) fn rectangle([left, right]: [f64; 2], [bottom, top]: [f64; 2]) -> Vec<Point> {
     vec![[left, bottom], [right, bottom], [right, top], [left, top]]
 }
 

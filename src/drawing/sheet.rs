@@ -30,7 +30,8 @@ const SPACING: i32 = 31;
 const KNEE: f64 = 12.0;
 /// Room for the symbol of the provenance next to a label.
 const SYMBOL: f64 = 14.0;
-/// Widest character of the two types as a share of their size: monospaced type has 0.60, sans serif type less in the mean.
+/// Widest character of the two types as a share of their size: monospaced type has 0.60, sans serif type less in the
+/// mean.
 const MONO: f64 = 0.62;
 const SANS: f64 = 0.64;
 
@@ -237,7 +238,8 @@ impl<'a> Sheet<'a> {
             .collect()
     }
 
-    /// Exchanges labels as long as that shortens the leader lines: straight lines of the least total length do not cross.
+    /// Exchanges labels as long as that shortens the leader lines: straight lines of the least total length do not
+    /// cross.
     fn uncross(&self, column: &mut [(&'a Annotation, &'a Label)], knees: &[Point]) {
         let length = |annotation: &Annotation, [x, y]: Point| {
             let [u, v] = self.at(annotation.anchor);

@@ -30,8 +30,8 @@ impl Standing {
         Self::Decided,
     ];
 
-    /// The class of a value, by the word of its provenance and, where that says no more than "estimated", by its source: a value that
-    /// was scaled from another tool says so there.
+    /// The class of a value, by the word of its provenance and, where that says no more than "estimated", by its
+    /// source: a value that was scaled from another tool says so there.
     pub fn of(entry: &Entry) -> Self {
         match entry.provenance.as_str() {
             "published" => Self::Published,
@@ -68,8 +68,8 @@ impl Standing {
         }
     }
 
-    /// The symbol in front of a value, as the path of an SVG of 8 by 8 units about the origin: classes differ in shape as well as
-    /// in colour.
+    /// The symbol in front of a value, as the path of an SVG of 8 by 8 units about the origin: classes differ in shape
+    /// as well as in colour.
     pub(super) fn symbol(self) -> &'static str {
         match self {
             Self::Given => "M-3.6 0a3.6 3.6 0 1 0 7.2 0a3.6 3.6 0 1 0-7.2 0z",

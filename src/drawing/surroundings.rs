@@ -2,7 +2,8 @@
 
 use super::mechanism::magazine;
 use super::shape::{Annotation, Line, LineStyle, Material, Part, Side, View, mirrored, rectangle};
-use crate::design::{Body, SupportKind, Values, WorktablePreset};
+use crate::design::{Body, Values};
+use crate::model::supports;
 
 use Side::{Left, Right};
 
@@ -236,22 +237,7 @@ pub(super) fn support(v: &Values) -> View {
         let offset = Annotation::across("nail.offset_along", Left, [0.0, nail], top + 0.03, [top; 2]);
         view.annotations.push(offset);
     }
-    match v.support.kind {
-        SupportKind::Worktable => worktable(v, &mut view),
-        SupportKind::Sandbox => sandbox(v, &mut view),
-        SupportKind::Floor | SupportKind::Clamped => floor(&mut view, [-half - 0.08, half + 0.08], 0.0),
-        SupportKind::Springs => {
-            let under = -v.support.clearance;
-            floor(&mut view, [-half - 0.08, half + 0.08], under);
-            view.annotations.push(Annotation::upright(
-                "support.clearance",
-                Left,
-                [under, 0.0],
-                -half - 0.03,
-                [-half; 2],
-            ));
-        }
-    }
+    supports::of(v).draw(&mut view);
     view.parts.push(block);
     if board > 0.0 {
         let upper = rectangle([-half, half], [top - board, top]);
@@ -262,108 +248,4 @@ pub(super) fn support(v: &Values) -> View {
         view.annotations.push(dimension);
     }
     view
-}
-
-fn floor(view: &mut View, across: [f64; 2], level: f64) {
-    view.parts.push(Part::new(
-        "floor",
-        Material::Floor,
-        vec![rectangle(across, [level - 0.025, level])],
-    ));
-}
-
-fn worktable(v: &Values, view: &mut View) {
-    let t = &v.support.worktable;
-    let wooden = t.preset == WorktablePreset::A;
-    let (thickness, thickness_key, leg, leg_key) = match t.preset {
-        WorktablePreset::A => (
-            t.top_thickness,
-            "support.worktable.top_thickness",
-            t.leg_width,
-            "support.worktable.leg_width",
-        ),
-        WorktablePreset::B => (
-            t.steel.top_thickness_b,
-            "support.worktable.steel.top_thickness_b",
-            t.steel.tube_width,
-            "support.worktable.steel.tube_width",
-        ),
-        WorktablePreset::C => (
-            t.steel.top_thickness_c,
-            "support.worktable.steel.top_thickness_c",
-            t.steel.tube_width,
-            "support.worktable.steel.tube_width",
-        ),
-    };
-    let half = 0.5 * t.length;
-    let material = |wood| if wooden { wood } else { Material::Steel };
-    floor(view, [-half - 0.08, half + 0.08], -t.height);
-    let leg_of = |x: f64| rectangle([x, x + leg], [-t.height, -thickness]);
-    view.parts.extend([
-        Part::new(
-            "legs of the worktable",
-            material(Material::Solid),
-            vec![leg_of(-half), leg_of(half - leg)],
-        ),
-        Part::new(
-            "top of the worktable",
-            material(Material::Plywood),
-            vec![rectangle([-half, half], [-thickness, 0.0])],
-        ),
-    ]);
-    let middle = -0.55 * t.height;
-    view.annotations.extend([
-        Annotation::across(
-            "support.worktable.length",
-            Right,
-            [-half, half],
-            -t.height - 0.06,
-            [-t.height; 2],
-        ),
-        Annotation::upright(
-            "support.worktable.height",
-            Left,
-            [-t.height, 0.0],
-            -half - 0.05,
-            [-half; 2],
-        ),
-        Annotation::upright(thickness_key, Right, [-thickness, 0.0], half + 0.03, [half; 2]),
-        Annotation::across(leg_key, Right, [half - leg, half], middle, [middle; 2]),
-        Annotation::dot("support.worktable.width", Left, [-0.4 * half, -0.5 * thickness]),
-    ]);
-    if !wooden {
-        let wall = t.steel.tube_wall;
-        let across = Annotation::across(
-            "support.worktable.steel.tube_wall",
-            Right,
-            [half - wall, half],
-            0.8 * -t.height,
-            [0.8 * -t.height; 2],
-        );
-        view.annotations.push(across);
-    }
-}
-
-fn sandbox(v: &Values, view: &mut View) {
-    let s = &v.support.sand;
-    let top = v.workpiece.thickness;
-    let half = 0.5 * s.box_length;
-    let bottom = top - s.box_depth;
-    floor(view, [-half - 0.06, half + 0.06], bottom);
-    view.parts.push(Part::new(
-        "sand, flush with the top of the workpiece",
-        Material::Sand,
-        vec![rectangle([-half, half], [bottom, top])],
-    ));
-    view.annotations.extend([
-        Annotation::across(
-            "support.sand.box_length",
-            Right,
-            [-half, half],
-            bottom - 0.06,
-            [bottom; 2],
-        ),
-        Annotation::upright("support.sand.box_depth", Left, [bottom, top], -half - 0.03, [-half; 2]),
-        Annotation::dot("support.sand.box_width", Right, [0.7 * half, 0.5 * (bottom + 0.0)]),
-    ]);
 }

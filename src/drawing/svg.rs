@@ -11,6 +11,34 @@ use super::sheet::{KEY_TYPE, MARGIN, MM, Placed, Sheet, VALUE_TYPE, WIDTH, value
 use super::standing::Standing;
 use super::{Drawing, STYLE};
 
+impl Drawing {
+    /// All views below each other as one SVG file.
+    pub fn svg(&self) -> String {
+        file(self, &[])
+    }
+
+    /// The views of these names below each other as one SVG file.
+    pub fn svg_of(&self, names: &[&str]) -> String {
+        file(self, names)
+    }
+
+    /// The views as figures for a page that contains [`STYLE`], with their titles.
+    pub(crate) fn figures(&self) -> Vec<(String, Markup)> {
+        self.sheets()
+            .iter()
+            .map(|sheet| (sheet.view.title.clone(), figure(sheet)))
+            .collect()
+    }
+
+    /// The legend of provenances.
+    pub(crate) fn legend(&self) -> Vec<(Standing, Markup)> {
+        let mut standings: Vec<Standing> = self.shown().iter().map(|label| label.standing).collect();
+        standings.sort();
+        standings.dedup();
+        standings.into_iter().map(|own| (own, sample(own))).collect()
+    }
+}
+
 /// Space between the views of a file.
 const BETWEEN: f64 = 26.0;
 /// Length and half width of an arrow head.
@@ -42,15 +70,19 @@ pub(super) fn file(drawing: &Drawing, names: &[&str]) -> String {
     }
     let view_box = format!("0 0 {WIDTH} {height:.0}");
     let markup = html! {
-        svg class="drawing" xmlns="http://www.w3.org/2000/svg" viewBox=(view_box) width={ (WIDTH / MM) "mm" } height={ (format!("{:.1}", height / MM)) "mm" } {
+        svg class="drawing" xmlns="http://www.w3.org/2000/svg" viewBox=(view_box) width={ (WIDTH / MM) "mm" }
+            height={ (format!("{:.1}", height / MM)) "mm" } {
             title { "Drawing of the tool: " (drawing.name) }
-            desc { "Section, details, housing and support at the dimensions of the design. Each key is a group with its value and provenance." }
+            desc { "Section, details, housing and support at the dimensions of the design. Each key is a group with \
+                its value and provenance." }
             style { (PreEscaped(STYLE)) }
             rect.sheet width=(WIDTH) height=(format!("{height:.0}")) {}
             text.name x=(MARGIN) y="24" { (drawing.name) }
-            text.note x=(MARGIN) y="44" { "Scales apply at a width of " (WIDTH / MM) " mm. Point at a key, or use the Tab key, for range and source." @if drawing.is_based() { " Italics: from the base of the design." } }
+            text.note x=(MARGIN) y="44" { "Scales apply at a width of " (WIDTH / MM) " mm. Point at a key, or use the \
+                Tab key, for range and source." @if drawing.is_based() { " Italics: from the base of the design." } }
             @for (index, (standing, symbol)) in drawing.legend().into_iter().enumerate() {
-                g transform={ "translate(" (MARGIN + 6.0 + 290.0 * (index % 3) as f64) " " (62.0 + 18.0 * (index / 3) as f64) ")" } {
+                g transform={ "translate(" (MARGIN + 6.0 + 290.0 * (index % 3) as f64) " "
+                    (62.0 + 18.0 * (index / 3) as f64) ")" } {
                     (symbol)
                     text.note x="12" y="4" { (standing.words()) }
                 }
@@ -61,7 +93,8 @@ pub(super) fn file(drawing: &Drawing, names: &[&str]) -> String {
             @if !placed.is_empty() {
                 text.title x=(MARGIN) y=(format!("{:.0}", foot + 14.0)) { "Keys that do not fit together as drawn" }
                 @for (y, first, line) in &placed {
-                    text.note x=(MARGIN + if *first { 0.0 } else { 12.0 }) y=(format!("{y:.0}")) { @if *first { "\u{2022} " } (line) }
+                    text.note x=(MARGIN + if *first { 0.0 } else { 12.0 })
+                        y=(format!("{y:.0}")) { @if *first { "\u{2022} " } (line) }
                 }
             }
         }
@@ -89,7 +122,8 @@ fn wrapped(text: &str) -> Vec<String> {
 pub(super) fn figure(sheet: &Sheet<'_>) -> Markup {
     let [width, height] = sheet.size;
     html! {
-        svg class="drawing" viewBox={ "0 0 " (width) " " (format!("{height:.0}")) } role="group" aria-label=(sheet.view.title) {
+        svg class="drawing" viewBox={ "0 0 " (width) " " (format!("{height:.0}")) } role="group"
+            aria-label=(sheet.view.title) {
             (content(sheet, false))
         }
     }
@@ -109,20 +143,24 @@ fn content(sheet: &Sheet<'_>, heading: bool) -> Markup {
         defs {
             (hatchings(view.name))
             @if view.window.is_some() {
-                clipPath id=(clip) { rect x=(n(p.x[0])) y=(n(p.y[0])) width=(n(p.x[1] - p.x[0])) height=(n(p.y[1] - p.y[0])) {} }
+                clipPath id=(clip) { rect x=(n(p.x[0])) y=(n(p.y[0])) width=(n(p.x[1] - p.x[0]))
+                    height=(n(p.y[1] - p.y[0])) {} }
             }
         }
         @if heading { text.title x=(MARGIN) y="16" { (view.title) } }
         text.scale x=(WIDTH - MARGIN) y="16" text-anchor="end" { "scale " (sheet.scale_words()) }
         g clip-path=[view.window.map(|_| format!("url(#{clip})"))] {
             @for part in &view.parts {
-                path class={ "part " (material_class(part.material)) } style=[fill(view.name, part.material)] d=(outlines(sheet, &part.outlines)) {
+                path class={ "part " (material_class(part.material)) }
+                    style=[fill(view.name, part.material)] d=(outlines(sheet, &part.outlines)) {
                     title { (part.name) }
                 }
             }
-            @for line in &view.lines { path class={ "line " (style_class(line)) } d=(polyline(sheet, &line.points, false)) {} }
+            @for line in &view.lines { path class={ "line " (style_class(line)) }
+                d=(polyline(sheet, &line.points, false)) {} }
         }
-        @if view.window.is_some() { rect.window x=(n(p.x[0])) y=(n(p.y[0])) width=(n(p.x[1] - p.x[0])) height=(n(p.y[1] - p.y[0])) {} }
+        @if view.window.is_some() { rect.window x=(n(p.x[0])) y=(n(p.y[0])) width=(n(p.x[1] - p.x[0]))
+            height=(n(p.y[1] - p.y[0])) {} }
         @for (letter, window) in &view.details {
             @let [x0, y0] = sheet.at([window.low[0], window.high[1]]);
             @let [x1, y1] = sheet.at([window.high[0], window.low[1]]);
@@ -147,16 +185,20 @@ fn key(sheet: &Sheet<'_>, placed: &Placed<'_>) -> Markup {
     let (symbol, text) = if left { (x - 6.0, x - 14.0) } else { (x + 6.0, x + 14.0) };
     let end = if left { "end" } else { "start" };
     html! {
-        g class={ "key " (label.standing.class()) @if label.inherited { " inherited" } } data-key=(label.key) tabindex="0" role="img" aria-label=(label.title) {
+        g class={ "key " (label.standing.class()) @if label.inherited { " inherited" } } data-key=(label.key)
+            tabindex="0" role="img" aria-label=(label.title) {
             title { (label.title) }
             @if !areas.is_empty() { path.meant d=(areas) {} }
             path.leader d=(leader) {}
             @if !marks.is_empty() { path.dimension d=(marks) {} }
             path.target d={ (leader) (marks) } {}
-            rect.target x=(n(placed.area.x[0])) y=(n(placed.area.y[0])) width=(n(placed.area.x[1] - placed.area.x[0])) height=(n(placed.area.y[1] - placed.area.y[0])) {}
-            path class={ "symbol " (label.standing.class()) } transform={ "translate(" (n(symbol)) " " (n(y)) ")" } d=(label.standing.symbol()) {}
+            rect.target x=(n(placed.area.x[0])) y=(n(placed.area.y[0])) width=(n(placed.area.x[1] - placed.area.x[0]))
+                height=(n(placed.area.y[1] - placed.area.y[0])) {}
+            path class={ "symbol " (label.standing.class()) } transform={ "translate(" (n(symbol)) " " (n(y)) ")" }
+                d=(label.standing.symbol()) {}
             text.key-name x=(n(text)) y=(n(y - 2.0)) text-anchor=(end) font-size=(KEY_TYPE) { (label.key) }
-            text.value x=(n(text)) y=(n(y + 11.0)) text-anchor=(end) font-size=(VALUE_TYPE) { (with_subscripts(&value_line(label))) }
+            text.value x=(n(text)) y=(n(y + 11.0)) text-anchor=(end)
+                font-size=(VALUE_TYPE) { (with_subscripts(&value_line(label))) }
         }
     }
 }
@@ -332,10 +374,12 @@ fn scale_bar(sheet: &Sheet<'_>) -> Markup {
     html! {
         g.bar {
             @for k in 0..5u8 {
-                rect class=(if k % 2 == 0 { "dark" } else { "light" }) x=(n2(x + f64::from(k) * step)) y=(n(y)) width=(n2(step)) height="4" {}
+                rect class=(if k % 2 == 0 { "dark" } else { "light" }) x=(n2(x + f64::from(k) * step)) y=(n(y))
+                    width=(n2(step)) height="4" {}
             }
             text.note x=(n(x)) y=(n(y + 16.0)) { "0" }
-            text.note x=(n(end)) y=(n(y + 16.0)) text-anchor="middle" { (crate::wording::rounded(length, 3, 1e6)) " mm" }
+            text.note x=(n(end)) y=(n(y + 16.0)) text-anchor="middle" { (crate::wording::rounded(length, 3, 1e6))
+                " mm" }
         }
     }
 }
@@ -391,7 +435,8 @@ fn fill(view: &str, material: Material) -> Option<String> {
 fn hatchings(view: &str) -> Markup {
     let pattern = |name: &str, size: [f64; 2], turned: f64, strokes: &str| {
         html! {
-            pattern id={ "d-" (view) "-" (name) } width=(size[0]) height=(size[1]) patternUnits="userSpaceOnUse" patternTransform={ "rotate(" (turned) ")" } {
+            pattern id={ "d-" (view) "-" (name) } width=(size[0]) height=(size[1]) patternUnits="userSpaceOnUse"
+                patternTransform={ "rotate(" (turned) ")" } {
                 rect class={ "ground " (name) } width=(size[0]) height=(size[1]) {}
                 path.hatch d=(strokes) {}
             }
@@ -402,7 +447,8 @@ fn hatchings(view: &str) -> Markup {
         (pattern("mechanism", [4.0, 4.0], -45.0, "M0 0V4"))
         (pattern("steel", [5.0, 5.0], -45.0, "M0 0V5M1.6 0V5"))
         (pattern("rubber", [3.4, 3.4], 45.0, "M0 0V3.4M0 0H3.4"))
-        (pattern("wood", [46.0, 16.0], 0.0, "M0 3C12 1 30 5 46 3M0 8.5C16 10 28 6.5 46 8.5M0 13.5C10 14.5 34 12 46 13.5"))
+        (pattern("wood", [46.0, 16.0], 0.0, "M0 3C12 1 30 5 46 3M0 8.5C16 10 28 6.5 46 8.5M0 13.5C10 14.5 34 12 46 \
+            13.5"))
         (pattern("plywood", [12.0, 6.0], 0.0, "M0 1.5H12M0 4.5H5M8 4.5H12"))
         (pattern("sand", [13.0, 11.0], 0.0, "M1 2h1M6 5h1M10 1h1M3 8h1M9 9h1M12 6h.8"))
         (pattern("floor", [7.0, 7.0], 45.0, "M0 0V7"))

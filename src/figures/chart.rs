@@ -206,7 +206,7 @@ impl Series {
         Self {
             x: axis.range.to_vec(),
             y: vec![value; 2],
-            ..Self::over(name, super::GREY, Shape::Dashed, [])
+            ..Self::over(name, super::palette::GREY, Shape::Dashed, [])
         }
     }
 }

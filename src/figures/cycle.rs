@@ -152,7 +152,8 @@ pub fn cycle(subject: &str, design: &Values, record: &CycleRecord) -> Vec<Chart>
         chart(
             "motion",
             "Motion",
-            "Travel of the piston in the tool, depth of the nail, rise of the tool above the wood; velocities of piston and \
+            "Travel of the piston in the tool, depth of the nail, rise of the tool above the wood; velocities of \
+             piston and \
              tool; lift of the head valve.",
             vec![
                 ruled("Travel", "mm", 58, travel, &[mm("bumper at", design.piston.stroke)]),
@@ -163,7 +164,8 @@ pub fn cycle(subject: &str, design: &Values, record: &CycleRecord) -> Vec<Chart>
         chart(
             "ratios",
             "Pressure ratios",
-            "Pressure ratios across intake and exhaust while they are open. The flow is choked below the critical ratio.",
+            "Pressure ratios across intake and exhaust while they are open. The flow is choked below the critical \
+             ratio.",
             vec![
                 ruled("Intake ratio", "", 42, into, &rule),
                 ruled("Exhaust ratio", "", 42, out, &rule),

@@ -5,8 +5,8 @@
 
 use nailnoise_dynamics::{CycleRecord, EnergyFlow};
 
-use super::GREY;
 use super::chart::{Axis, Chart, Panel, Series, Shape};
+use super::palette::GREY;
 
 /// Part of the largest level below which terms are drawn together.
 const SMALL: f64 = 1e-3;

@@ -1,11 +1,12 @@
-//! Charts of levels: third-octave bands of the sources and of the exhaust's parts, intervals between events, power over
+//! Charts of levels: third-octave bands of the sources and of parts of a source, intervals between events, power over
 //! time.
 
 use nailnoise_acoustics::levels::{energy_level, level_energy};
 use nailnoise_dynamics::CycleRecord;
 
-use super::BLACK;
 use super::chart::{Axis, Chart, Panel, Series, Shape, events, symbol};
+use super::palette::BLACK;
+use crate::model::sources::{ALL, by_name};
 use crate::output::event_name;
 use crate::result::{BandLevel, IntervalLevel, RunResult};
 use crate::stages::ranking::SoundPower;
@@ -15,16 +16,11 @@ pub(crate) const SHOWN: f64 = 60.0;
 
 /// Place of a source in the palette, the same in every chart; sources without a fixed place take the others in turn.
 pub(crate) fn in_palette(source: &str, place: usize) -> usize {
-    match source {
-        "workpiece" => 0,
-        "exhaust" => 1,
-        "body" => 2,
-        _ => 3 + place % 3,
-    }
+    by_name(source).map_or(3 + place % 3, |source| source.colour())
 }
 
-/// The charts of a result's levels: `bands` of each source, `exhaust` with its parts (none without an exhaust), and
-/// `intervals` between events. `subject` names their subject.
+/// The charts of a result's levels: `bands` of each source, a chart of the parts of each source that has one, named
+/// after the source, and `intervals` between events. `subject` names their subject.
 pub fn levels(subject: &str, result: &RunResult) -> Vec<Chart> {
     let chart = |name: &str, title, caption: &str, panels| Chart {
         name: name.to_owned(),
@@ -44,8 +40,12 @@ pub fn levels(subject: &str, result: &RunResult) -> Vec<Chart> {
             bands("L_{W,1s} per 1/3 octave", result, sources(result, |band| band.lw_db)),
         ],
     )];
-    if let Some(exhaust) = result.ranking.iter().find(|source| source.source == "exhaust") {
-        let parts = exhaust.components.iter().enumerate();
+    let ranked = |name: &str| result.ranking.iter().find(|ranked| ranked.source == name);
+    let with_parts = ALL
+        .into_iter()
+        .filter_map(|own| Some((own.chart_of_parts()?, ranked(own.name())?)));
+    for (title, source) in with_parts {
+        let parts = source.components.iter().enumerate();
         let audible = parts.filter(|(_, part)| part.lwa_db.is_some());
         let steps = |name: &str, colour, bands: &[BandLevel]| {
             Series::over(name, colour, Shape::Steps, bands.iter().map(weighted))
@@ -53,19 +53,24 @@ pub fn levels(subject: &str, result: &RunResult) -> Vec<Chart> {
         let mut series: Vec<Series> = audible
             .map(|(place, part)| steps(&part.name, place % BLACK, &part.bands))
             .collect();
-        series.push(steps("exhaust", BLACK, &exhaust.bands));
+        series.push(steps(&source.source, BLACK, &source.bands));
         charts.push(chart(
-            "exhaust",
-            "Parts of the exhaust",
-            "A-weighted one-third-octave levels of the parts of the exhaust, dB re 1 pW s.",
+            &source.source,
+            title,
+            &format!(
+                "A-weighted one-third-octave levels of the parts of the {}, dB re 1 pW s.",
+                source.source
+            ),
             vec![bands("L_{WA,1s} per 1/3 octave", result, series)],
         ));
     }
     charts.push(chart(
         "intervals",
         "Level between events",
-        "A-weighted levels of the energy radiated from each event to the next, dB re 1 pW s; lines across the bars: levels of \
-         the signal cut at both events, as a measurement finds them. The energies of a source's intervals sum to its total.",
+        "A-weighted levels of the energy radiated from each event to the next, dB re 1 pW s; lines across the bars: \
+         levels of \
+         the signal cut at both events, as a measurement finds them. The energies of a source's intervals sum to its \
+         total.",
         vec![intervals(result)],
     ));
     charts

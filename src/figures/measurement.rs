@@ -1,8 +1,9 @@
-//! Charts of a wrapping test: levels with uncertainty, bands as recorded and corrected, intervals, signals with markers.
+//! Charts of a wrapping test: levels with uncertainty, bands as recorded and corrected, intervals, signals with
+//! markers.
 
-use super::BLACK;
 use super::chart::{Axis, Chart, Event, Panel, Series, Shape, symbol};
 use super::levels::{SHOWN, in_palette};
+use super::palette::BLACK;
 use crate::measurement::lines::BEFORE;
 use crate::measurement::markers::{MARKERS, STANDARD_GRAVITY};
 use crate::measurement::processing::Measured;
@@ -77,7 +78,8 @@ fn levels(result: &MeasurementResult) -> Chart {
         result,
         "measured-levels",
         "Measured levels",
-        "A-weighted single-event sound power levels, dB re 1 pW s, with the expanded uncertainty (k = 2) of repeats and method.",
+        "A-weighted single-event sound power levels, dB re 1 pW s, with the expanded uncertainty (k = 2) of repeats \
+         and method.",
         vec![panel],
     )
 }
@@ -122,7 +124,8 @@ fn bands(result: &MeasurementResult) -> Chart {
         result,
         "measured-bands",
         "Measured bands",
-        "A-weighted one-third-octave levels, dB re 1 pW s: the configurations as recorded, and the sources after subtraction of the \
+        "A-weighted one-third-octave levels, dB re 1 pW s: the configurations as recorded, and the sources after \
+         subtraction of the \
          residual.",
         panels,
     )
@@ -231,7 +234,8 @@ fn signals(measured: &Measured) -> Option<Chart> {
         &measured.result,
         "measured-signals",
         "Signals and markers",
-        "The first shot with nothing wrapped: sound pressure at microphone 1, accelerations and pressures over time, with the markers \
+        "The first shot with nothing wrapped: sound pressure at microphone 1, accelerations and pressures over time, \
+         with the markers \
          that were found.",
         panels,
     );

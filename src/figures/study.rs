@@ -1,8 +1,8 @@
 //! Charts of a study: intervals of levels, probabilities of orders, deciding inputs, convergence.
 
-use super::BLACK;
 use super::chart::{Axis, Chart, Panel, Series, Shape};
 use super::levels::{SHOWN, in_palette};
+use super::palette::BLACK;
 use crate::study::{
     Axis as SweepAxis, Contributions, Draws, Estimate, InputChanges, Kind, LabelledStudy, OneAtATime, Quantiles,
     StudyResult, SweptPoint, column, levels_of,
@@ -29,7 +29,8 @@ pub fn study(result: &StudyResult) -> Vec<Chart> {
     let mut charts = vec![chart(
         "study-levels",
         "Level of each source",
-        "A-weighted single-event sound power levels, dB re 1 pW s: 90 % of the draws lie in the bar, half below its line.",
+        "A-weighted single-event sound power levels, dB re 1 pW s: 90 % of the draws lie in the bar, half below its \
+         line.",
         vec![sources(result)],
     )];
     charts.push(chart(
@@ -54,8 +55,13 @@ pub fn study(result: &StudyResult) -> Vec<Chart> {
         charts.push(chart(
             "study-one-at-a-time",
             "One input at a time",
-            "Change of the level of the design with one input at the 5th (upper bar) and the 95th percentile (lower bar) of its distribution.",
-            own.outputs.iter().enumerate().filter_map(|(place, name)| swings(own, place, name)).collect(),
+            "Change of the level of the design with one input at the 5th (upper bar) and the 95th percentile (lower \
+             bar) of its distribution.",
+            own.outputs
+                .iter()
+                .enumerate()
+                .filter_map(|(place, name)| swings(own, place, name))
+                .collect(),
         ));
     }
     charts
@@ -221,7 +227,8 @@ fn convergence(result: &StudyResult) -> Panel {
     }
 }
 
-/// Levels over the inputs that decide them most, a dot a draw: for the total and for the difference of the two loudest sources.
+/// Levels over the inputs that decide them most, a dot a draw: for the total and for the difference of the two loudest
+/// sources.
 pub fn scatter(result: &StudyResult, made: &Draws) -> Vec<Chart> {
     let of_interest = |own: &&Contributions| own.output == "total" || own.output.contains(" less ");
     let outputs = result.contributions.iter().filter(of_interest);

@@ -28,7 +28,8 @@ const RIGHT: i32 = 4 * MM;
 /// Height of 8 pt type, which the backend divides by 1.24, and of a line of it.
 const TYPE: f64 = 56.0 * 1.24;
 const LEADING: i32 = 87;
-/// Height of the heading, of the space over a legend, of the labels of events, of an axis' numbers and title, and below it.
+/// Height of the heading, of the space over a legend, of the labels of events, of an axis' numbers and title, and below
+/// it.
 const HEADING: i32 = 7 * MM;
 const GAP: i32 = 3 * MM;
 const EVENTS: i32 = 8 * MM;
@@ -123,7 +124,8 @@ impl Chart {
         let mut svg = String::new();
         // Writing to a string cannot fail.
         let _ = self.draw(SVGBackend::with_string(&mut svg, (WIDTH as u32, height as u32)).into_drawing_area());
-        // The size in print, a name and a description for screen readers, joints that do not shoot beyond a spike's tip.
+        // The size in print, a name and a description for screen readers, joints that do not shoot beyond a spike's
+        // tip.
         let plain = |text: &str| subscripts(text, "", "").replace('&', "&amp;").replace('<', "&lt;");
         let head = format!(
             r#"<svg width="{}mm" height="{}mm" role="img" stroke-linejoin="round" stroke-linecap="round""#,

@@ -1,77 +1,142 @@
 //! Every history of a cycle by name and unit, for files that list them.
 
-use nailnoise_dynamics::CycleRecord;
+use nailnoise_dynamics::{Body, CycleRecord, ExhaustFlow, Forces, Motion, VentFlow, Volume};
 
 /// One history.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone)]
 pub struct Column<'a> {
     /// Name, words joined by underscores.
-    pub name: &'static str,
+    pub name: String,
     /// SI unit, as written in a header.
     pub unit: &'static str,
     /// Samples on the record's time grid.
     pub values: &'a [f64],
 }
 
-/// All histories of a record, in the order a reader would look for them: motion, gas, forces, flow.
+/// The columns of a group of the record. The pattern names all fields of the group, so that a history without a column
+/// does not compile. `flags` are fields that are not quantities.
+macro_rules! group {
+    ($group:expr, $type:ident { $($field:ident: $name:expr, $unit:literal;)* } $(flags $($flag:ident),*)?) => {{
+        let $type { $($field,)* $($($flag: _,)*)? } = $group;
+        vec![$(Column { name: $name.to_owned(), unit: $unit, values: $field }),*]
+    }};
+}
+
+fn body<'a>(name: &str, own: &'a Body) -> Vec<Column<'a>> {
+    group!(own, Body {
+        position: format!("{name}_position"), "m";
+        velocity: format!("{name}_velocity"), "m/s";
+        acceleration: format!("{name}_acceleration"), "m/s2";
+    })
+}
+
+fn volume<'a>(name: &str, own: &'a Volume) -> Vec<Column<'a>> {
+    group!(own, Volume {
+        pressure: format!("{name}_pressure"), "Pa";
+        temperature: format!("{name}_temperature"), "K";
+        mass: format!("{name}_mass"), "kg";
+    })
+}
+
+fn motion(own: &Motion) -> Vec<Column<'_>> {
+    group!(own, Motion {
+        piston_travel: "piston_travel", "m";
+        valve_lift: "valve_lift", "m";
+        tip_depth: "tip_depth", "m";
+        nail_depth: "nail_depth", "m";
+        moving_mass: "moving_mass", "kg";
+    })
+}
+
+fn forces(own: &Forces) -> Vec<Column<'_>> {
+    group!(own, Forces {
+        piston_gas: "piston_gas_force", "N";
+        valve_gas: "valve_gas_force", "N";
+        bumper: "bumper_force", "N";
+        stopper: "stopper_force", "N";
+        cap: "cap_force", "N";
+        seat: "seat_force", "N";
+        spring: "spring_force", "N";
+        piston_friction: "piston_friction_force", "N";
+        valve_friction: "valve_friction_force", "N";
+        penetration: "penetration_force", "N";
+        nose: "nose_force", "N";
+        guard: "guard_force", "N";
+        support: "support_force", "N";
+        hand: "hand_force", "N";
+        magazine: "magazine_force", "N";
+        thrust: "thrust_force", "N";
+    })
+}
+
+fn exhaust(own: &ExhaustFlow) -> Vec<Column<'_>> {
+    group!(own, ExhaustFlow {
+        mass_flow: "exhaust_mass_flow", "kg/s";
+        plenum_pressure: "exhaust_plenum_pressure", "Pa";
+        back_pressure: "exhaust_back_pressure", "Pa";
+        stagnation_temperature: "exhaust_stagnation_temperature", "K";
+        intake_mass_flow: "intake_mass_flow", "kg/s";
+    } flags choked, intake_choked)
+}
+
+fn vent(own: &VentFlow) -> Vec<Column<'_>> {
+    group!(own, VentFlow {
+        mass_flow: "vent_mass_flow", "kg/s";
+        pressure: "vent_pressure", "Pa";
+        temperature: "vent_temperature", "K";
+    })
+}
+
+/// Columns that later versions added: they come last, because the order of the columns is an interface.
+const ADDED: [&str; 2] = ["magazine_force", "thrust_force"];
+
+/// All histories of a record, in the order in which a reader would look for them: motion, gas, forces, flow.
 pub fn columns(record: &CycleRecord) -> Vec<Column<'_>> {
-    let column = |name, unit, values| Column { name, unit, values };
-    let r = record;
-    let f = &r.forces;
-    vec![
-        column("piston_position", "m", &r.piston.position),
-        column("piston_velocity", "m/s", &r.piston.velocity),
-        column("piston_acceleration", "m/s2", &r.piston.acceleration),
-        column("head_valve_position", "m", &r.head_valve.position),
-        column("head_valve_velocity", "m/s", &r.head_valve.velocity),
-        column("head_valve_acceleration", "m/s2", &r.head_valve.acceleration),
-        column("tool_position", "m", &r.tool.position),
-        column("tool_velocity", "m/s", &r.tool.velocity),
-        column("tool_acceleration", "m/s2", &r.tool.acceleration),
-        column("workpiece_position", "m", &r.workpiece.position),
-        column("workpiece_velocity", "m/s", &r.workpiece.velocity),
-        column("workpiece_acceleration", "m/s2", &r.workpiece.acceleration),
-        column("piston_travel", "m", &r.motion.piston_travel),
-        column("valve_lift", "m", &r.motion.valve_lift),
-        column("tip_depth", "m", &r.motion.tip_depth),
-        column("nail_depth", "m", &r.motion.nail_depth),
-        column("moving_mass", "kg", &r.motion.moving_mass),
-        column("above_piston_pressure", "Pa", &r.above_piston.pressure),
-        column("above_piston_temperature", "K", &r.above_piston.temperature),
-        column("above_piston_mass", "kg", &r.above_piston.mass),
-        column("below_piston_pressure", "Pa", &r.below_piston.pressure),
-        column("below_piston_temperature", "K", &r.below_piston.temperature),
-        column("below_piston_mass", "kg", &r.below_piston.mass),
-        column("return_volume_pressure", "Pa", &r.return_volume.pressure),
-        column("return_volume_temperature", "K", &r.return_volume.temperature),
-        column("return_volume_mass", "kg", &r.return_volume.mass),
-        column("above_valve_pressure", "Pa", &r.above_valve.pressure),
-        column("above_valve_temperature", "K", &r.above_valve.temperature),
-        column("above_valve_mass", "kg", &r.above_valve.mass),
-        column("supply_pressure", "Pa", &r.supply.pressure),
-        column("supply_temperature", "K", &r.supply.temperature),
-        column("supply_mass", "kg", &r.supply.mass),
-        column("piston_gas_force", "N", &f.piston_gas),
-        column("valve_gas_force", "N", &f.valve_gas),
-        column("bumper_force", "N", &f.bumper),
-        column("stopper_force", "N", &f.stopper),
-        column("cap_force", "N", &f.cap),
-        column("seat_force", "N", &f.seat),
-        column("spring_force", "N", &f.spring),
-        column("piston_friction_force", "N", &f.piston_friction),
-        column("valve_friction_force", "N", &f.valve_friction),
-        column("penetration_force", "N", &f.penetration),
-        column("nose_force", "N", &f.nose),
-        column("guard_force", "N", &f.guard),
-        column("support_force", "N", &f.support),
-        column("hand_force", "N", &f.hand),
-        column("exhaust_mass_flow", "kg/s", &r.exhaust.mass_flow),
-        column("exhaust_plenum_pressure", "Pa", &r.exhaust.plenum_pressure),
-        column("exhaust_back_pressure", "Pa", &r.exhaust.back_pressure),
-        column("exhaust_stagnation_temperature", "K", &r.exhaust.stagnation_temperature),
-        column("intake_mass_flow", "kg/s", &r.exhaust.intake_mass_flow),
-        column("vent_mass_flow", "kg/s", &r.vent.mass_flow),
-        column("vent_pressure", "Pa", &r.vent.pressure),
-        column("vent_temperature", "K", &r.vent.temperature),
+    // A new group of histories does not compile until it has its columns.
+    let CycleRecord {
+        piston,
+        head_valve,
+        tool,
+        workpiece,
+        motion: relative,
+        above_piston,
+        below_piston,
+        return_volume,
+        above_valve,
+        supply,
+        forces: between,
+        exhaust: outflow,
+        vent: vented,
+        sample_interval: _,
+        events: _,
+        log: _,
+        outcome: _,
+        summary: _,
+        energy: _,
+        checks: _,
+        work: _,
+    } = record;
+    let mut columns = [
+        body("piston", piston),
+        body("head_valve", head_valve),
+        body("tool", tool),
+        body("workpiece", workpiece),
+        motion(relative),
+        volume("above_piston", above_piston),
+        volume("below_piston", below_piston),
+        volume("return_volume", return_volume),
+        volume("above_valve", above_valve),
+        volume("supply", supply),
+        forces(between),
+        exhaust(outflow),
+        vent(vented),
     ]
+    .concat();
+    columns.sort_by_key(|column| {
+        ADDED
+            .iter()
+            .position(|name| *name == column.name)
+            .map(|place| place + 1)
+    });
+    columns
 }

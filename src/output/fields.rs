@@ -26,8 +26,8 @@ const REFERENCE: f64 = 50e-9 * 50e-9;
 /// L_vE = 10 lg( 2 int |v(f)|^2 df / ((50 nm/s)^2 x 1 s) )
 /// ```
 ///
-/// with v the velocity vector, from the coherent sum of all modes; no lower than 60 dB below the highest point. And, as a `film`,
-/// the same as a series of the bands that ParaView steps through, `BODY-bands.pvd`.
+/// with v the velocity vector, from the coherent sum of all modes; no lower than 60 dB below the highest point. And, as
+/// a `film`, the same as a series of the bands that ParaView steps through, `BODY-bands.pvd`.
 pub(super) fn add(fields: &mut Fields, driven: &Driven, film: bool) {
     let (body, spectra) = (&driven.body, &driven.motion.spectra);
     let factor = |octave: &Band| Some((octave.nominal_hz(), factor(spectra, [octave.low, octave.high])?));

@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use nailnoise_meshes::vtu::{Array, Frames};
 use serde::{Deserialize, Serialize};
 
-use super::FIELDS;
+use super::file::FIELDS;
 use crate::error::Error;
 
 /// Files that are rendered when they are written.

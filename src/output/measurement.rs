@@ -8,8 +8,10 @@ use crate::measurement::processing::CorrectedShot;
 use crate::measurement::recordings::wav::{Coding, encode};
 use crate::measurement::repeats::RepeatedLevel;
 use crate::measurement::result::{MeasuredBand, MeasuredInterval, MeasurementResult};
+use crate::measurement::wrapping::Role;
 
-/// The corrected signals of a shot as a sound file with a channel for each microphone: its path, its bytes, its full scale \[Pa\].
+/// The corrected signals of a shot as a sound file with a channel for each microphone: its path, its bytes, its full
+/// scale \[Pa\].
 ///
 /// # Errors
 /// [`Error::Write`] if the file cannot store them.
@@ -29,8 +31,8 @@ pub fn corrected_signal(shot: &CorrectedShot) -> Result<(PathBuf, Vec<u8>, f64),
     Ok((path, bytes, full_scale))
 }
 
-/// `levels.csv`, `bands.csv`, `intervals.csv`, `markers.csv`, `accelerations.csv`, and `signals.csv` with the full scale of each
-/// sound file \[Pa\].
+/// `levels.csv`, `bands.csv`, `intervals.csv`, `markers.csv`, `accelerations.csv`, and `signals.csv` with the full
+/// scale of each sound file \[Pa\].
 ///
 /// # Errors
 /// Those of the tables.
@@ -72,10 +74,15 @@ fn levels(result: &MeasurementResult) -> Result<Vec<u8>, Error> {
             own.floor_db,
         )
     });
-    let bound = result
-        .bound
-        .iter()
-        .map(|own| row("upper bound", "workpiece", own.level.as_ref(), own.by_energy_db, None));
+    let bound = result.bound.iter().map(|own| {
+        row(
+            "upper bound",
+            Role::Workpiece.name(),
+            own.level.as_ref(),
+            own.by_energy_db,
+            None,
+        )
+    });
     table(
         [
             "kind",
@@ -117,7 +124,7 @@ fn bands(result: &MeasurementResult) -> Result<Vec<u8>, Error> {
     let bound = result
         .bound
         .iter()
-        .flat_map(|own| rows("upper bound", "workpiece", &own.bands));
+        .flat_map(|own| rows("upper bound", Role::Workpiece.name(), &own.bands));
     table(
         ["kind", "name", "band [Hz]", "L_WA,1s [dB]"],
         recorded.chain(sources).chain(bound),

@@ -2,40 +2,57 @@
 
 use std::path::PathBuf;
 
-use super::File;
 use super::table::{optional, table};
+use super::{File, Output, RunView};
 use crate::error::Error;
 use crate::measurement::recordings::wav::{Coding, encode};
 use crate::result::MicrophoneReport;
 use crate::run::Run;
 use crate::stages::microphones::SAMPLE_RATE;
 
-/// `microphones.csv`, `microphones-bands.csv`, `microphones/SOURCE-N.wav`: mono, 48 kHz, 24 bits, full scale as the table
-/// states; and `microphones/about.txt`.
-pub(super) fn files(run: &Run) -> Result<Vec<File>, Error> {
+/// Levels at each microphone.
+pub(super) const LEVELS: Output = Output::of_run("microphones.csv", |of| levels(report(of)));
+
+/// Band powers by the microphones, beside the radiated ones.
+pub(super) const BANDS: Output = Output::of_run("microphones-bands.csv", |of| bands(report(of)));
+
+/// Content of the sound files in words.
+pub(super) const NOTE: Output = Output::of_run("microphones/about.txt", |of| Ok(note(report(of)).into_bytes()));
+
+/// Sound of each source at each microphone: mono, 48 kHz, 24 bits, full scale as the table states.
+pub(super) const SOUNDS: Output = Output::files("microphones/*.wav", |of| {
+    let microphones = 0..report(of).positions_m.len();
+    Ok(microphones
+        .map(|number| sounds(of.run, number))
+        .collect::<Result<Vec<_>, _>>()?
+        .concat())
+});
+
+fn report<'a>(of: &RunView<'a>) -> &'a MicrophoneReport {
+    &of.run.microphones.report
+}
+
+/// The sound files of all sources at a microphone, counted from 0.
+///
+/// # Errors
+/// [`Error::Write`] if a file cannot store the samples.
+pub fn sounds(run: &Run, microphone: usize) -> Result<Vec<File>, Error> {
     let microphones = &run.microphones;
-    let report = &microphones.report;
-    let mut files = vec![
-        File::new("microphones.csv", levels(report)?),
-        File::new("microphones-bands.csv", bands(report)?),
-        File::new("microphones/about.txt", note(report)),
-    ];
-    for (source, signals) in &microphones.signals {
-        for (number, signal) in signals.iter().enumerate() {
-            let path = sound(source, number);
-            let wave = encode(&[signal], SAMPLE_RATE, report.full_scale_pa, Coding::Integer24);
-            let wave = wave.map_err(|source| Error::Write {
-                path: path.clone(),
-                source,
-            })?;
-            files.push(File::new(path, wave));
+    let of_source = microphones.signals.iter();
+    let of_source = of_source.filter_map(|(source, signals)| Some((source, signals.get(microphone)?)));
+    let file = |(source, signal): (&String, &Vec<f64>)| {
+        let path = sound(source, microphone);
+        let full_scale = microphones.report.full_scale_pa;
+        match encode(&[signal], SAMPLE_RATE, full_scale, Coding::Integer24) {
+            Ok(wave) => Ok(File::new(path, wave)),
+            Err(source) => Err(Error::Write { path, source }),
         }
-    }
-    Ok(files)
+    };
+    of_source.map(file).collect()
 }
 
 /// The sound file of a source at a microphone, counted from 0.
-pub(crate) fn sound(source: &str, microphone: usize) -> PathBuf {
+fn sound(source: &str, microphone: usize) -> PathBuf {
     format!("microphones/{source}-{}.wav", microphone + 1).into()
 }
 
@@ -53,8 +70,10 @@ fn note(report: &MicrophoneReport) -> String {
     let [low, high] = report.range_hz;
     let mut text = format!(
         "Sound pressure from the trigger on, {SAMPLE_RATE} samples a second, 24 bits; a full-scale sample is {} Pa.\n\
-         All files hold {low} Hz to {high} Hz and nothing outside, with the energy that microphones.csv states. By the convention\n\
-         of wrapping, exhaust and body have parts that sound together with the other source: there only the total does.\n\n",
+         All files hold {low} Hz to {high} Hz and nothing outside, with the energy that microphones.csv states. \
+         By the convention\n\
+         of wrapping, exhaust and body have parts that sound together with the other source: \
+         there only the total does.\n\n",
         report.full_scale_pa
     );
     for source in &report.sources {
@@ -68,7 +87,8 @@ fn note(report: &MicrophoneReport) -> String {
         text.push_str(&format!("{}: {}; {phases}.\n", source.source, source.how));
     }
     text.push_str(
-        "\nJet noise is random: the exhaust files hold one realisation. Peaks of synthetic parts and of jets are those of one realisation.\n",
+        "\nJet noise is random: the exhaust files hold one realisation. Peaks of synthetic parts and of jets are those \
+         of one realisation.\n",
     );
     text
 }

@@ -15,8 +15,8 @@ const FRAMES: usize = 24;
 /// Largest displacement as a share of the body's diagonal: seen, and not yet folded.
 const AMPLITUDE: f64 = 0.05;
 
-/// Writes one period of a mode, `mode-N.pvd` and a `.vtu` an instant: the surface displaced by a cos(omega t) phi, with a
-/// such that the largest displacement is a twentieth of the body, and that displacement as a vector \[m\].
+/// Writes one period of a mode, `mode-N.pvd` and a `.vtu` an instant: the surface displaced by a cos(omega t) phi, with
+/// a such that the largest displacement is a twentieth of the body, and that displacement as a vector \[m\].
 pub(super) fn write(staging: &Staging, folder: &Path, body: &Body, mode: usize) -> Result<PathBuf, Error> {
     let name = format!("mode-{:04}", mode + 1);
     let shape = body.skin.column(mode).map(f64::from);

@@ -1,14 +1,21 @@
-//! Records of the sensors: `sensors.csv`, `sensors-spectrum.csv`, `transducers.csv`, and `sensors.uff` and
-//! `transducers.uff` for modal-test software.
+//! `sensors*`: histories and spectra of the accelerometers.
 
 use nailnoise_acoustics::fourier::{Transform, TransformSettings};
 use nailnoise_meshes::uff::{History, Ordinate};
 
-use super::File;
-use super::table::{coarse, numbers};
+use super::table::{numbers, stride};
+use super::{Output, RunView};
 use crate::error::Error;
-use crate::run::Run;
 use crate::stages::sensors::SensorRecord;
+
+/// Accelerations over time.
+pub(super) const HISTORIES: Output = Output::of_run("sensors.csv", histories).only_if(exist);
+
+/// Their energy spectra.
+pub(super) const SPECTRA: Output = Output::of_run("sensors-spectrum.csv", spectra).only_if(exist);
+
+/// Every sample for modal-test software, binary.
+pub(super) const UNIVERSAL: Output = Output::of_run("sensors.uff", universal).only_if(exist);
 
 /// Lowest frequency of the spectra \[Hz\].
 const SPECTRUM_FROM: f64 = 5.0;
@@ -16,67 +23,19 @@ const SPECTRUM_FROM: f64 = 5.0;
 /// Highest frequency of the spectra \[Hz\].
 const SPECTRUM_TO: f64 = 20e3;
 
-/// The files of accelerometers and pressure transducers; only of kinds in the design. Tables have `all` samples, or
-/// every so many; universal files have all of them, binary.
-pub(super) fn files(run: &Run, all: bool) -> Result<Vec<File>, Error> {
-    let mut files = of_accelerometers(run, all)?;
-    files.extend(of_transducers(run, all)?);
-    Ok(files)
+fn exist(of: &RunView<'_>) -> bool {
+    !of.run.sensors.is_empty()
 }
 
 /// Name and place of a sensor.
-fn title(name: &str, place: &str) -> String {
+pub(super) fn title(name: &str, place: &str) -> String {
     format!("{name} ({place})")
 }
 
-fn of_transducers(run: &Run, all: bool) -> Result<Vec<File>, Error> {
-    let transducers = &run.transducers;
-    let Some(interval) = transducers.first().map(|first| first.interval) else {
-        return Ok(Vec::new());
-    };
-    let titles = transducers
-        .iter()
-        .map(|own| title(&own.name, own.chamber.as_str()) + " [Pa]");
-    let columns: Vec<&[f64]> = transducers.iter().map(|own| own.values.as_slice()).collect();
-    let table = numbers(
-        ["time [s]".to_owned()].into_iter().chain(titles),
-        (|sample| sample as f64 * interval, 7),
-        (&columns, 6),
-        if all { 1 } else { coarse(interval) },
-    )?;
+fn universal(of: &RunView<'_>) -> Result<Vec<u8>, Error> {
+    let origin = format!("nailnoise design {}", of.run.result.design.digest);
     let mut uff = Vec::new();
-    for (index, own) in transducers.iter().enumerate() {
-        History {
-            title: &title(&own.name, own.chamber.as_str()),
-            origin: &format!("nailnoise design {}", run.result.design.digest),
-            sensor: &own.name,
-            node: index + 1,
-            ordinate: Ordinate::Pressure,
-            interval,
-            values: &own.values,
-        }
-        .write_binary(&mut uff);
-    }
-    Ok(vec![
-        File::new("transducers.csv", table),
-        File::new("transducers.uff", uff),
-    ])
-}
-
-fn of_accelerometers(run: &Run, all: bool) -> Result<Vec<File>, Error> {
-    let sensors = &run.sensors;
-    let Some(first) = sensors.first() else {
-        return Ok(Vec::new());
-    };
-    let settings = TransformSettings {
-        range_hz: [SPECTRUM_FROM, SPECTRUM_TO.min(0.5 / first.interval)],
-        padding: 1.0,
-        ..TransformSettings::default()
-    };
-    let transform = Transform::new(first.acceleration.len(), first.interval, &settings)?;
-    let origin = format!("nailnoise design {}", run.result.design.digest);
-    let mut uff = Vec::new();
-    for (index, sensor) in sensors.iter().enumerate() {
+    for (index, sensor) in of.run.sensors.iter().enumerate() {
         History {
             title: &title(&sensor.name, sensor.body.as_str()),
             origin: &origin,
@@ -88,11 +47,7 @@ fn of_accelerometers(run: &Run, all: bool) -> Result<Vec<File>, Error> {
         }
         .write_binary(&mut uff);
     }
-    Ok(vec![
-        File::new("sensors.csv", histories(sensors, all)?),
-        File::new("sensors-spectrum.csv", spectra(sensors, &transform)?),
-        File::new("sensors.uff", uff),
-    ])
+    Ok(uff)
 }
 
 fn header(abscissa: &str, sensors: &[SensorRecord], unit: &'static str) -> impl Iterator<Item = String> {
@@ -100,19 +55,30 @@ fn header(abscissa: &str, sensors: &[SensorRecord], unit: &'static str) -> impl 
     [abscissa.to_owned()].into_iter().chain(sensors.iter().map(title))
 }
 
-fn histories(sensors: &[SensorRecord], all: bool) -> Result<Vec<u8>, Error> {
+fn histories(of: &RunView<'_>) -> Result<Vec<u8>, Error> {
+    let sensors = &of.run.sensors;
     let columns: Vec<&[f64]> = sensors.iter().map(|sensor| sensor.acceleration.as_slice()).collect();
-    let interval = sensors[0].interval;
+    let interval = sensors.first().map_or(1.0, |first| first.interval);
     numbers(
         header("time [s]", sensors, "m/s2"),
         (|sample| sample as f64 * interval, 7),
         (&columns, 6),
-        if all { 1 } else { coarse(interval) },
+        stride(interval, of.exports),
     )
 }
 
 /// Energy spectral densities E = 2 |A(f)|^2, whose integral over f is int a^2 dt.
-fn spectra(sensors: &[SensorRecord], transform: &Transform) -> Result<Vec<u8>, Error> {
+fn spectra(of: &RunView<'_>) -> Result<Vec<u8>, Error> {
+    let sensors = &of.run.sensors;
+    let (samples, interval) = sensors
+        .first()
+        .map_or((0, 1.0), |first| (first.acceleration.len(), first.interval));
+    let settings = TransformSettings {
+        range_hz: [SPECTRUM_FROM, SPECTRUM_TO.min(0.5 / interval)],
+        padding: 1.0,
+        ..TransformSettings::default()
+    };
+    let transform = Transform::new(samples, interval, &settings)?;
     let density = |sensor: &SensorRecord| -> Result<Vec<f64>, Error> {
         let amplitudes = transform.apply(&sensor.acceleration)?;
         Ok(amplitudes.iter().map(|a| 2.0 * a.norm_sqr()).collect())

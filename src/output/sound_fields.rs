@@ -8,8 +8,9 @@ use nailnoise_meshes::vtu::{self, Field, Grid};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use super::FIELDS;
+use super::file::FIELDS;
 use crate::error::Error;
+use crate::stages::bodies::BodyKind;
 use crate::stages::sound_fields::Fields;
 use crate::staging::{Staging, is_file_name};
 
@@ -25,8 +26,8 @@ struct Index {
     series: Vec<String>,
 }
 
-/// Writes the sound fields of a design to `folder/fields`, in place of those that are there: for each series `NAME.pvd` and
-/// the `.vtu` of each band, and `sound.json`, which names them.
+/// Writes the sound fields of a design to `folder/fields`, in place of those that are there: for each series `NAME.pvd`
+/// and the `.vtu` of each band, and `sound.json`, which names them.
 ///
 /// # Errors
 /// [`Error::Write`] or [`Error::Mesh`] with the file that could not be written; the folder is then unchanged.
@@ -65,7 +66,7 @@ pub fn outdated_fields(folder: &Path, digest: &str, films: bool) -> Vec<PathBuf>
 /// Films of bodies in a folder, relative to it: a list and a folder of frames for each.
 fn films_in(folder: &Path) -> Vec<PathBuf> {
     let fields = Path::new(FIELDS);
-    let bodies = ["workpiece", "worktable", "tool"].into_iter();
+    let bodies = BodyKind::ALL.into_iter().map(BodyKind::name);
     let films = bodies.flat_map(|body| ["shot", "bands"].map(|film| format!("{body}-{film}")));
     let paths = films.flat_map(|film| [fields.join(format!("{film}.pvd")), fields.join(film)]);
     paths.filter(|path| folder.join(path).exists()).collect()

@@ -4,6 +4,7 @@ use csv::{ByteRecord, IntoInnerError, QuoteStyle, Writer, WriterBuilder};
 use nailnoise_meshes::digits::{exponential, fixed};
 use rayon::prelude::*;
 
+use super::Exports;
 use crate::error::Error;
 
 /// Rows of a long table that are written together.
@@ -12,8 +13,8 @@ const BLOCK: usize = 128;
 /// Most bytes of a number with nine digits, its sign and its comma.
 const WIDTH: usize = 18;
 
-/// A table of text; fields with commas are quoted, and a text that a spreadsheet would take for a formula begins with an
-/// apostrophe, by which spreadsheets mark text.
+/// A table of text; fields with commas are quoted, and a text that a spreadsheet would take for a formula begins with
+/// an apostrophe, by which spreadsheets mark text.
 ///
 /// # Errors
 /// [`Error::Table`] where a row is longer or shorter than the header.
@@ -62,6 +63,11 @@ pub(super) fn coarse(interval: f64) -> usize {
     (COARSE / interval - 1e-6).ceil().max(1.0) as usize
 }
 
+/// Stride of the samples of histories with this interval \[s\]: 1 if all are requested.
+pub(super) fn stride(interval: f64, exports: Exports) -> usize {
+    if exports.histories { 1 } else { coarse(interval) }
+}
+
 /// A long table of numbers: for every `stride`-th row an abscissa with so many decimals, then a value of each column
 /// with so many digits after its first.
 ///
@@ -102,6 +108,11 @@ pub(super) fn numbers(
 fn finished(writer: Writer<Vec<u8>>) -> Result<Vec<u8>, Error> {
     let written = writer.into_inner().map_err(IntoInnerError::into_error);
     Ok(written.map_err(csv::Error::from)?)
+}
+
+/// A level to a thousandth of a decibel; empty for silence.
+pub(super) fn level(value: Option<f64>) -> String {
+    optional(value, 3)
 }
 
 /// A number with so many decimals; empty for none.

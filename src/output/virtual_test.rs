@@ -19,7 +19,8 @@ const BUTTON: [f64; 3] = [5.0, 10.0, 2.5];
 /// Full scale of a sensor over the largest value of the test, at least.
 const HEADROOM: f64 = 2.0;
 
-/// The microphones of a shot as a sound file with a channel each, and the push-button below the trigger as the last channel.
+/// The microphones of a shot as a sound file with a channel each, and the push-button below the trigger as the last
+/// channel.
 ///
 /// # Errors
 /// [`Error::Write`] if the file cannot store them.
@@ -77,8 +78,8 @@ impl SensorPeaks {
     }
 }
 
-/// The manifest of a test with so many repeats of each configuration, from the full scale of the microphones \[Pa\] and the largest
-/// values of the sensors.
+/// The manifest of a test with so many repeats of each configuration, from the full scale of the microphones \[Pa\] and
+/// the largest values of the sensors.
 pub fn manifest(
     design: &Design,
     arrangement: &Arrangement,
@@ -112,7 +113,8 @@ pub fn manifest(
         let number = place + 1;
         let _ = writeln!(
             text,
-            "mic{number} = {{ file = \"{{c}}-{{k}}.wav\", channel = {number}, full_scale = \"{full_scale} Pa\", position = [{}, {}, {}] }}",
+            "mic{number} = {{ file = \"{{c}}-{{k}}.wav\", channel = {number}, full_scale = \"{full_scale} Pa\", \
+             position = [{}, {}, {}] }}",
             at.x, at.y, at.z
         );
     }
@@ -127,7 +129,8 @@ pub fn manifest(
     for (place, (name, kind, unit, peak)) in accelerometers.chain(transducers).enumerate() {
         let _ = writeln!(
             text,
-            "{name} = {{ file = \"{{c}}-{{k}}.uff\", channel = {}, unit = \"{unit}\", full_scale = \"{} {unit}\", kind = \"{kind}\" }}",
+            "{name} = {{ file = \"{{c}}-{{k}}.uff\", channel = {}, unit = \"{unit}\", full_scale = \"{} {unit}\", \
+             kind = \"{kind}\" }}",
             place + 1,
             crate::stages::microphones::full_scale(HEADROOM * peak)
         );

@@ -33,8 +33,8 @@ pub const COLUMNS: [&str; 18] = [
     "file",
 ];
 
-/// Domains of the numbers \[SI\]: lowest and highest value of each column, from a pin in balsa to a pile in stone, at speeds
-/// from creep to that of a bullet. A value outside is a slip of a unit.
+/// Domains of the numbers \[SI\]: lowest and highest value of each column, from a pin in balsa to a pile in stone, at
+/// speeds from creep to that of a bullet. A value outside is a slip of a unit.
 const DOMAINS: [(&str, [f64; 2]); 10] = [
     ("length_m", [1e-3, 2.0]),
     ("diameter_m", [1e-4, 0.1]),

@@ -225,20 +225,24 @@ fn remarks(law: &FittedLaw, drives: &[Drive], method: Method) -> Vec<String> {
     let [slow, fast] = file.ranges.speed_m_s;
     if form.uses(Variable::Rate) && !law.dynamic() && fast <= slow * (1.0 + 1e-9) {
         notes.push(
-            "all drives have the same speed: the term rate varies with NL rho/H_M only and does not show the effect of speed"
+            "all drives have the same speed: the term rate varies with NL rho/H_M only and does not show the effect \
+             of speed"
                 .to_owned(),
         );
     }
     if !law.dynamic() {
         notes.push(format!(
-            "the tests end at {:.3} mm/s; a design uses the law at that speed, and what the wood does at 25 m/s is not known \
+            "the tests end at {:.3} mm/s; a design uses the law at that speed, and what the wood does at 25 m/s is \
+             not known \
              from them",
             1e3 * fast
         ));
     }
     if form.uses(Variable::Decay) && method == Method::LeastSquares {
         notes.push(
-            "least squares is biased for the term decay, because v/v0 depends on the specimen: prefer the within-between method".to_owned(),
+            "least squares is biased for the term decay, because v/v0 depends on the specimen: prefer the \
+             within-between method"
+                .to_owned(),
         );
     }
     if drives.len() < 2 {

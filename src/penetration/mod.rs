@@ -24,7 +24,8 @@ use nailnoise_documents::tables::{ColumnOf, Table, TableFault};
 pub enum PenetrationError {
     /// A law, wood or nail that is not among the published ones.
     #[error("there is no {what} \"{name}\" among the published ones")]
-    #[diagnostic(help("{}choose from: {known}", nearest.map_or_else(String::new, |near| format!("is it \"{near}\"? "))))]
+    #[diagnostic(help("{}choose from: {known}", nearest.map_or_else(String::new, |near|
+        format!("is it \"{near}\"? "))))]
     Unknown {
         /// `law`, `wood` or `nail`.
         what: &'static str,
@@ -84,7 +85,8 @@ pub enum PenetrationError {
         source: FitError,
     },
     /// A file that holds no fitted law.
-    #[error("{}{} holds no fitted law: {problem}", path.display(), line.map_or_else(String::new, |line| format!(", line {line},")))]
+    #[error("{}{} holds no fitted law: {problem}", path.display(),
+        line.map_or_else(String::new, |line| format!(", line {line},")))]
     #[diagnostic(help("make it with `nailnoise prf fit`"))]
     Law {
         /// The file.
@@ -95,9 +97,11 @@ pub enum PenetrationError {
         problem: String,
     },
     /// A condition beyond the range of the data of a law.
-    #[error("{}: {variable} is {value:.6}, beyond the range of the fit, {:.6} to {:.6}", path.display(), range[0], range[1])]
+    #[error("{}: {variable} is {value:.6}, beyond the range of the fit, {:.6} to \
+        {:.6}", path.display(), range[0], range[1])]
     #[diagnostic(help(
-        "drive nails under conditions that include this one, or fit again with `nailnoise prf fit --extrapolate` to allow it"
+        "drive nails under conditions that include this one, or fit again with `nailnoise prf fit --extrapolate` to \
+         allow it"
     ))]
     Beyond {
         /// The file of the law.
@@ -225,8 +229,8 @@ pub fn table(path: &Path) -> Result<ForceTable, PenetrationError> {
     force_table(&bytes, path)
 }
 
-/// Reads a law from the bytes of a table; `path` is for messages. Columns are in m and N unless their headings have other units,
-/// as `depth [mm]`; without headings the first two columns are depth and force.
+/// Reads a law from the bytes of a table; `path` is for messages. Columns are in m and N unless their headings have
+/// other units, as `depth [mm]`; without headings the first two columns are depth and force.
 ///
 /// # Errors
 /// [`PenetrationError::Data`] with the line, or [`PenetrationError::Table`].

@@ -15,7 +15,8 @@ const TIME_TYPE: i64 = 17;
 const FREQUENCY_TYPE: i64 = 18;
 
 /// What a table of a recording looks like.
-const NAMES: &str = "a line names the columns: time_s,depth_m,force_n, or with other units as \"depth [mm]\" (time optional at \
+const NAMES: &str = "a line names the columns: time_s,depth_m,force_n, or with other units as \"depth [mm]\" (time \
+    optional at \
                      constant speed)";
 
 /// The recording of a row, cleaned, and the digest of its file.
@@ -94,7 +95,8 @@ fn histories(path: &Path, bytes: &[u8]) -> Result<Samples, PenetrationError> {
                         "two datasets 58"
                     }
                 ),
-                "give one dataset 58 with specific data type 8 (displacement) and one with 9 or 13 (force), a file a drive",
+                "give one dataset 58 with specific data type 8 (displacement) and one with 9 or 13 (force), a file a \
+                 drive",
             )),
         }
     };

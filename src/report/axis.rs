@@ -97,8 +97,8 @@ pub(super) fn labels(ticks: &[Tick], side: &str) -> Markup {
     } }
 }
 
-/// Rows for labels at these places, parts of the axis, so that none touches another of its row: in a wide and in a narrow
-/// window.
+/// Rows for labels at these places, parts of the axis, so that none touches another of its row: in a wide and in a
+/// narrow window.
 pub(super) fn rows(places: &[f64], label: f64) -> Vec<[usize; 2]> {
     let in_width = |width: f64| {
         let mut ends: Vec<f64> = Vec::new();

@@ -33,7 +33,8 @@ pub(super) fn markup(chart: &Chart) -> Markup {
 
 /// The symbols of events with their names and times.
 pub(super) fn key_of_events(events: &[Event]) -> Markup {
-    html! { ul.key-of-events { @for event in events { li { b { (event.symbol) } " " (event.name) " " span.quiet { (format!("{:.2} ms", event.at)) } } } } }
+    html! { ul.key-of-events { @for event in events { li { b { (event.symbol) } " " (event.name) " "
+    span.quiet { (format!("{:.2} ms", event.at)) } } } } }
 }
 
 /// The colours of series as custom properties, for light and for dark pages.
@@ -60,7 +61,8 @@ fn plot(chart: &Chart, panel: &Panel) -> Markup {
         .collect();
     let description = format!("{}: {}", panel.y.title(), chart.caption);
     html! {
-        div.panel data-x={ (left) " " (right) } data-y={ (panel.y.range[0]) " " (panel.y.range[1]) } data-unit=(panel.y.unit)
+        div.panel data-x={ (left) " " (right) } data-y={ (panel.y.range[0]) " " (panel.y.range[1]) }
+            data-unit=(panel.y.unit)
             data-across=(panel.x.unit) data-group=[(!chart.events.is_empty()).then_some("time")]
             data-categories=[(!panel.x.categories.is_empty()).then(|| panel.x.categories.join("|"))] {
             (legend(panel))
@@ -100,8 +102,10 @@ fn series(panel: &Panel, place: usize, series: &Series) -> Markup {
         values.join(" ")
     };
     html! {
-        g class={ "s c" (series.colour) } data-series=(place) data-name=[(!series.name.is_empty()).then(|| subscripts(&series.name, "", ""))]
-            data-values=[of_categories.then(values)] data-notes=[(!series.notes.is_empty()).then(|| series.notes.join("|"))] {
+        g class={ "s c" (series.colour) } data-series=(place)
+            data-name=[(!series.name.is_empty()).then(|| subscripts(&series.name, "", ""))]
+            data-values=[of_categories.then(values)]
+                data-notes=[(!series.notes.is_empty()).then(|| series.notes.join("|"))] {
             @for (class, d) in path::of(panel, place, series) { path class=(class) d=(d) {} }
         }
     }

@@ -6,7 +6,7 @@ use super::chart::markup;
 use super::head::capitalised;
 use super::page::{Page, Section};
 use super::sound::{self, Recording};
-use super::tables::{decibels, plain, with_code};
+use super::tables::{decibels, plain, with_code, with_legend};
 use crate::comparison::{Comparison, Labelled, Levels, SourceRow, ValueRow};
 use crate::figures::{Axis, Chart, Panel, Series, Shape, from_event, of_design};
 use crate::output::event_name;
@@ -77,12 +77,15 @@ fn lead(c: &Comparison) -> Markup {
         @for (place, name) in c.designs.iter().enumerate().skip(1) {
             @let ranking = &c.rankings[place];
             @if *ranking != c.rankings[0] {
-                p.verdict { "The ranking changes: in " b { (name) } " it is " (ranking.join(", ")) "; in " (c.designs[0]) " " (c.rankings[0].join(", ")) "." }
+                p.verdict { "The ranking changes: in " b { (name) } " it is " (ranking.join(", ")) "; in "
+                    (c.designs[0]) " " (c.rankings[0].join(", ")) "." }
             }
         }
-        p.quiet { "L" sub { "WA,1s" } " re 1 pW s: A-weighted sound energy of one shot; changes are from the first design." }
+        p.quiet { "L" sub { "WA,1s" } " re 1 pW s: A-weighted sound energy of one shot; changes are from the first \
+            design." }
         p.quiet {
-            "Absolute levels are predictions; those of one tool stand beside published tests on the page Validation of the \
+            "Absolute levels are predictions; those of one tool stand beside published tests on the page Validation \
+             of the \
              documentation. Differences between designs of one tool are more reliable than levels."
         }
     }
@@ -98,7 +101,8 @@ fn overview(c: &Comparison) -> Chart {
         "L_{WA,1s}",
         rows.chain([("total", &c.total)]).collect(),
     );
-    let caption = "A-weighted levels of each source and of all together, dB re 1 pW s. The bars stand on the lower edge of \
+    let caption = "A-weighted levels of each source and of all together, dB re 1 pW s. The bars stand on the lower \
+        edge of \
                    the axis: a level has no zero of its own.";
     chart(c, "overview".to_owned(), caption.to_owned(), panel)
 }
@@ -192,25 +196,32 @@ fn levels(c: &Comparison) -> Markup {
         .collect();
     html! {
         div.scroll { table.pinned {
-            thead { tr { th { "source" } @for name in &c.designs { th.n { (name) } } @for name in c.designs.iter().skip(1) { th.n { "change, " (name) } } } }
+            thead { tr { th { "source" } @for name in &c.designs { th.n { (name) } }
+                @for name in c.designs.iter().skip(1) { th.n { "change, " (name) } } } }
             tbody { @for (name, levels, sum) in rows { tr.sum[sum] {
                 th scope="row" { (name) }
                 @for level in &levels.level_db { td.n { b { (decibels(*level)) } } }
                 @for db in levels.change_db.iter().skip(1) { td.n { (change(*db)) } }
             } } }
         } }
-        p.quiet { "How sure a level is depends on the values of its design first: " code { "nailnoise compare --draws" } " states the interval of each change." }
+        @if let Some(intervals) = c.intervals() { h3 { "Intervals of the levels" } (with_legend(&intervals)) }
+        @else {
+            p.quiet { "How sure a level is depends on the values of its design first: "
+                code { "nailnoise compare --draws" } " states the interval of each change." }
+        }
         @for row in &c.sources {
             @let methods: Vec<&str> = row.methods.iter().flatten().map(String::as_str).collect();
             @if methods.windows(2).any(|pair| pair[0] != pair[1]) {
-                p.alarm { (row.source) ": computed by different methods (" (methods.join("; ")) "), whose errors do not cancel in the change." }
+                p.alarm { (row.source) ": computed by different methods (" (methods.join("; "))
+                    "), whose errors do not cancel in the change." }
             }
         }
         h3 { "Ranking" }
         div.scroll { table.pinned {
             thead { tr { th { "place" } @for name in &c.designs { th { (name) } } } }
             tbody { @for place in 0..c.rankings.iter().map(Vec::len).max().unwrap_or(0) { tr {
-                td { (place + 1) } @for ranking in &c.rankings { td { (ranking.get(place).map_or("", String::as_str)) } }
+                td { (place + 1) } @for ranking in
+                &c.rankings { td { (ranking.get(place).map_or("", String::as_str)) } }
             } } }
         } }
         details {
@@ -261,7 +272,8 @@ fn shot(c: &Comparison) -> Markup {
                     @for value in &row.values { td.n { (cell(value.map(|value| factor * value))) } }
                 } }
                 @for row in c.events.iter().filter(differs) { tr {
-                    th scope="row" { (event_name(&row.name)) ", ms" } @for value in &row.values { td.n { (cell(value.map(|t| 1e3 * t))) } }
+                    th scope="row" { (event_name(&row.name)) ", ms" }
+                    @for value in &row.values { td.n { (cell(value.map(|t| 1e3 * t))) } }
                 } }
             }
         } }

@@ -5,19 +5,23 @@ use maud::{Markup, html};
 use crate::declaration;
 use crate::result::RunResult;
 
-/// The declared levels with their contents; K follows from a study and appears in the line below the ranking.
+/// The declared levels with their contents, and K or the reason why it is not stated.
 pub(super) fn section(result: &RunResult) -> Markup {
     let ear = &result.ear;
     let [along, across, height] = ear.position_m;
     html! {
         h3 { "Levels for a declaration (ISO 4871, EN 12549)" }
         ul.notes {
-            @for line in declaration::lines(&result.declaration, ear) { li { (line.replace(declaration::NO_K, "K in the legend of the intervals")) } }
+            @for line in declaration::lines(&result.declaration, ear) { li { (line) } }
+            @if let Some(basis) = &result.declaration.k_basis { li { "sigma: " (basis) } }
+            @if let Some(reason) = &result.declaration.k_not_stated { li { "K is not stated: " (reason) } }
         }
         p.quiet {
-            "L_WA,1s in dB re 1 pW s, one shot; L_pA,1s in dB re 20 \u{b5}Pa over 1 s and L_pC,peak in dB re 20 \u{b5}Pa at the \
+            "L_WA,1s in dB re 1 pW s, one shot; L_pA,1s in dB re 20 \u{b5}Pa over 1 s and L_pC,peak in dB re \
+             20 \u{b5}Pa at the \
              operator's ear, " (format!("x = {along:.2} m, y = {across:.2} m, z = {height:.2} m"))
-            " from the middle of the block's underside (acoustics.ear_along, ear_across and ear_height). K = 1.645 sigma over draws of inputs and methods is that \
+            " from the middle of the block's underside (acoustics.ear_along, ear_across and ear_height). K = 1.645 \
+             sigma over draws of inputs and methods is that \
              of the sound power for all three. "
             @if ear.synthetic_share > 0.005 {
                 (format!("{:.0} % ", 100.0 * ear.synthetic_share))

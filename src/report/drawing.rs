@@ -13,8 +13,10 @@ pub(super) fn section(design: &Design) -> Markup {
     let labels = drawing.shown();
     html! {
         p.quiet {
-            "The tool at the dimensions of this design. Point at a key or its dimension, or use the Tab key, for value, range and source. \
-             The scales apply in print, at a width of 180 mm. Parts without a key are schematic: thickness of the piston, ring of the head valve, trigger valve."
+            "The tool at the dimensions of this design. Point at a key or its dimension, or use the Tab key, for \
+             value, range and source. \
+             The scales apply in print, at a width of 180 mm. Parts without a key are schematic: thickness of the \
+             piston, ring of the head valve, trigger valve."
         }
         ul.legend-of-drawing { @for (standing, symbol) in drawing.legend() {
             li { svg class="drawing sample" viewBox="-6 -6 12 12" aria-hidden="true" { (symbol) } (standing.words()) }
@@ -30,7 +32,8 @@ pub(super) fn section(design: &Design) -> Markup {
             p.quiet { "The cycle and the vibrating housing use different keys, and a run does not need them to agree." }
             ul.notes { @for misfit in &drawing.misfits { li {
                 (misfit.text) " "
-                span.quiet { "(" @for (index, key) in misfit.keys.iter().enumerate() { @if index > 0 { ", " } span.key-name { (key) } } ")" }
+                span.quiet { "(" @for (index, key) in misfit.keys.iter().enumerate() { @if index > 0 { ", " }
+                    span.key-name { (key) } } ")" }
             } } }
         }
         details {

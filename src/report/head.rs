@@ -5,9 +5,11 @@ use std::time::{SystemTime, UNIX_EPOCH};
 use maud::{Markup, html};
 
 use super::tables::{self, without};
-use crate::design::{Design, SupportKind, Value};
+use crate::design::{Design, Value};
+use crate::model::supports;
 use crate::result::RunResult;
 use crate::stages::headline::Headline;
+use crate::study::legend;
 
 /// Pressure of 1 psi \[Pa\].
 const PSI: f64 = 6894.757;
@@ -24,6 +26,11 @@ pub(super) fn heading(design: &Design) -> String {
 pub(super) fn lead(design: &Design, result: &RunResult) -> Markup {
     let first = result.ranking.first().filter(|source| source.lwa_db.is_some());
     let note = &design.report().note;
+    let over_draws = |source: &str| {
+        let study = result.study.known()?;
+        Some((legend::headings(study), legend::cells(study, source)))
+    };
+    let numerical_failure = result.numerical_checks().any(|check| !check.ok);
     html! {
         (missed(result.headline.as_ref()))
         (byline(design))
@@ -33,7 +40,10 @@ pub(super) fn lead(design: &Design, result: &RunResult) -> Markup {
             span.number { (tables::decibels(result.total.lwa_db)) }
             span.unit { "dB" }
             span.what {
-                "L" sub { "WA,1s" } " re 1 pW s: A-weighted sound energy of one shot" (tables::interval_of("lead"))
+                "L" sub { "WA,1s" } " re 1 pW s: A-weighted sound energy of one shot"
+                @if let Some(([heading, _], [interval, _])) = over_draws("total") {
+                    "; " (heading.trim_end_matches(" dB")) " " (interval) " dB"
+                }
             }
         }
         @if let Some(first) = first {
@@ -41,14 +51,17 @@ pub(super) fn lead(design: &Design, result: &RunResult) -> Markup {
                 "The " b { (first.source) } " radiates most, " (format!("{:.0} %", 100.0 * first.share))
                 " of the A-weighted energy. Without it the total would be "
                 (format!("{:.1} dB", without(first.share))) " lower."
-                (tables::interval_of(&format!("{}, first", first.source)))
+                @if let Some(([_, heading], [_, cell])) = over_draws(&first.source).filter(|own| !own.1[1].is_empty()) {
+                    " " (heading) " " (cell) "."
+                }
             }
         }
         p.quiet {
-            "Absolute levels are predictions; those of one tool stand beside published tests on the page Validation of the \
+            "Absolute levels are predictions; those of one tool stand beside published tests on the page Validation \
+             of the \
              documentation. Differences between designs of one tool are more reliable than levels. " a href="#assumptions" { "Assumptions" } " lists what is estimated."
         }
-        @if result.checks.iter().any(|check| !check.ok) {
+        @if numerical_failure {
             p.alarm { "A check of this run failed. Do not rely on the result. " a href="#checks" { "Checks" } }
         }
     }
@@ -117,7 +130,7 @@ fn given(design: &Design) -> Markup {
         ),
         ("nail", nail),
         ("wood, block", wood),
-        ("support", support(design)),
+        ("support", supports::of(design).name()),
         ("computed", format!("{} (UTC)", today())),
         ("program", format!("nailnoise {}", env!("CARGO_PKG_VERSION"))),
     ];
@@ -133,19 +146,6 @@ fn named(design: &Design, key: &str) -> String {
     }
 }
 
-fn support(design: &Design) -> String {
-    match design.support.kind {
-        SupportKind::Worktable => format!(
-            "worktable {}",
-            named(design, "support.worktable.preset").trim_end_matches(", ")
-        ),
-        SupportKind::Sandbox => "sandbox of EN 12549".to_owned(),
-        SupportKind::Springs => "springs".to_owned(),
-        SupportKind::Floor => "floor".to_owned(),
-        SupportKind::Clamped => "clamped".to_owned(),
-    }
-}
-
 fn today() -> String {
     let seconds = SystemTime::now()
         .duration_since(UNIX_EPOCH)
@@ -154,7 +154,8 @@ fn today() -> String {
     format!("{year}-{month:02}-{day:02}")
 }
 
-/// Year, month and day of the Gregorian calendar, so many days after 1 January 1970: eras of 400 years that begin on 1 March.
+/// Year, month and day of the Gregorian calendar, so many days after 1 January 1970: eras of 400 years that begin on 1
+/// March.
 fn date(days: i64) -> [i64; 3] {
     let days = days + 719_468;
     let (era, of_era) = (days.div_euclid(146_097), days.rem_euclid(146_097));

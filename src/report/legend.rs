@@ -15,7 +15,8 @@ pub(super) fn legend(panel: &Panel) -> Markup {
     let named = panel.series.iter().enumerate().filter(|(_, own)| !own.name.is_empty());
     html! {
         div.legend { @for (place, series) in named {
-            button type="button" class={ "key c" (series.colour) " " (sample(&series.shape)) } data-series=(place) aria-pressed="true" {
+            button type="button" class={ "key c" (series.colour) " " (sample(&series.shape)) } data-series=(place)
+                aria-pressed="true" {
                 (marked(&series.name))
             }
         } }

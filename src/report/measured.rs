@@ -4,6 +4,7 @@ use maud::{Markup, html};
 
 use super::chart::markup;
 use super::page::{Page, Section};
+
 use crate::figures::{Axis, BLACK, Chart, Panel, Series, Shape};
 use crate::virtual_test::comparison::{ComparedQuantity, MeasuredComparison};
 use crate::wording::drawn_structures;
@@ -25,7 +26,8 @@ pub(super) fn page(comparison: &MeasuredComparison) -> Page {
             p { (comparison.tool) ". " (comparison.source) }
             ul { @for own in &comparison.designs { li { "predicted by " b { (own.name) } ", " (own.draws)
                 " draws of its ranges and of the wraps, " (drawn_structures(own.structures)) } } }
-            p.quiet { "Like is compared with like: the prediction goes through the microphones, wraps and subtraction of the test. No \
+            p.quiet { "Like is compared with like: the prediction goes through the microphones, wraps and subtraction \
+                of the test. No \
                        parameter of the design was fitted to these measurements." }
         },
         sections,
@@ -103,21 +105,26 @@ fn quantities(comparison: &MeasuredComparison) -> Markup {
     let (levels, others): (Vec<_>, Vec<_>) = comparison.rows.iter().partition(|own| own.level);
     html! {
         div.scroll { table {
-            thead { tr { th.n { "row" } th { "quantity" } th { "design" } th { "unit" } th.n { "measured" } th.n { "predicted" } th.n { "5 .. 95 %" } th.n { "distance" } th { "published in" } } }
+            thead { tr { th.n { "row" } th { "quantity" } th { "design" } th { "unit" } th.n { "measured" }
+                th.n { "predicted" } th.n { "5 .. 95 %" } th.n { "distance" } th { "published in" } } }
             tbody { @for (place, own) in levels.iter().chain(&others).enumerate() { tr {
-                td.n { (place + 1) } td { (own.quantity) } td { (own.design) } td { (own.unit) } td.n { (measured(own)) } td.n { (format!("{:.2}", own.predicted)) }
-                td.n { @if let Some([low, high]) = own.interval { (format!("{low:.2} .. {high:.2}")) } @else { "\u{2013}" } }
+                td.n { (place + 1) } td { (own.quantity) } td { (own.design) } td { (own.unit) }
+                td.n { (measured(own)) } td.n { (format!("{:.2}", own.predicted)) }
+                td.n { @if let Some([low, high]) = own.interval { (format!("{low:.2} .. {high:.2}")) }
+                    @else { "\u{2013}" } }
                 td.n { (format!("{:+.2}", own.distance)) } td { (own.source) }
             } } }
         } }
-        p.quiet { "Distance of the intervals: 0 where they overlap, positive where the prediction is higher, in the unit of the row." }
+        p.quiet { "Distance of the intervals: 0 where they overlap, positive where the prediction is higher, in the \
+            unit of the row." }
     }
 }
 
 fn open(comparison: &MeasuredComparison) -> Markup {
     html! {
         ul {
-            @for own in comparison.rows.iter().filter(|own| !own.note.is_empty()) { li { (own.quantity) ": " (own.note) } }
+            @for own in comparison.rows.iter().filter(|own| !own.note.is_empty()) { li { (own.quantity) ": "
+                (own.note) } }
             @for own in &comparison.open { li { "not compared: " (own) } }
         }
     }

@@ -56,7 +56,8 @@ fn sources(result: &MeasurementResult) -> Markup {
     let percent = |share: f64| format!("{:.1} %", 100.0 * share);
     html! {
         div.scroll { table {
-            thead { tr { th { "source" } th { "measured by" } th.n { "level" } th.n { "repeats, 95 %" } th.n { "with method, k = 2" }
+            thead { tr { th { "source" } th { "measured by" } th.n { "level" } th.n { "repeats, 95 %" }
+                th.n { "with method, k = 2" }
                 th.n { "by energy" } th.n { "floor" } th.n { "set to zero" } th.n { "before the trigger" } } }
             tbody {
                 @for own in &result.sources { tr {
@@ -71,7 +72,8 @@ fn sources(result: &MeasurementResult) -> Markup {
             }
         } }
         p.quiet {
-            "A-weighted single-event sound power levels, dB re 1 pW s. By energy: energies subtracted without a limit, free of bias, \
+            "A-weighted single-event sound power levels, dB re 1 pW s. By energy: energies subtracted without a \
+             limit, free of bias, \
              with more scatter. Floor: what a silent source would read. "
             @if let Some(closure) = result.closure_db {
                 "Closure: the total lies " (format!("{closure:.1} dB")) " above the sum of the three sources."
@@ -89,7 +91,8 @@ fn configurations(result: &MeasurementResult) -> Markup {
     };
     html! {
         div.scroll { table {
-            thead { tr { th { "configuration" } th.n { "shots" } th.n { "level" } th.n { "repeats, 95 %" } th.n { "with method, k = 2" }
+            thead { tr { th { "configuration" } th.n { "shots" } th.n { "level" } th.n { "repeats, 95 %" }
+                th.n { "with method, k = 2" }
                 th.n { "above residual, dB" } } }
             tbody { @for own in &result.configurations { (row(own)) } }
         } }
@@ -101,9 +104,11 @@ fn markers(result: &MeasurementResult) -> Markup {
         @for own in result.configurations.iter().filter(|own| !own.markers.is_empty()) {
             details { summary { (own.name) ": markers" }
                 div.scroll { table {
-                    thead { tr { th { "marker" } th { "event of the cycle" } th { "what happens" } th.n { "shots" } th.n { "mean, ms" } th.n { "deviation, ms" } } }
+                    thead { tr { th { "marker" } th { "event of the cycle" } th { "what happens" } th.n { "shots" }
+                        th.n { "mean, ms" } th.n { "deviation, ms" } } }
                     tbody { @for marker in &own.markers { tr {
-                        td { (marker.name) } td { (marker.event.as_deref().unwrap_or("\u{2013}")) } td { (marker.meaning) } td.n { (marker.repeats) }
+                        td { (marker.name) } td { (marker.event.as_deref().unwrap_or("\u{2013}")) }
+                        td { (marker.meaning) } td.n { (marker.repeats) }
                         td.n { (format!("{:.2}", 1e3 * marker.seconds)) }
                         td.n { (marker.deviation_s.map_or_else(String::new, |own| format!("{:.2}", 1e3 * own))) }
                     } } }
@@ -118,7 +123,8 @@ fn accelerations(result: &MeasurementResult) -> Markup {
         @if result.configurations.iter().any(|own| !own.accelerations.is_empty()) { div.scroll { table {
             thead { tr { th { "configuration" } th { "accelerometer" } th.n { "RMS over 1 s, g" } th.n { "peak, g" } } }
             tbody { @for own in &result.configurations { @for sensor in &own.accelerations { tr {
-                td { (own.name) } td { (sensor.name) } td.n { (format!("{:.2}", sensor.rms_g)) } td.n { (format!("{:.0}", sensor.peak_g)) }
+                td { (own.name) } td { (sensor.name) } td.n { (format!("{:.2}", sensor.rms_g)) }
+                td.n { (format!("{:.0}", sensor.peak_g)) }
             } } } }
         } } }
     }

@@ -12,6 +12,7 @@ mod compared;
 mod declared;
 mod drawing;
 mod head;
+mod intervals;
 mod legend;
 mod measured;
 mod measurement;
@@ -36,6 +37,7 @@ use crate::design::Design;
 use crate::error::Error;
 use crate::figures;
 use crate::measurement::result::MeasurementResult;
+use crate::model::sources::by_name;
 use crate::result::RunResult;
 use crate::run::Run;
 use crate::stages::spectra::{Driven, MovingBody};
@@ -46,18 +48,20 @@ use crate::virtual_test::comparison::MeasuredComparison;
 pub(crate) use head::{capitalised, missed as missed_shot};
 pub use sound::Recording;
 
+pub use intervals::Intervals;
 pub(crate) use page::compared_by;
 use page::{Page, Section};
 use surface::ColouredSurface;
 pub use surface::Surroundings;
 
 /// Keys of a result with a dedicated form in the report.
-const SHOWN: [&str; 18] = [
+const SHOWN: [&str; 19] = [
     "schema",
     "design",
     "inputs",
     "ranking",
     "total",
+    "study",
     "outcome",
     "headline",
     "cycle",
@@ -102,6 +106,7 @@ impl Stage for BodyPictures {
         meshes,
         fem,
         acoustics,
+        stages_apart,
         stages_bodies,
         stages_cycle,
         stages_headline,
@@ -152,7 +157,7 @@ pub fn run(design: &Design, run: &Run, pictures: &Pictures, recordings: &[Record
     {
         chart.caption = format!("One-third-octave levels of each source, {weighting}, dB re 1 pW s.");
     }
-    let of_exhaust = |chart: &figures::Chart| chart.name == "exhaust";
+    let of_parts = |chart: &figures::Chart| by_name(&chart.name).is_some();
     let mut cycle = figures::cycle(subject, design, &run.record);
     let energy = cycle.pop();
     let power = figures::power(subject, &run.record, &run.powers);
@@ -161,7 +166,7 @@ pub fn run(design: &Design, run: &Run, pictures: &Pictures, recordings: &[Record
         Section::new(
             "levels",
             "Levels",
-            html! { @for chart in levels.iter().filter(|own| !of_exhaust(own)) { (chart::markup(chart)) } },
+            html! { @for chart in levels.iter().filter(|own| !of_parts(own)) { (chart::markup(chart)) } },
         )
         .on_a_page(),
     ];
@@ -181,7 +186,7 @@ pub fn run(design: &Design, run: &Run, pictures: &Pictures, recordings: &[Record
             "More levels",
             html! {
                 @if let Some(chart) = &more { (chart::markup(chart)) }
-                @for chart in levels.iter().filter(|own| of_exhaust(own)) { (chart::markup(chart)) }
+                @for chart in levels.iter().filter(|own| of_parts(own)) { (chart::markup(chart)) }
             },
         )
         .in_the_appendix(),
@@ -211,7 +216,8 @@ pub fn run(design: &Design, run: &Run, pictures: &Pictures, recordings: &[Record
                 "Sensors",
                 html! {
                     @for kind in ["sensors", "transducers"] {
-                        @if value[kind].as_array().is_some_and(|own| !own.is_empty()) { (tables::generic(&value[kind])) }
+                        @if value[kind].as_array().is_some_and(|own| !own.is_empty()) { (tables::generic(&value[kind]))
+                            }
                     }
                 },
             )
@@ -254,23 +260,9 @@ fn surfaces(result: &RunResult, pictures: &Pictures, view: &str) -> Markup {
         .collect();
     html! {
         (PreEscaped(view))
-        @if !without.is_empty() { p.quiet { "Sources without a vibrating surface in this model: " (without.join(", ")) "." } }
+        @if !without.is_empty() { p.quiet { "Sources without a vibrating surface in this model: " (without.join(", "))
+            "." } }
     }
-}
-
-/// Intervals of the levels of a run, as the command prints them.
-pub struct Intervals {
-    /// Headings of interval and probability.
-    pub headings: [String; 2],
-    /// Source or total, interval \[dB\] and probability of being the loudest.
-    pub rows: Vec<[String; 3]>,
-    /// Contents and omissions of the columns.
-    pub legend: String,
-}
-
-/// The report of a run with the intervals of its levels, which follow from a study and not from the run.
-pub fn with_intervals(report: &str, intervals: &Intervals) -> String {
-    tables::with_intervals(report, intervals)
 }
 
 /// The report of a study with these charts.
@@ -299,7 +291,8 @@ fn ranking(result: &RunResult) -> Markup {
         @if let Some(range) = result.range() {
             p.quiet {
                 "Levels in dB re 1 pW s over the one-third-octave bands " (range) ", the same for all sources. "
-                a href="#methods" { "Methods" } " says how each was computed, of which parts it consists, and what limits it."
+                a href="#methods" { "Methods" } " says how each was computed, of which parts it consists, and what \
+                    limits it."
             }
         }
         (declared::section(result))
@@ -339,9 +332,11 @@ fn origin(result: &RunResult) -> Markup {
             tr { th { "layout of result.json" } td { (result.schema) } }
             tr { th { "design" } td { (result.design.name) } }
             tr { th { "its values (SHA-256)" } td.digest { (result.design.digest) } }
-            tr { th { "computed in" } td { (format!("{total:.1} s")) @if !stages.is_empty() { ": " (stages.join(", ")) } } }
+            tr { th { "computed in" } td { (format!("{total:.1} s"))
+                @if !stages.is_empty() { ": " (stages.join(", ")) } } }
             tr { th { "physics after" } td {
-                "Z. Nili Ahmadabadi, " i { "Noise source identification and dynamic modeling of a pneumatic nailing device" }
+                "Z. Nili Ahmadabadi, " i { "Noise source identification and dynamic modeling of a pneumatic nailing \
+                    device" }
                 " (\u{c9}TS Montr\u{e9}al, 2016), with corrections that close mass, energy and momentum"
             } }
         }

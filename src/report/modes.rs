@@ -30,7 +30,8 @@ pub(super) fn section(bodies: &[ColouredSurface<'_>]) -> Markup {
         .collect();
     html! {
         p.quiet {
-            "What each mode alone would radiate at radiation efficiency 1, A-weighted, from its motion in this shot. Modes act \
+            "What each mode alone would radiate at radiation efficiency 1, A-weighted, from its motion in this shot. \
+             Modes act \
              together, so that these levels do not sum to the source\u{2019}s."
         }
         div.pictures { @for ((painted, mode), picture) in drawn.iter().zip(&pictures) {
@@ -44,7 +45,8 @@ pub(super) fn section(bodies: &[ColouredSurface<'_>]) -> Markup {
             }
         } }
         div.scroll { table {
-            thead { tr { th { "body" } th.n { "mode" } th.n { "frequency" } th.n { "alone, L" sub { "WA,1s" } " dB" } th.n { "loss factor" } } }
+            thead { tr { th { "body" } th.n { "mode" } th.n { "frequency" } th.n { "alone, L" sub { "WA,1s" } " dB" }
+                th.n { "loss factor" } } }
             tbody { @for (painted, mode) in modes.iter().take(LISTED) { tr {
                 td { (painted.body.name) } td.n { (mode + 1) } td.n { (name(painted, *mode)) }
                 td.n { (super::tables::decibels(level(painted.modes[*mode]))) } td.n { (painted.loss_factor) }

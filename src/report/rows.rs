@@ -63,7 +63,8 @@ fn one(bar: &Bar<'_>, shared: usize) -> Markup {
     html! {
         i class={ "bar c" (bar.colour) } data-series=(bar.place)
             style={ "left:" (percent(from)) ";width:" (percent(to - from)) ";" (place) } {}
-        @if let Some(mark) = bar.mark { i.mark data-series=(bar.place) style={ "left:" (percent(mark)) ";" (place) } {} }
+        @if let Some(mark) = bar.mark { i.mark data-series=(bar.place)
+            style={ "left:" (percent(mark)) ";" (place) } {} }
         @if let Some(note) = bar.note { span.note style={ "left:" (percent(to)) } { (note) } }
     }
 }

@@ -67,18 +67,22 @@ pub(super) fn figure(bodies: &[ColouredSurface<'_>]) -> Option<Markup> {
     views.extend(octaves.iter().enumerate().filter_map(in_octave));
     let names: Vec<&str> = bodies.iter().map(|painted| painted.body.name).collect();
     let alternative = format!(
-        "{} from the front, the right and above, coloured by the A-weighted energy per area that each face would radiate",
+        "{} from the front, the right and above, coloured by the A-weighted energy per area that each face would \
+         radiate",
         names.join(", ")
     );
     // Only numbers: nothing in it can end the enclosing element.
     let data = data(&surfaces, &views).to_string().replace('<', "\\u003c");
     Some(html! {
         figure.scene {
-            div.choice { label { "Shown " select.view { @for (index, view) in views.iter().enumerate() { option value=(index) { (view.label) } } } } }
+            div.choice { label { "Shown " select.view { @for (index, view)
+                in views.iter().enumerate() { option value=(index) { (view.label) } } } } }
             div.stage { img src=(image) width=(SIZE[0]) height=(SIZE[1]) alt=(alternative); }
-            div.scale { span.low { (format!("{:.0}", views[0].high - SHOWN)) } i {} span.high { (format!("{:.0}", views[0].high)) } " dB re 1 pW s/m\u{b2}" output {} }
+            div.scale { span.low { (format!("{:.0}", views[0].high - SHOWN)) } i {}
+                span.high { (format!("{:.0}", views[0].high)) } " dB re 1 pW s/m\u{b2}" output {} }
             figcaption {
-                "Where the surfaces move so that they can sound: A-weighted equivalent radiated energy per area at radiation \
+                "Where the surfaces move so that they can sound: A-weighted equivalent radiated energy per area at \
+                 radiation \
                  efficiency 1, whatever the method of the ranking; how much of it leaves as sound is there. Taken over "
                 (ranges(bodies)) "; octaves are cut at these ends. Grey faces are covered and do not radiate. "
                 span.with-script { "Drag to turn (or the arrow keys), scroll with Ctrl or pinch to come closer." }
@@ -201,7 +205,8 @@ fn data(surfaces: &[Triangles<'_>], views: &[View]) -> serde_json::Value {
         })
         .collect();
     json!({
-        "step": step, "shown": SHOWN, "bodies": bodies, "colours": raster::COLOURS, "axes": raster::view().transpose().as_slice(),
+        "step": step, "shown": SHOWN, "bodies": bodies, "colours": raster::COLOURS,
+            "axes": raster::view().transpose().as_slice(),
         "views": views.iter().map(|view| view.high).collect::<Vec<_>>(),
     })
 }

@@ -26,12 +26,15 @@ fn by_source(report: &MicrophoneReport) -> Markup {
     let [a, b, c] = report.box_m;
     html! {
         p {
-            "Nine microphones by EN 12549 and ISO 3744 on a parallelepiped of half sides " (format!("{a:.2} and {b:.2} m"))
-            " and height " (format!("{c:.2} m")) " above the reflecting plane. Compare a measurement with the level at the \
+            "Nine microphones by EN 12549 and ISO 3744 on a parallelepiped of half sides "
+                (format!("{a:.2} and {b:.2} m"))
+            " and height " (format!("{c:.2} m")) " above the reflecting plane. Compare a measurement with the level \
+                at the \
              microphones, not with the true power: nine positions do not cover all directions of a source."
         }
         div.scroll { table {
-            thead { tr { th { "source" } th { "sound carried by" } th.n { "range, Hz" } th.n { "by microphones, dB" } th.n { "radiated, dB" } th.n { "synthetic above, Hz" } } }
+            thead { tr { th { "source" } th { "sound carried by" } th.n { "range, Hz" } th.n { "by microphones, dB" }
+                th.n { "radiated, dB" } th.n { "synthetic above, Hz" } } }
             tbody { @for source in &report.sources { tr {
                 th scope="row" { (source.source) }
                 td { (source.how) }
@@ -42,8 +45,10 @@ fn by_source(report: &MicrophoneReport) -> Markup {
             } } }
         } }
         p.quiet {
-            "Above the frequency in the last column the phases of a source are not the model's: its sound there is noise with the \
-             energy and the power over time of the model, or phases are chosen. Jets are random, and their sound is one draw."
+            "Above the frequency in the last column the phases of a source are not the model's: its sound there is \
+             noise with the \
+             energy and the power over time of the model, or phases are chosen. Jets are random, and their sound is \
+             one draw."
         }
     }
 }
@@ -79,7 +84,8 @@ fn totals(result: &RunResult) -> Markup {
                 th scope="row" { (what) } td.n { b { (decibels(level)) } } td.n { (step) } td { (why) }
             } } }
         } }
-        p.quiet { "The level by the microphones holds K1 " (decibels(array.k1_db)) " dB and K2 " (format!("{:.1} dB", array.k2_db)) "." }
+        p.quiet { "The level by the microphones holds K1 " (decibels(array.k1_db)) " dB and K2 "
+            (format!("{:.1} dB", array.k2_db)) "." }
     }
 }
 
@@ -115,7 +121,8 @@ fn decibels(level: Option<f64>) -> String {
 pub(super) fn players(recordings: &[Recording]) -> Markup {
     html! { @if !recordings.is_empty() {
         p.quiet {
-            "One shot, 1 m in front of the device. All recordings have one scale: what sounds louder is louder. A and B run in a \
+            "One shot, 1 m in front of the device. All recordings have one scale: what sounds louder is louder. A and \
+             B run in a \
              loop and in step; the switch changes which one is heard. Jets are random noise, drawn once."
         }
         div.ab {
@@ -134,7 +141,8 @@ pub(super) fn players(recordings: &[Recording]) -> Markup {
         @for recording in recordings {
             figure.recording data-name=(recording.name) {
                 figcaption { (recording.name) " " span.quiet.duration { (duration(&recording.wav)) } }
-                audio controls preload="auto" aria-label=(recording.name) src={ "data:audio/wav;base64," (STANDARD.encode(&recording.wav)) } {}
+                audio controls preload="auto" aria-label=(recording.name)
+                    src={ "data:audio/wav;base64," (STANDARD.encode(&recording.wav)) } {}
             }
         }
     } }

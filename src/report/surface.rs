@@ -12,12 +12,13 @@ use nailnoise_acoustics::Air;
 use nailnoise_acoustics::levels::{Band, Weighting, octaves};
 use nailnoise_acoustics::radiation::LowRank;
 use nailnoise_meshes::{QuadraturePoint, Surface, open_faces};
-use nalgebra::{DMatrix, DVector, Point3, Vector3};
+use nalgebra::{DMatrix, DVector, Vector3};
 use rayon::prelude::*;
 use serde::Serialize;
 
-use crate::design::SupportKind;
+use crate::model::sources::of_body;
 use crate::stages::bodies::{Body, BodyKind};
+use crate::stages::radiation::CoveredFaces;
 use crate::stages::spectra::Driven;
 
 /// Reference energy \[J\]: 1 pW for 1 s.
@@ -26,10 +27,8 @@ const REFERENCE: f64 = 1e-12;
 /// Surroundings and supports of the bodies.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Surroundings {
-    /// Support of the workpiece.
-    pub support: SupportKind,
-    /// Half the sides of the workpiece's underside \[m\].
-    pub half_sides: [f64; 2],
+    /// Faces of workpiece and support from which no sound leaves.
+    pub covered: CoveredFaces,
     /// Position of the tool's nose, the origin of its axes \[m\].
     pub nose: [f64; 3],
     /// The ambient air.
@@ -68,7 +67,7 @@ impl<'a> ColouredSurface<'a> {
             .iter()
             .map(|point| {
                 let patch = &surface.patches[surface.faces[point.face].patch];
-                open[point.face] && !covered(around, body.name, patch, &point.position)
+                open[point.face] && !around.covered.covers(body.name, patch, &point.position)
             })
             .collect();
         let tool = body.name == BodyKind::Tool.name();
@@ -131,11 +130,8 @@ impl<'a> ColouredSurface<'a> {
 impl ColouredSurface<'_> {
     /// The source of the body.
     pub(super) fn source(&self) -> &'static str {
-        match self.body.name {
-            "tool" => "body",
-            "worktable" => "workpiece",
-            own => own,
-        }
+        let kind = BodyKind::ALL.into_iter().find(|kind| kind.name() == self.body.name);
+        kind.and_then(of_body).map_or(self.body.name, |source| source.name())
     }
 }
 
@@ -166,19 +162,6 @@ fn normal_modes(surface: &Surface, points: &[QuadraturePoint], modes: &DMatrix<f
             }
         });
     normal
-}
-
-/// Whether sound cannot leave: on the support, under the block, in the sand, under the feet, at welds.
-fn covered(around: &Surroundings, body: &str, patch: &str, p: &Point3<f64>) -> bool {
-    let half = around.half_sides;
-    match (body, patch) {
-        (_, patch) if patch.ends_with("_slave") => true, // tied to another face
-        ("workpiece", patch) if around.support == SupportKind::Sandbox => patch != "top",
-        ("workpiece", "bottom") => around.support != SupportKind::Springs,
-        (_, "floor") => true,
-        ("worktable", "top") => p.x.abs() < half[0] && p.y.abs() < half[1],
-        _ => false,
-    }
 }
 
 /// Level of an energy \[dB re 1 pW s\]; none for silence.

@@ -1,13 +1,14 @@
 //! Tables of a report.
 
-use maud::{Markup, PreEscaped, html};
+use maud::{Markup, html};
 use nailnoise_dynamics::CycleRecord;
 use serde_json::Value;
 
-use super::Intervals;
 use crate::figures::in_palette;
 use crate::output::{EVENT_NAMES, event_name};
 use crate::result::{RankedSource, RunResult, loudest};
+use crate::study::legend;
+use crate::table::Table;
 use crate::wording::{band, readable, rounded, unit_of_figure};
 
 /// Keys of a ranked source with a dedicated form in the report.
@@ -38,13 +39,20 @@ pub(super) fn without(share: f64) -> f64 {
     -10.0 * (1.0 - share).max(1e-12).log10()
 }
 
-/// The sources, loudest first, with places for the intervals of their levels.
+/// The sources, loudest first, with the intervals of their levels if a study states them.
 pub(super) fn ranking(result: &RunResult) -> Markup {
+    let study = result.study.known();
+    let headings =
+        html! { @if let Some(study) = study { @for heading in legend::headings(study) { th.n { (heading) } } } };
+    let cells = |source: &str| {
+        html! { @if let Some(study) = study { @for cell in legend::cells(study, source) { td.n { (cell) } } } }
+    };
     html! {
         div.scroll { table.ranking {
             thead { tr {
-                th { "source" } th.n { "L" sub { "WA,1s" } " dB" } (interval_of("headings"))
-                th { "share of A-weighted energy" } th.n { "total without it" } th { "loudest band (A)" } th { "loudest after" }
+                th { "source" } th.n { "L" sub { "WA,1s" } " dB" } (headings)
+                th { "share of A-weighted energy" } th.n { "total without it" } th { "loudest band (A)" }
+                th { "loudest after" }
             } }
             tbody {
                 @for (place, source) in result.ranking.iter().enumerate() {
@@ -52,9 +60,10 @@ pub(super) fn ranking(result: &RunResult) -> Markup {
                         @let colour = format!("c{}", in_palette(&source.source, place));
                         th scope="row" { span class={ "dot " (colour) } {} (source.source) }
                         td.n { b { (decibels(source.lwa_db)) } }
-                        (interval_of(&source.source))
+                        (cells(&source.source))
                         td { div.share {
-                            div class={ "bar " (colour) } style={ "width:" (format!("{:.1}%", 100.0 * source.share)) } {}
+                            div class={ "bar " (colour) }
+                                style={ "width:" (format!("{:.1}%", 100.0 * source.share)) } {}
                             span { (format!("{:.1} %", 100.0 * source.share)) }
                         } }
                         td.n { (format!("\u{2212}{:.1} dB", without(source.share))) }
@@ -63,48 +72,36 @@ pub(super) fn ranking(result: &RunResult) -> Markup {
                     }
                 }
                 tr.sum {
-                    th scope="row" { "total" } td.n { b { (decibels(result.total.lwa_db)) } } (interval_of("total"))
+                    th scope="row" { "total" } td.n { b { (decibels(result.total.lwa_db)) } } (cells("total"))
                     td {} td {} td {} td {}
                 }
             }
         } }
-        (interval_of("legend"))
+        @for line in legend::legend(result) { p.quiet { (with_code(&line)) } }
     }
 }
 
-/// Where the report of a run has the interval of a source's level, the headings or the legend of the intervals.
-pub(super) fn interval_of(what: &str) -> Markup {
-    PreEscaped(format!("<!-- interval: {what} -->"))
+/// A table with its legend; the last row is a sum.
+pub(super) fn with_legend(shown: &Table) -> Markup {
+    let last = shown.rows.len().saturating_sub(1);
+    html! {
+        div.scroll { table.pinned {
+            thead { tr { @for (place, heading) in shown.headings.iter().enumerate() { th.n[place > 0] { (heading) } } }
+                }
+            tbody { @for (place, row) in shown.rows.iter().enumerate() { tr.sum[place == last] {
+                @for (column, cell) in row.iter().enumerate() {
+                    @if column == 0 { th scope="row" { (cell) } } @else { td.n { (cell) } }
+                }
+            } } }
+        } }
+        @for line in &shown.legend { p.quiet { (with_code(line)) } }
+    }
 }
 
 /// A line of plain text whose words between backticks are code.
 pub(super) fn with_code(line: &str) -> Markup {
     let parts = line.split('`').enumerate();
     html! { @for (place, part) in parts { @if place % 2 == 1 { code { (part) } } @else { (part) } } }
-}
-
-/// The report of a run with the intervals of its levels.
-pub(super) fn with_intervals(report: &str, intervals: &Intervals) -> String {
-    let cells = |row: &[String; 3]| (row[0].clone(), html! { @for cell in &row[1..] { td.n { (cell) } } });
-    let headings = html! { @for heading in &intervals.headings { th.n { (heading) } } };
-    let legend = html! { @for line in intervals.legend.trim().lines() { p.quiet { (with_code(line.trim())) } } };
-    let row = |source: &str| intervals.rows.iter().find(|row| row[0] == source);
-    let heading = |place: usize| intervals.headings[place].trim_end_matches(" dB");
-    let total = html! { @if let Some(row) = row("total") { "; " (heading(0)) " " (row[1]) " dB" } };
-    let all = intervals.rows.iter().map(cells);
-    let all = all.chain([
-        ("headings".to_owned(), headings),
-        ("legend".to_owned(), legend),
-        ("lead".to_owned(), total),
-    ]);
-    let firsts = intervals.rows.iter().map(|row| {
-        let first = html! { @if !row[2].is_empty() { " " (heading(1)) " " (row[2]) "." } };
-        (format!("{}, first", row[0]), first)
-    });
-    let all = all.chain(firsts);
-    all.fold(report.to_owned(), |report, (what, markup)| {
-        report.replacen(&interval_of(&what).into_string(), &markup.into_string(), 1)
-    })
 }
 
 /// Parts of a source, and how it was computed.
@@ -118,7 +115,8 @@ pub(super) fn source(source: &RankedSource) -> Markup {
         }
         @if !parts.is_empty() {
             div.scroll { table {
-                thead { tr { th { "part" } th.n { "L" sub { "WA,1s" } " dB" } th.n { "L" sub { "W,1s" } " dB" } th { "loudest band (A)" } } }
+                thead { tr { th { "part" } th.n { "L" sub { "WA,1s" } " dB" } th.n { "L" sub { "W,1s" } " dB" }
+                    th { "loudest band (A)" } } }
                 tbody { @for part in parts { tr {
                     td { (part.name) } td.n { (decibels(part.lwa_db)) } td.n { (decibels(part.lw_db)) }
                     td { @if let Some(band) = loudest(&part.bands, |band| band.lwa_db) { (band.hz) " Hz" } }
@@ -176,7 +174,8 @@ pub(super) fn checks(result: &RunResult) -> Markup {
             div.scroll { table {
                 thead { tr { th { "check" } th.n { "value" } th.n { "limit" } th {} } }
                 tbody { @for check in checks { tr.failed[!check.ok] {
-                    td { (check.name) } td.n { (format!("{:.2e}", check.value)) } td.n { (format!("{:.0e}", check.limit)) }
+                    td { (check.name) } td.n { (format!("{:.2e}", check.value)) }
+                    td.n { (format!("{:.0e}", check.limit)) }
                     td { (if check.ok { "ok" } else { "FAILED" }) }
                 } } }
             } }
@@ -225,7 +224,8 @@ pub(super) fn generic(value: &Value) -> Markup {
             }
             html! {
                 div.scroll { table {
-                    thead { tr { @for column in &columns { th.n[rows.iter().any(|row| row[column.as_str()].is_number())] { (titled(column)) } } } }
+                    thead { tr { @for column in &columns {
+                        th.n[rows.iter().any(|row| row[column.as_str()].is_number())] { (titled(column)) } } } }
                     tbody { @for row in rows.iter().take(ROWS) { tr {
                         @for column in &columns {
                             @let cell = &row[column.as_str()];

@@ -3,30 +3,26 @@
 mod error;
 mod fastener;
 mod rules;
+mod tool;
 mod trial;
 mod write;
 
 use nailnoise_quantities::dimension::{ENERGY, LENGTH, MASS};
 use nailnoise_quantities::measure;
 
-use crate::design::{Design, length_in_words};
+use crate::design::Design;
 use crate::error::Error;
-use crate::wording::trimmed;
 use error::broken;
+use tool::{Chosen, Tool};
 
 pub use error::ScalingError;
 pub use fastener::Fastener;
 pub use rules::{Class, Rule, Rules};
+pub use tool::{PSI, RATED};
 pub use trial::{Setting, Settled, Shot};
 
 /// The design that is scaled.
 pub const BASE: &str = "n80cb.toml";
-
-/// Rated gauge pressures of the tools of all classes, those of the N80CB: 70 to 120 psig \[Pa\].
-pub const RATED: [f64; 2] = [70.0 * PSI, 120.0 * PSI];
-
-/// Pound-force per square inch \[Pa\].
-pub const PSI: f64 = 6_894.757_293_168;
 
 /// The given data of a new tool; missing data are those of its class.
 #[derive(Debug, Clone)]
@@ -43,27 +39,6 @@ pub struct Request {
     pub mass: Option<f64>,
     /// The fastener.
     pub fastener: Option<Fastener>,
-}
-
-/// A value, and whether it was given or is that of the class.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Chosen {
-    /// The value in SI units.
-    pub(crate) value: f64,
-    /// Whether it was given.
-    pub(crate) given: bool,
-}
-
-/// A tool whose values are known.
-#[derive(Debug, Clone)]
-pub(crate) struct Tool<'a> {
-    pub(crate) name: &'a str,
-    pub(crate) class: &'a Class,
-    pub(crate) base: &'static str,
-    pub(crate) bore: Chosen,
-    pub(crate) stroke: Chosen,
-    pub(crate) mass: Chosen,
-    pub(crate) fastener: Fastener,
 }
 
 /// A finished design of another tool.
@@ -138,13 +113,4 @@ pub fn scaled(request: &Request, file: &str) -> Result<Scaled, Error> {
         settled,
         published,
     })
-}
-
-impl Tool<'_> {
-    /// "finish-nailer of 38 mm bore, 95 mm stroke and 1.2 kg".
-    fn words(&self) -> String {
-        let [bore, stroke] = [self.bore, self.stroke].map(|chosen| length_in_words(chosen.value));
-        let mass = trimmed(self.mass.value, 3);
-        format!("{} of {bore} bore, {stroke} stroke and {mass} kg", self.name)
-    }
 }

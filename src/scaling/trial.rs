@@ -2,7 +2,7 @@
 
 use nailnoise_dynamics::{CycleError, CycleRecord, Outcome};
 
-use super::PSI;
+use super::tool::PSI;
 use crate::chain;
 use crate::design::{Design, inputs};
 use crate::error::Error;
@@ -160,8 +160,8 @@ fn needed(design: &Design) -> Result<f64, Error> {
     Ok(terms.sum::<f64>() * h / 3.0)
 }
 
-/// Energy of a shot until the head is flush \[J\]: lost in the impact on the nail, taken by the law, and left in piston and
-/// nail. None where nothing stops the piston.
+/// Energy of a shot until the head is flush \[J\]: lost in the impact on the nail, taken by the law, and left in piston
+/// and nail. None where nothing stops the piston.
 fn tool_energy(design: &Design) -> Result<Option<f64>, Error> {
     let record = match chain::cycle(design) {
         Err(Error::Cycle(CycleError::DryFire { .. })) => return Ok(None),

@@ -8,8 +8,8 @@ use nailnoise_quantities::{Group as _, Kind};
 use super::error::{ScalingError, broken};
 use super::fastener::Fastener;
 use super::rules::{Ratios, Rule, Rules};
+use super::tool::{Chosen, PSI, RATED, Tool};
 use super::trial::Setting;
-use super::{Chosen, PSI, RATED, Tool};
 use crate::design::{Design, Entry, Value, quantity_in_words};
 use crate::shipped::file_name;
 
@@ -58,8 +58,10 @@ pub(super) fn text(rules: &Rules, tool: &Tool, base: &Design, setting: Setting) 
 fn head(tool: &Tool) -> String {
     format!(
         "# A {}, scaled from the N80CB\n\
-         # by the rules of `nailnoise init --like` (docs/own-tool.md). Every value below has a range and says where it comes\n\
-         # from; \"scaled\" are those of the rules. What is not below is that of the base. Replace what you know, in the order\n\
+         # by the rules of `nailnoise init --like` (docs/own-tool.md). Every value below has a range and says where \
+         it comes\n\
+         # from; \"scaled\" are those of the rules. What is not below is that of the base. Replace what you know, in \
+         the order\n\
          # of docs/own-tool.md.\n\
          # Magazine: {}. The model has a round one for every tool.\n\n\
          base = \"{}\"\n",

@@ -1,55 +1,57 @@
-//! Which source a part counts to. By the convention of selective wrapping the outer side of the cap counts to the exhaust and the
-//! trigger vent to the body; energies move between the two, and their sum stays.
+//! Which source a part counts to. By the convention of selective wrapping the outer side of the cap counts to the
+//! exhaust and the trigger vent to the body; energies move between the two, and their sum stays.
 
 use nailnoise_acoustics::levels::{SourceSpectrum, Weighting};
-use serde::{Deserialize, Serialize};
 
+use super::apart::{Apart, Moved, PartError};
 use super::microphones::AtMicrophones;
 use super::sound::{SoundSource, sum_with};
 use crate::result::Uncertainty;
 
-/// A part that counts to another source than the one that makes it; its energies may have either sign.
-#[derive(Debug, Clone, Serialize, Deserialize)]
-pub struct MovedPart {
-    /// Its energy over frequency and time.
-    pub source: SoundSource,
-    /// Its sound at the microphones.
-    pub received: AtMicrophones,
+/// Parts that count to the source of a name, each with the source that makes it.
+fn parts_to<'a, T>(sources: &'a [Apart<T>], to: &'a str) -> impl Iterator<Item = (&'a Apart<T>, &'a Moved<T>)> {
+    let moved = sources
+        .iter()
+        .filter_map(|source| Some((source, source.moved.as_ref()?)));
+    moved.filter(move |(_, moved)| moved.to == to)
 }
 
-/// Exhaust with the cap, and body with the trigger vent, from exhaust without vent and body without cap; unchanged if
-/// nothing moves. Sources are compared over `range_hz`.
-pub fn counted(
-    [exhaust, body]: [&SoundSource; 2],
-    [cap, vent]: [Option<&SoundSource>; 2],
-    range_hz: [f64; 2],
-) -> [SoundSource; 2] {
+/// Each source with the parts that count to it, and without those that count to another one. Sources are compared over
+/// `range_hz`.
+pub fn counted(sources: &[Apart<&SoundSource>], range_hz: [f64; 2]) -> Vec<SoundSource> {
     let energy = |source: &SoundSource| source.spectrum.energy(range_hz, Weighting::A);
-    let of = |source: &SoundSource| errors(energy(source), &source.uncertainty);
-    // The error of the body may be all in its cap, or all in the rest.
-    let of_body = errors(energy(body) + cap.map_or(0.0, energy), &body.uncertainty);
-    let uncertain = |source: SoundSource, errors: [Option<f64>; 2], basis: &str| SoundSource {
-        uncertainty: within(energy(&source), errors, source.uncertainty.basis.clone() + basis),
-        ..source
+    let of_whole = |source: &Apart<&SoundSource>| {
+        let part = source.moved.as_ref().map_or(0.0, |moved| energy(moved.part));
+        errors(energy(source.own) + part, &source.own.uncertainty)
     };
-    let exhaust = match cap {
-        Some(cap) => uncertain(
-            exhaust.with(cap),
-            sum(of(exhaust), of_body),
-            "; cap: all of the error of the body",
-        ),
-        None => exhaust.clone(),
+    let of_rest = |source: &Apart<&SoundSource>| match &source.moved {
+        Some(moved) if moved.error == PartError::OfWhole => of_whole(source),
+        _ => errors(energy(source.own), &source.own.uncertainty),
     };
-    let body = match (vent, cap) {
-        (Some(vent), _) => uncertain(
-            body.with(vent),
-            sum(of_body, of(vent)),
-            "; trigger vent: as the exhaust",
-        ),
-        (None, Some(_)) => uncertain(body.clone(), of_body, ""),
-        (None, None) => body.clone(),
+    let of_part = |(source, moved): (&Apart<&SoundSource>, &Moved<&SoundSource>)| match moved.error {
+        PartError::OfPart => errors(energy(moved.part), &moved.part.uncertainty),
+        PartError::OfWhole => of_whole(source),
     };
-    [exhaust, body]
+    let with_parts = |source: &Apart<&SoundSource>| {
+        let (mut whole, mut errors) = (source.own.clone(), of_rest(source));
+        let mut basis = whole.uncertainty.basis.clone();
+        let mut changed = matches!(&source.moved, Some(moved) if moved.error == PartError::OfWhole);
+        for (origin, moved) in parts_to(sources, &source.own.spectrum.source) {
+            whole = whole.with(moved.part);
+            errors = sum(errors, of_part((origin, moved)));
+            let name = &moved.part.spectrum.source;
+            basis += &match moved.error {
+                PartError::OfPart => format!("; {name}: as the {}", origin.own.spectrum.source),
+                PartError::OfWhole => format!("; {name}: all of the error of the {}", origin.own.spectrum.source),
+            };
+            changed = true;
+        }
+        if changed {
+            whole.uncertainty = within(energy(&whole), errors, basis);
+        }
+        whole
+    };
+    sources.iter().map(with_parts).collect()
 }
 
 fn sum(a: [Option<f64>; 2], b: [Option<f64>; 2]) -> [Option<f64>; 2] {
@@ -75,18 +77,22 @@ fn within(energy: f64, [less, more]: [Option<f64>; 2], basis: String) -> Uncerta
     }
 }
 
-/// Exhaust with the cap, and body with the trigger vent, at the microphones.
-pub fn received([exhaust, body]: [&AtMicrophones; 2], [cap, vent]: [Option<&AtMicrophones>; 2]) -> [AtMicrophones; 2] {
-    let with = |source: &AtMicrophones, part: Option<&AtMicrophones>| match part {
-        Some(part) => source.with(part, 1.0),
-        None => source.clone(),
+/// Each source at the microphones, with the parts that count to it.
+pub fn received(sources: &[Apart<AtMicrophones>]) -> Vec<AtMicrophones> {
+    let with_parts = |source: &Apart<AtMicrophones>| {
+        let parts = parts_to(sources, &source.own.source);
+        parts.fold(source.own.clone(), |sum, (_, moved)| sum.with(&moved.part, 1.0))
     };
-    [with(exhaust, cap), with(body, vent)]
+    sources.iter().map(with_parts).collect()
 }
 
-/// The energy of a source with that of a part that counts to it.
-pub fn spectrum_with(source: &SourceSpectrum, part: Option<&SourceSpectrum>) -> SourceSpectrum {
-    part.map_or_else(|| source.clone(), |part| sum_with(source, part))
+/// Energy of each source over frequency, with the parts that count to it.
+pub fn spectra(sources: &[Apart<SourceSpectrum>]) -> Vec<SourceSpectrum> {
+    let with_parts = |source: &Apart<SourceSpectrum>| {
+        let parts = parts_to(sources, &source.own.source);
+        parts.fold(source.own.clone(), |sum, (_, moved)| sum_with(&sum, &moved.part))
+    };
+    sources.iter().map(with_parts).collect()
 }
 
 #[cfg(test)]

@@ -88,8 +88,8 @@ impl Miss {
         }
     }
 
-    /// Whether an input that leads to this outcome helps: not where the shot misses in another way. A nail that is driven too
-    /// far at the end of a range is driven well within it.
+    /// Whether an input that leads to this outcome helps: not where the shot misses in another way. A nail that is
+    /// driven too far at the end of a range is driven well within it.
     fn reaches(self, outcome: Outcome) -> bool {
         let depth = |miss| matches!(miss, Self::Protrusion | Self::HeadDepth);
         Self::of(outcome).is_none_or(|other| other == self || depth(other) && depth(self))
@@ -174,7 +174,8 @@ pub fn sentence(record: &CycleRecord, parameters: &Parameters) -> String {
     match record.outcome {
         Outcome::Drives => format!("the nail is driven, its head {depth:.1} mm below the surface"),
         Outcome::Overdriven => format!(
-            "the nail is overdriven: its head ends {depth:.1} mm below the surface, where {:.1} mm are allowed; the model of the \
+            "the nail is overdriven: its head ends {depth:.1} mm below the surface, where {:.1} mm are allowed; the \
+             model of the \
              wood under a head is not valid at this depth",
             1e3 * parameters.nail.overdrive_limit
         ),
@@ -189,7 +190,8 @@ pub fn sentence(record: &CycleRecord, parameters: &Parameters) -> String {
             milli(parameters.head_valve.intake_lap)
         ),
         Outcome::DoesNotRelease => format!(
-            "the exhaust does not open: the tool rises by {} and releases the trigger valve at {}, with no `trigger.release_after` \
+            "the exhaust does not open: the tool rises by {} and releases the trigger valve at {}, with no \
+             `trigger.release_after` \
              within the record; {left}",
             milli(rise(record)),
             milli(parameters.contacts.guard_travel)
@@ -305,7 +307,8 @@ pub fn unlike<'a>(ends: impl IntoIterator<Item = (&'a str, Option<&'a Headline>)
         .iter()
         .map(|(name, end)| format!("{name} {}", end.map_or_else(|| "drives".to_owned(), word)));
     Some(format!(
-        "the shots do not end alike ({}): differences of their levels are not the effect of a change on the noise of a driven nail",
+        "the shots do not end alike ({}): differences of their levels are not the effect of a change on the noise of \
+         a driven nail",
         said.collect::<Vec<_>>().join(", ")
     ))
 }

@@ -1,33 +1,26 @@
 //! Levels of a shot only, without its sound at microphones and histories: the record of a draw in a study.
 
-use nailnoise_acoustics::radiator::Detail;
+use nailnoise_dynamics::CycleRecord;
 use serde::{Deserialize, Serialize};
 
+use super::apart::Apart;
 use super::bodies::Body;
 use super::convention::counted;
-use super::exhaust::{Cycles, Openings};
-use super::intervals::EventEdges;
 use super::ranking::rank;
 use super::response::Vibration;
 use super::sensors::{SensorRecord, Sensors};
 use super::sound::SoundSource;
-use super::sources::{BodySound, WorkpieceSound};
+use super::sources::AnalysedSource;
 use super::{Code, Input, Postcard, Progress, Stage, Stored, all, code};
 use crate::error::Error;
 
 /// Inputs of the levels of a shot.
 #[derive(Serialize)]
 pub struct ShotLevels {
-    /// The workpiece with its support.
-    pub workpiece: WorkpieceSound,
-    /// The openings of the exhaust.
-    pub openings: Openings,
-    /// The tool's body.
-    pub body: BodySound,
-    /// The cycles of shot and exhaust; the events of the former separate the intervals.
-    pub cycles: Cycles,
-    /// End of all records \[s\].
-    pub end: Stored<f64>,
+    /// The sources.
+    pub sources: Vec<Stored<AnalysedSource>>,
+    /// The cycle of the shot.
+    pub cycle: Stored<CycleRecord>,
     /// Range over which sources are compared \[Hz\].
     pub range_hz: [f64; 2],
     /// Elastic bodies, whose checks count.
@@ -43,7 +36,7 @@ pub struct ShotLevels {
 pub struct Levels {
     /// Name of the outcome.
     pub outcome: String,
-    /// Workpiece, exhaust, body, in this order.
+    /// The sources, in the order of their list.
     pub sources: Vec<SourceLevels>,
     /// Failed checks of cycle, bodies and responses.
     pub failed_checks: Vec<String>,
@@ -75,10 +68,10 @@ impl Stage for ShotLevels {
         meshes,
         fem,
         acoustics,
+        stages_apart,
         stages_bodies,
         stages_convention,
         stages_cycle,
-        stages_exhaust,
         stages_intervals,
         stages_levels,
         stages_microphones,
@@ -93,10 +86,8 @@ impl Stage for ShotLevels {
     );
 
     fn inputs(&self) -> Vec<&dyn Input> {
-        let mut inputs = self.workpiece.inputs();
-        inputs.extend(self.body.inputs());
-        inputs.extend(self.cycles.inputs());
-        inputs.push(&self.end);
+        let sources = self.sources.iter().map(|source| source as &dyn Input);
+        let mut inputs: Vec<&dyn Input> = sources.chain([&self.cycle as &dyn Input]).collect();
         inputs.extend(self.bodies.iter().map(|body| body as &dyn Input));
         inputs.extend(self.responses.iter().map(|response| response as &dyn Input));
         inputs.extend(self.sensors.iter().flat_map(Stage::inputs));
@@ -104,15 +95,11 @@ impl Stage for ShotLevels {
     }
 
     fn compute(&self, _: &Progress) -> Result<Levels, Error> {
-        let record = self.cycles.shot.get()?;
-        let edges = EventEdges::new(&record.events, *self.end.get()?);
-        let analysed = |sound| SoundSource::new(sound, &edges, self.range_hz);
-        let (exhaust, vent, _) = self.cycles.noise(&self.openings)?;
-        let (body, cap) = self.body.analysed(self.body.sound(Detail::Levels)?, &edges)?;
-        let (exhaust, vent) = (analysed(exhaust), vent.map(analysed));
-        let [exhaust, body] = counted([&exhaust, &body], [cap.as_ref(), vent.as_ref()], self.range_hz);
-        let sources = [analysed(self.workpiece.sound(Detail::Levels)?), exhaust, body];
-        let (ranking, _) = rank(&sources.each_ref(), self.range_hz);
+        let record = self.cycle.get()?;
+        let analysed = all(&self.sources)?;
+        let sounds: Vec<Apart<&SoundSource>> = analysed.iter().map(|own| own.sound.map(|sound| sound)).collect();
+        let sources = counted(&sounds, self.range_hz);
+        let (ranking, _) = rank(&sources.iter().collect::<Vec<_>>(), self.range_hz);
         let levels = |source: &SoundSource| {
             let ranked = ranking.iter().find(|own| own.source == source.spectrum.source)?;
             let between = |from: &str, to: &str| format!("{from} - {to}");
@@ -130,7 +117,7 @@ impl Stage for ShotLevels {
             })
         };
         let mut checks = record.checks.clone();
-        checks.extend(self.cycles.checks()?);
+        checks.extend(analysed.iter().flat_map(|source| source.checks.iter().cloned()));
         for body in all(&self.bodies)? {
             checks.extend(body.checks());
         }

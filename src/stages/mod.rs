@@ -1,4 +1,5 @@
-//! The stages of the chain from inputs to sound power, and functions that several of them share; `chain` shows their order.
+//! The stages of the chain from inputs to sound power, and functions that several of them share; `chain` shows their
+//! order.
 //!
 //! A [`Stage`] is a value that contains all its inputs and nothing else. Its key is the digest of its name, of the code
 //! it calls and of its serialised fields, so that a stored result can be neither stale nor confused with another. A
@@ -7,12 +8,12 @@
 //! Stages depend neither on the design file nor on the store. `design::inputs` makes their fields from a design,
 //! `chain` assembles them, and `graph` looks them up, computes, stores and times them.
 
+pub mod apart;
 pub mod bodies;
 pub mod changes;
 mod codec;
 pub mod convention;
 pub mod cycle;
-pub mod exhaust;
 pub mod headline;
 pub mod intervals;
 pub mod levels;

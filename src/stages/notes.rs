@@ -1,28 +1,28 @@
 //! Notes of a run: facts that a reader needs in addition to its numbers.
 
-use nailnoise_acoustics::exhaust::ValveNoise;
 use nailnoise_dynamics::CycleRecord;
 
-use super::exhaust::{ExhaustDetails, Muffler, Openings};
-use super::tool_response::Stiffness;
 use crate::result::{FluidLoading, FluidLoadingChange, Loading, RadiationReport};
 
-/// Inputs of the notes of a run, in addition to cycle and exhaust.
+/// Notes on one source.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct SourceNotes {
+    /// On the shot: a level that is only an estimate or a bound, or ends at a lower frequency than the others.
+    pub shot: Vec<String>,
+    /// On the method: its range, errors and limits.
+    pub methods: Vec<String>,
+}
+
+/// Inputs of the notes of a run, in addition to its cycle.
 pub struct NoteInputs<'a> {
     /// How the shot ended, in words.
     pub shot: String,
-    /// Support of the workpiece, in words.
-    pub support: &'a str,
-    /// Whether the workpiece is in sand.
-    pub in_sand: bool,
-    /// Upper end of the range over which sources are compared \[Hz\].
-    pub range_high: f64,
-    /// Radiation of workpiece and tool.
-    pub radiation: [Option<&'a RadiationReport>; 2],
+    /// Notes on each source.
+    pub sources: Vec<SourceNotes>,
+    /// Name of each source with fluid loading.
+    pub fluid_loading: Vec<(&'a str, &'a FluidLoading)>,
     /// Levels with the frozen and the complete impedance of the air, if its mass acts.
     pub fluid_loading_changes: &'a [FluidLoadingChange],
-    /// Stiffness of an elastic tool body at the cycle's contacts.
-    pub stiffness: Option<&'a [Stiffness; 2]>,
     /// Parts that are absent above a frequency.
     pub truncations: Vec<String>,
     /// How the response ended, in words.
@@ -35,8 +35,6 @@ pub struct NoteInputs<'a> {
     pub fitted_law: Vec<String>,
     /// Values outside the ranges that the design gives, in words.
     pub outside_ranges: Vec<String>,
-    /// Bands without the exhaust, in words.
-    pub exhaust_top: Vec<String>,
     /// Springs on bodies that are not in the design.
     pub idle_springs: Vec<&'a str>,
     /// Surfaces on bodies that are built in.
@@ -57,14 +55,13 @@ pub struct Notes {
 }
 
 /// Notes on one run.
-pub fn notes(inputs: &NoteInputs<'_>, record: &CycleRecord, openings: &Openings, exhaust: &ExhaustDetails) -> Notes {
+pub fn notes(inputs: &NoteInputs<'_>, record: &CycleRecord) -> Notes {
     let mut shot = vec![inputs.shot.clone()];
     shot.extend(inputs.fitted_law.iter().cloned());
     shot.extend(inputs.outside_ranges.iter().cloned());
-    shot.extend(inputs.exhaust_top.iter().cloned());
     let landing = Landing::of(record);
     shot.extend(landing.as_ref().map(Landing::note));
-    shot.extend(estimates(inputs));
+    shot.extend(inputs.sources.iter().flat_map(|source| source.shot.iter().cloned()));
     let list = |what: &str, names: &[&str]| (!names.is_empty()).then(|| format!("{what}: {}", names.join(", ")));
     shot.extend(list(
         "unused springs, because their body is not in this design",
@@ -79,9 +76,11 @@ pub fn notes(inputs: &NoteInputs<'_>, record: &CycleRecord, openings: &Openings,
         "surfaces recognised by shape, because the body's file does not name them",
         &guessed,
     ));
-    let mut methods = radiation_notes(inputs);
+    let of_sources = inputs.sources.iter().flat_map(|source| source.methods.iter().cloned());
+    let mut methods: Vec<String> = of_sources.collect();
+    methods.extend(loading_note(&inputs.fluid_loading));
+    methods.extend(complete_impedance_note(inputs.fluid_loading_changes));
     methods.extend(inputs.truncations.iter().cloned());
-    methods.extend(exhaust_notes(inputs.range_high, record, openings, exhaust));
     methods.extend(inputs.convention.iter().cloned());
     methods.push(inputs.ending.to_owned());
     methods.extend(list(
@@ -142,7 +141,8 @@ impl Landing {
 
     fn note(&self) -> String {
         format!(
-            "the tool lands on the workpiece after {:.1} ms, at {:.1} m/s, before the end of its cycle: levels include this \
+            "the tool lands on the workpiece after {:.1} ms, at {:.1} m/s, before the end of its cycle: levels \
+             include this \
              blow of up to {:.1} kN, which depends on `hand.mass`, `hand.force` and `contacts.nose_stiffness`",
             1e3 * self.time,
             self.speed,
@@ -151,134 +151,17 @@ impl Landing {
     }
 }
 
-/// Sources whose level is a bound or an estimate, because nothing computes their radiation.
-fn estimates(inputs: &NoteInputs<'_>) -> Vec<String> {
-    let [workpiece, body] = inputs.radiation;
-    let mut notes = Vec::new();
-    if workpiece.is_none() {
-        notes.push(format!(
-            "{}: radiated power is the ERP reference (radiation efficiency 1), an estimate that is far too high at low \
-             frequencies; it follows from the surface velocity alone, of which there is no second evaluation",
-            inputs.support
-        ));
-    }
-    match (inputs.stiffness, body) {
-        (None, body) => {
-            let difference = body.and_then(|report| report.surface_difference_db);
-            let difference = difference.map_or_else(String::new, |decibels| {
-                format!(
-                    "; power of the equivalent sphere from its surface {decibels:+.3} dB relative to its far field"
-                )
-            });
-            notes.push(format!(
-                "body: rigid motion only, without the vibration of its housing: a lower bound{difference}"
-            ));
-        }
-        (Some(_), None) => notes.push(
-            "body: rigid motion, and vibration of its housing as ERP times the radiation efficiency of an oscillating sphere of \
-             its volume; an estimate of which there is no second evaluation"
-                .to_owned(),
-        ),
-        (Some(_), Some(_)) => {}
-    }
-    notes
-}
-
-/// Notes on the radiation of workpiece and body.
-fn radiation_notes(inputs: &NoteInputs<'_>) -> Vec<String> {
-    let [workpiece, body] = inputs.radiation;
-    let workpiece = workpiece.map(|report| match inputs.in_sand {
-        true => flush_note(report),
-        false => radiation_note(inputs.support, report),
-    });
-    let body = body.filter(|_| inputs.stiffness.is_some());
-    let loading = [("workpiece", inputs.radiation[0]), ("body", body)];
-    let loading = loading
-        .into_iter()
-        .filter_map(|(name, report)| Some((name, report?.fluid_loading.as_ref()?)));
-    let loading = loading_note(&loading.collect::<Vec<_>>());
-    let body = body.map(|report| radiation_note("body, without the workpiece", report));
-    let stiffness = inputs.stiffness.map(|[cap, rim]| {
-        format!(
-            "body: under the forces of the head valve the housing is as stiff as {:.0} N/um at the {} (the cycle's contact: \
-             {:.0}) and {:.0} N/um at the {} ({:.0}); this compliance is counted once, in the cycle's forces",
-            1e-6 * cap.body,
-            cap.place,
-            1e-6 * cap.contact,
-            1e-6 * rim.body,
-            rim.place,
-            1e-6 * rim.contact
-        )
-    });
-    let both = complete_impedance_note(inputs.fluid_loading_changes);
-    [workpiece, body, loading, both, stiffness]
-        .into_iter()
-        .flatten()
-        .collect()
-}
-
-/// Notes on the exhaust.
-fn exhaust_notes(range_high: f64, record: &CycleRecord, openings: &Openings, exhaust: &ExhaustDetails) -> Vec<String> {
-    let mut notes = Vec::new();
-    if let (Some(jets), Some(valve)) = (exhaust.jets_lw, exhaust.valve_noise_lw) {
-        notes.push(format!(
-            "exhaust jets, unweighted and over all frequencies: {jets:.1} dB, by {} as plates with drilled \
-             holes {valve:.1} dB. Their difference is the check; the level in the ranking is lower, because it ends at {range_high:.0} Hz and is \
-             that behind the muffler, where there is one; {:.0} % of the mixing noise is from jet speeds outside the range of \
-             its correlation",
-            ValveNoise::STANDARD,
-            100.0 * exhaust.outside_range
-        ));
-    }
-    if let Some((duration, hz)) = exhaust.choked(record.sample_interval) {
-        notes.push(format!(
-            "exhaust: the holes are choked for {:.1} ms; a screech tone, if there is one, is above {:.1} kHz; its level is not \
-             predicted",
-            1e3 * duration,
-            1e-3 * hz
-        ));
-    }
-    if let Some(jet) = exhaust.merged {
-        notes.push(format!(
-            "exhaust: {} holes {:.1} mm apart, at most 3 diameters: their jets merge and sound as one of {:.1} mm",
-            openings.holes.count,
-            1e3 * openings.holes.pitch.unwrap_or_default(),
-            1e3 * jet.diameter
-        ));
-    }
-    if let Some(fitting) = &openings.fitting {
-        notes.push(format!(
-            "exhaust fitting: plane waves up to {:.0} Hz in air at rest, between choked holes and an open end that its jet \
-             damps; above, the outflow radiates as if there were no fitting. The jets of the holes are not filtered; the uncertainty of the \
-             level holds the case that they are",
-            fitting.plane_wave_limit(&openings.air)
-        ));
-    }
-    match openings.muffler {
-        None => {}
-        Some(Muffler::InsertionLoss(_)) => notes.push(
-            "muffler: its measured insertion loss is subtracted from the sound of the same shot without it; its back \
-             pressure slows the cycle"
-                .to_owned(),
-        ),
-        Some(Muffler::Chamber { .. }) => notes.push(
-            "muffler: plane waves between a source of given volume flow and free space, damped by the jet at its outlet; \
-             the jets of the holes blow into the chamber, filled with outflow at its stagnation temperature; the noise of \
-             the jet at the outlet is counted, unmuffled"
-                .to_owned(),
-        ),
-    }
-    notes
-}
-
 /// Radiation of a surface by boundary elements, compared with other methods.
-fn radiation_note(what: &str, report: &RadiationReport) -> String {
+pub fn radiation_note(what: &str, report: &RadiationReport) -> String {
     let [least, most] = report.limit_error_db;
     let blend = report.blend_error_db;
     format!(
-        "{what}: boundary elements at {} single frequencies up to {:.0} Hz, averaged over bands up to {:.0} Hz (power from the \
-         surface {:+.2} dB relative to the far field); the high-frequency limit above (error at the transition: {}; in the last \
-         three bands of the boundary elements: {least:+.1} to {most:+.1} dB); radiation efficiency 1 in all bands would give {}",
+        "{what}: boundary elements at {} single frequencies up to {:.0} Hz, averaged over bands up to {:.0} Hz (power \
+         from the \
+         surface {:+.2} dB relative to the far field); the high-frequency limit above (error at the transition: {}; \
+         in the last \
+         three bands of the boundary elements: {least:+.1} to {most:+.1} dB); radiation efficiency 1 in all bands \
+         would give {}",
         report.frequencies,
         report.solved_hz[0],
         report.solved_hz[1],
@@ -326,7 +209,8 @@ fn loading_note(sources: &[(&str, &FluidLoading)]) -> Option<String> {
     }
     let warning = heaviest.map_or_else(String::new, |mass: f64| {
         format!(
-            "; the added mass of the air is up to {:.1} % of a mode's mass: set `acoustics.fluid_loading = \"full\"` to include it",
+            "; the added mass of the air is up to {:.1} % of a mode's mass: set `acoustics.fluid_loading = \"full\"` \
+             to include it",
             100.0 * mass
         )
     });
@@ -339,7 +223,8 @@ fn complete_impedance_note(changes: &[FluidLoadingChange]) -> Option<String> {
         let acts = match change.complete_acts {
             true => "acts in this run",
             false => {
-                "with every contact bonded; this run uses the frozen impedance, because a contact can open or its cycle is \
+                "with every contact bonded; this run uses the frozen impedance, because a contact can open or its \
+                 cycle is \
                  coupled to the bodies"
             }
         };
@@ -348,24 +233,15 @@ fn complete_impedance_note(changes: &[FluidLoadingChange]) -> Option<String> {
     let parts: Vec<String> = changes.iter().filter_map(part).collect();
     (!parts.is_empty()).then(|| {
         format!(
-            "fluid loading, change by the complete impedance relative to the impedance frozen at each mode's resonance: {}",
+            "fluid loading, change by the complete impedance relative to the impedance frozen at each mode's \
+             resonance: {}",
             parts.join("; ")
         )
     })
 }
 
-/// Radiation of a workpiece in sand, compared with other methods.
-fn flush_note(report: &RadiationReport) -> String {
-    format!(
-        "workpiece in sand: Rayleigh's integral at {} frequencies, its power by the intensity on the surface {:+.3} dB to that \
-         of the waves in all directions; radiation efficiency 1 of the block's top would give {}",
-        report.frequencies,
-        report.surface_difference_db.unwrap_or(0.0),
-        decibels(report.erp_lwa_db),
-    )
-}
-
-fn decibels(level: Option<f64>) -> String {
+/// A level in words; silence is "none".
+pub fn decibels(level: Option<f64>) -> String {
     level.map_or_else(|| "none".to_owned(), |level| format!("{level:.1} dB"))
 }
 
@@ -374,8 +250,8 @@ mod tests {
     use super::*;
     use crate::design::Design;
 
-    /// A tool that a finger releases while it is in flight falls from its highest position at the acceleration of gravity
-    /// and push.
+    /// A tool that a finger releases while it is in flight falls from its highest position at the acceleration of
+    /// gravity and push.
     #[test]
     fn a_tool_lands_at_the_speed_of_its_fall() {
         let mut design = Design::shipped("n80cb.toml").unwrap();

@@ -111,7 +111,8 @@ pub fn powers(ranking: &[RankedSource], sources: &[&SoundSource], end: f64) -> V
 
 /// Difference between the sum of the parts of a source and the source, relative to the latter.
 ///
-/// Parts below [`SILENCE`] have no level, so that they are absent from the sum: `silent` of them may make up that much each.
+/// Parts below [`SILENCE`] have no level, so that they are absent from the sum: `silent` of them may make up that much
+/// each.
 fn gap(sum: f64, silent: usize, whole: Level) -> f64 {
     let whole = level_energy(whole);
     let difference = ((sum - whole).abs() - silent as f64 * SILENCE).max(0.0);
@@ -144,8 +145,8 @@ pub fn checks(ranking: &[RankedSource], total: &Total) -> Vec<Check> {
     checks
 }
 
-/// Checks that intervals sum to each source's level, and that signals have the energy of the spectra; `tolerance` is that of
-/// interpolated resistances.
+/// Checks that intervals sum to each source's level, and that signals have the energy of the spectra; `tolerance` is
+/// that of interpolated resistances.
 pub fn interval_checks(ranking: &[RankedSource], sources: &[&SoundSource], tolerance: f64) -> Vec<Check> {
     let mut checks = Vec::new();
     for (ranked, source) in paired(ranking, sources) {
@@ -177,10 +178,10 @@ fn paired<'a>(
     })
 }
 
-/// Widens the workpiece's uncertainty by two standard deviations of its starts.
-pub fn widen(ranking: &mut [RankedSource], starts: &Starts) {
+/// Widens the uncertainty of the source `name` by two standard deviations of its starts.
+pub fn widen(ranking: &mut [RankedSource], name: &str, starts: &Starts) {
     let spread = 2.0 * starts.deviation_db;
-    for source in ranking.iter_mut().filter(|source| source.source == "workpiece") {
+    for source in ranking.iter_mut().filter(|source| source.source == name) {
         let band = &mut source.uncertainty_db;
         let wider = |bound: Option<f64>| bound.map(|bound| bound.hypot(spread).copysign(bound));
         (band.minus, band.plus) = (wider(band.minus), wider(band.plus));

@@ -20,7 +20,8 @@ use crate::result::SensorLevel;
 /// Standard acceleration of gravity, the unit of accelerometer readings (ISO 80000-3) \[m/s2\].
 const STANDARD_GRAVITY: f64 = 9.80665;
 
-/// Time constants of a high-pass that a transform lasts longer than the motion, so that exp(-12) of its decay wraps around.
+/// Time constants of a high-pass that a transform lasts longer than the motion, so that exp(-12) of its decay wraps
+/// around.
 const DECAY: f64 = 12.0;
 
 /// Longest high-pass decay that fits into a transform \[s\]; only one below 0.5 Hz lasts longer.

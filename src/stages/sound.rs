@@ -9,7 +9,10 @@ use nailnoise_acoustics::radiator::RadiatedSound;
 use serde::{Deserialize, Serialize};
 
 use super::intervals::{EventEdges, Interval};
-use crate::result::{CrossCheck, RadiationReport, Uncertainty};
+use crate::result::{Check, CrossCheck, RadiationReport, Uncertainty};
+
+/// Largest difference between the two evaluations of the A-weighted level \[dB\].
+const DIFFERENCE: f64 = 0.1;
 
 /// A source with the signals that it consists of.
 #[derive(Clone)]
@@ -90,12 +93,7 @@ impl SoundSource {
     }
 
     /// Analyses a part of a surface, whose energy may have either sign; `uncertainty` is its uncertainty.
-    pub(super) fn of_part(
-        part: PartOfSurface,
-        uncertainty: Uncertainty,
-        edges: &EventEdges,
-        range_hz: [f64; 2],
-    ) -> Self {
+    pub fn of_part(part: PartOfSurface, uncertainty: Uncertainty, edges: &EventEdges, range_hz: [f64; 2]) -> Self {
         let analysis = part.analyse(edges.times(), range_hz);
         let mismatches = vec![(part.spectrum.source.clone(), part.mismatch())];
         Self {
@@ -114,7 +112,7 @@ impl SoundSource {
     ///
     /// # Errors
     /// A part on other frequencies.
-    pub(super) fn without(&self, part: &Self) -> Result<Self, LevelsError> {
+    pub fn without(&self, part: &Self) -> Result<Self, LevelsError> {
         let mut rest = self.clone();
         rest.spectrum = self.spectrum.without(&part.spectrum)?;
         rest.moved
@@ -127,7 +125,7 @@ impl SoundSource {
 
     /// The source with a part that counts to it. The range of the source stays, and the part becomes a contribution.
     #[must_use]
-    pub(super) fn with(&self, part: &Self) -> Self {
+    pub fn with(&self, part: &Self) -> Self {
         let mut whole = self.clone();
         whole.spectrum = sum_with(&self.spectrum, &part.spectrum);
         whole.moved.push(part.spectrum.source.clone());
@@ -135,6 +133,14 @@ impl SoundSource {
         whole.mismatches.extend(part.mismatches.iter().cloned());
         whole.add_intervals(&part.intervals, 1.0);
         whole
+    }
+
+    /// Check that the power by the surface is that by the far field, if both are known.
+    pub fn surface_check(&self) -> Option<Check> {
+        let difference = self.radiation.as_ref()?.surface_difference_db?;
+        let source = &self.spectrum.source;
+        let name = format!("{source}: power by the surface less that by the far field [dB]");
+        Some(Check::at_most(name, difference, DIFFERENCE))
     }
 
     fn add_intervals(&mut self, others: &[Interval], factor: f64) {
@@ -145,8 +151,17 @@ impl SoundSource {
     }
 }
 
+/// A quantity of a source over the samples of the cycle.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct SourceHistory {
+    /// Its name and unit, as the heading of a column.
+    pub heading: String,
+    /// Its values; none where it does not exist.
+    pub values: Vec<Option<f64>>,
+}
+
 /// A spectrum with that of a part, which becomes a contribution; the range is that of the first.
-pub(super) fn sum_with(own: &SourceSpectrum, part: &SourceSpectrum) -> SourceSpectrum {
+pub fn sum_with(own: &SourceSpectrum, part: &SourceSpectrum) -> SourceSpectrum {
     let alone = SourceSpectrum {
         contributions: Vec::new(),
         ..own.clone()
@@ -165,7 +180,7 @@ pub(super) fn sum_with(own: &SourceSpectrum, part: &SourceSpectrum) -> SourceSpe
 }
 
 /// The contributions of a spectrum as separate spectra.
-pub(super) fn parts_of(spectrum: &SourceSpectrum) -> Vec<SourceSpectrum> {
+pub fn parts_of(spectrum: &SourceSpectrum) -> Vec<SourceSpectrum> {
     let part = |contribution: &Contribution| SourceSpectrum {
         source: contribution.name.clone(),
         method: spectrum.method.clone(),

@@ -26,6 +26,8 @@ const DIFFERENCE: f64 = 0.1;
 /// a run: pressures in thousands of places take a hundred times the space of the data for levels.
 #[derive(Serialize)]
 pub struct SoundFields {
+    /// Name of the source that workpiece and support are.
+    pub source: &'static str,
     /// How the field of the workpiece is computed.
     pub method: FieldMethod,
     /// Workpiece and support.
@@ -41,7 +43,7 @@ pub struct SoundFields {
 }
 
 /// How the field of the workpiece with its support is computed.
-#[derive(Serialize)]
+#[derive(Clone, Serialize)]
 pub enum FieldMethod {
     /// By boundary elements, given their matrix in standard air.
     BoundaryElements(WorkpieceBoundaryElements, Stored<ModalBem>),
@@ -54,6 +56,8 @@ pub enum FieldMethod {
 /// The elastic tool and its field.
 #[derive(Serialize)]
 pub struct ToolField {
+    /// Name of the source that the tool is.
+    pub source: &'static str,
     /// The body.
     pub body: Stored<Body>,
     /// Its motion.
@@ -138,7 +142,7 @@ impl SoundFields {
                 let surfaces: Vec<_> = bodies.iter().map(|body| body.moving_surface()).collect();
                 let bem = matrix.get()?.in_air(&Air::default(), air);
                 let body = SolvedSurface {
-                    source: "workpiece",
+                    source: self.source,
                     prefix: "sound",
                     levels: elements.levels(&surfaces, air)?,
                     bem: &bem,
@@ -148,30 +152,35 @@ impl SoundFields {
                 self.solved(body, elements.floor)?
             }
             FieldMethod::Rayleigh(top, radiator) => {
-                let radiated = radiator.get()?.energy("workpiece", &spectra)?;
+                let radiated = radiator.get()?.energy(self.source, &spectra)?;
                 let surface = top.rayleigh(&top_of(&bodies[0].moving_surface())?, air)?;
                 let field = flush_field("sound", &surface, spectra[0], &radiated, &self.cuts)?;
                 Fields {
                     method: "Rayleigh's integral".to_owned(),
                     notes: vec![
                         format!(
-                            "workpiece in sand by Rayleigh's integral at {} frequencies; error of the field between them \
-                             {:.1e} of its largest value; absorbing sand takes the same share of the sound in every direction",
+                            "workpiece in sand by Rayleigh's integral at {} frequencies; error of the field between \
+                             them \
+                             {:.1e} of its largest value; absorbing sand takes the same share of the sound in every \
+                             direction",
                             field.samples, field.error
                         ),
-                        "the pressure is that of the workpiece and the sand that moves with it alone: no exhaust, no tool; on \
+                        "the pressure is that of the workpiece and the sand that moves with it alone: no exhaust, no \
+                         tool; on \
                          the surface itself Rayleigh's integral is not evaluated"
                             .to_owned(),
                     ],
-                    checks: checks("workpiece", &field),
+                    checks: checks(self.source, &field),
                     series: field.series,
                 }
             }
             FieldMethod::Erp => Fields {
                 method: "equivalent radiated power".to_owned(),
                 notes: vec![
-                    "the workpiece radiates with efficiency 1 (acoustics.method = \"erp\"): this method gives no pressure and \
-                     no directivity, so the fields show the velocity of its surfaces and the energy that this velocity would \
+                    "the workpiece radiates with efficiency 1 (acoustics.method = \"erp\"): this method gives no \
+                     pressure and \
+                     no directivity, so the fields show the velocity of its surfaces and the energy that this \
+                     velocity would \
                      radiate; boundary elements (acoustics.method = \"bem\") give all of them"
                         .to_owned(),
                 ],
@@ -187,7 +196,7 @@ impl SoundFields {
             return Ok(());
         };
         let body = SolvedSurface {
-            source: "body",
+            source: tool.source,
             prefix: "sound-tool",
             levels: vec![elements.level(&tool.body.get()?.moving_surface(), &self.air)?],
             bem: &*matrix.get()?,
@@ -208,8 +217,10 @@ impl SoundFields {
         Ok(Fields {
             method: "boundary elements".to_owned(),
             notes: vec![format!(
-                "{source} by boundary elements at {} frequencies, in the bands up to {:.0} Hz that lie below the end of single \
-                 frequencies; error of the field between them {:.1e} of its largest value; the pressure is that of this source \
+                "{source} by boundary elements at {} frequencies, in the bands up to {:.0} Hz that lie below the end \
+                 of single \
+                 frequencies; error of the field between them {:.1e} of its largest value; the pressure is that of \
+                 this source \
                  alone, {}",
                 field.samples,
                 field.highest_hz,

@@ -1,13 +1,14 @@
 //! Scatter of the level of a bouncing workpiece.
 //!
 //! A block that leaves its support and lands magnifies small differences that no design specifies: gaps of a micrometre
-//! change when and how it lands, and so its vibration. The response is computed for several such starts; their spread is part
-//! of the level's uncertainty.
+//! change when and how it lands, and so its vibration. The response is computed for several such starts; their spread
+//! is part of the level's uncertainty.
 
 use nailnoise_acoustics::levels::{SourceSpectrum, Weighting};
 use serde::Serialize;
 
-use super::sources::SurfaceSource;
+use super::apart::Apart;
+use super::sources::SourceSound;
 use super::{Code, Input, Postcard, Progress, Stage, Stored, code};
 use crate::error::Error;
 use crate::result::Starts;
@@ -16,9 +17,9 @@ use crate::result::Starts;
 #[derive(Serialize)]
 pub struct OtherStarts {
     /// The workpiece of the run, whose start is the first.
-    pub first: Stored<SurfaceSource>,
+    pub first: Stored<SourceSound>,
     /// Energies of the other starts.
-    pub others: Vec<Stored<SourceSpectrum>>,
+    pub others: Vec<Stored<Apart<SourceSpectrum>>>,
     /// Range over which sources are compared \[Hz\].
     pub range_hz: [f64; 2],
 }
@@ -34,7 +35,7 @@ impl Stage for OtherStarts {
         fem,
         acoustics,
         stages_bodies,
-        stages_convention,
+        stages_apart,
         stages_intervals,
         stages_microphones,
         stages_radiation,
@@ -53,12 +54,12 @@ impl Stage for OtherStarts {
 
     fn compute(&self, _: &Progress) -> Result<Option<Starts>, Error> {
         let level = |spectrum: &SourceSpectrum| spectrum.level(self.range_hz, Weighting::A);
-        let Some(first) = level(&self.first.get()?.source.spectrum) else {
+        let Some(first) = level(&self.first.get()?.source().spectrum) else {
             return Ok(None);
         };
         let mut levels = vec![first];
         for other in &self.others {
-            levels.extend(level(&*other.get()?));
+            levels.extend(level(&other.get()?.own));
         }
         let count = levels.len() as f64;
         let mean = levels.iter().sum::<f64>() / count;

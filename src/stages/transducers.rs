@@ -86,8 +86,8 @@ impl Stage for Transducers {
 }
 
 impl PressureTransducer {
-    /// Absolute pressure before it \[Pa\]. In the cylinder's wall it belongs to the volume below the piston until the piston
-    /// has passed it, and to that above while the piston is lower.
+    /// Absolute pressure before it \[Pa\]. In the cylinder's wall it belongs to the volume below the piston until the
+    /// piston has passed it, and to that above while the piston is lower.
     fn pressure(&self, record: &CycleRecord) -> Vec<f64> {
         let (above, below) = (&record.above_piston.pressure, &record.below_piston.pressure);
         match self.chamber {

@@ -135,8 +135,8 @@ fn extrapolated(spectrum: &SourceSpectrum, top: f64, high: f64) -> f64 {
 mod tests {
     use super::*;
 
-    /// A spectrum E(f) = f^-3 cut at `top`: bands fall by 2 dB each, and the energy above is known. The weighting is taken
-    /// at mid-band, hence 5 %.
+    /// A spectrum E(f) = f^-3 cut at `top`: bands fall by 2 dB each, and the energy above is known. The weighting is
+    /// taken at mid-band, hence 5 %.
     #[test]
     fn a_power_law_is_continued() {
         let (top, high) = (5011.872, 10_000.0);

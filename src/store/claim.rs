@@ -155,7 +155,8 @@ pub(super) fn wait(
         if waited > patience.reported && !reported {
             reported = true;
             report(format!(
-                "waiting for {owner}, which computes the same (claim {}); the wait ends with its result, {} s after its last \
+                "waiting for {owner}, which computes the same (claim {}); the wait ends with its result, {} s after \
+                 its last \
                  sign of life, or after {} minutes",
                 path.display(),
                 patience.stale.as_secs(),
@@ -406,7 +407,8 @@ mod tests {
         fs::remove_dir_all(entry.parent().unwrap()).unwrap();
     }
 
-    /// The first process of a machine never ends while it runs; a start that is not its own shows that the number was given anew.
+    /// The first process of a machine never ends while it runs; a start that is not its own shows that the number was
+    /// given anew.
     #[test]
     #[cfg(target_os = "linux")]
     fn the_claim_of_a_process_that_has_ended_is_taken_over_at_once_and_that_of_another_machine_is_not() {

@@ -5,11 +5,8 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, SystemTime};
 use std::{env, fs, io};
 
-use miette::Diagnostic;
-use thiserror::Error;
-
-use super::Listed;
 use super::entry::{Damage, is_file, is_name, is_own, renew};
+use super::error::{Obstacle, StoreError};
 
 /// Bytes the entries may take together by default: 4 GiB.
 pub const LIMIT: u64 = 4 << 30;
@@ -20,61 +17,17 @@ const AHEAD: Duration = Duration::from_secs(3600);
 /// Age beyond which a half-written file is abandoned.
 const ABANDONED: Duration = Duration::from_secs(3600);
 
-/// Why there is no cache.
-#[derive(Debug, Error, Diagnostic)]
-#[non_exhaustive]
-pub enum StoreError {
-    /// No environment variable names a folder.
-    #[error("there is no folder for the cache: neither NAILNOISE_CACHE nor XDG_CACHE_HOME nor HOME is set")]
-    #[diagnostic(help("set NAILNOISE_CACHE to a folder"))]
-    NoFolder,
-    /// The path of the cache leads to something that is not a folder, or cannot be reached.
-    #[error("the cache {} {obstacle}", path.display())]
-    #[diagnostic(help("set NAILNOISE_CACHE to a folder"))]
-    Unusable {
-        /// The path.
-        path: PathBuf,
-        /// The object at that path.
-        obstacle: Obstacle,
-    },
-    /// The folder that the user named for results cannot be used.
-    #[error("the store {} {obstacle}", path.display())]
-    #[diagnostic(help("name a folder in which files can be written"))]
-    NoStore {
-        /// The path.
-        path: PathBuf,
-        /// The object at that path.
-        obstacle: Obstacle,
-    },
-    /// The limit is not a size.
-    #[error("NAILNOISE_CACHE_LIMIT is \"{found}\", which is no size in GiB")]
-    #[diagnostic(help("give a number above zero, for instance 4 or 0.5"))]
-    Limit {
-        /// Its content.
-        found: String,
-    },
-}
-
-impl StoreError {
-    /// Whether a command can still do its work, without a cache.
-    pub fn is_dispensable(&self) -> bool {
-        matches!(self, Self::NoFolder | Self::Unusable { .. })
-    }
-}
-
-/// Why a path cannot be the folder of a store.
-#[derive(Debug, Error)]
-#[non_exhaustive]
-pub enum Obstacle {
-    /// Something else has its name.
-    #[error("is {0}, not a folder")]
-    NoFolder(&'static str),
-    /// It cannot be reached or created.
-    #[error("cannot be used: {0}")]
-    Unreachable(io::Error),
-    /// No file can be written in it.
-    #[error("takes no files: {0}")]
-    ReadOnly(io::Error),
+/// An entry as it lies in the folder.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Listed {
+    /// The file.
+    pub path: PathBuf,
+    /// The stage that computed it.
+    pub stage: String,
+    /// Its size \[bytes\].
+    pub bytes: u64,
+    /// When it was last written or read.
+    pub used: SystemTime,
 }
 
 /// Whether a path is a folder, or none yet. Nothing is created.

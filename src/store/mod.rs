@@ -9,6 +9,7 @@
 mod checksum;
 mod claim;
 mod entry;
+mod error;
 mod folder;
 mod key;
 mod replace;
@@ -24,7 +25,8 @@ pub(crate) use checksum::{Checksum, checksum};
 pub use claim::Claim;
 use claim::{Patience, Unclaimed};
 pub use entry::Damage;
-pub use folder::{LIMIT, Obstacle, StoreError};
+pub use error::{Obstacle, StoreError};
+pub use folder::{LIMIT, Listed};
 pub use key::Key;
 
 use crate::stages::{Codec, Digest};
@@ -81,21 +83,8 @@ impl Place {
     }
 }
 
-/// An entry as it lies in the folder.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Listed {
-    /// The file.
-    pub path: PathBuf,
-    /// The stage that computed it.
-    pub stage: String,
-    /// Its size \[bytes\].
-    pub bytes: u64,
-    /// When it was last written or read.
-    pub used: SystemTime,
-}
-
-/// The key of an entry: that of the stage's output, and the code that lays values out in bytes. Programs that lay them out
-/// differently share a folder without reading each other's entries.
+/// The key of an entry: that of the stage's output, and the code that lays values out in bytes. Programs that lay them
+/// out differently share a folder without reading each other's entries.
 fn in_this_layout(key: &Digest) -> Digest {
     Key::empty().with(env!("NAILNOISE_CODE_layout")).with(key).digest()
 }
@@ -328,13 +317,14 @@ impl Store {
         folder::remove(path)
     }
 
-    /// Whether a file was written by this or another version of the program, or is an obstacle: whether it may be removed.
+    /// Whether a file was written by this or another version of the program, or is an obstacle: whether it may be
+    /// removed.
     pub fn is_own(&self, path: &Path) -> bool {
         entry::is_own(path)
     }
 
-    /// Removes all entries and obstacles; returns how many entries there were, and the files that have the name of an entry, but
-    /// not its content. These are left: this program did not write them.
+    /// Removes all entries and obstacles; returns how many entries there were, and the files that have the name of an
+    /// entry, but not its content. These are left: this program did not write them.
     ///
     /// # Errors
     /// Those of the file system.

@@ -1,4 +1,5 @@
-//! Which inputs decide whether a shot counts: first-order contributions to the variance of that, over all candidates with a shot.
+//! Which inputs decide whether a shot counts: first-order contributions to the variance of that, over all candidates
+//! with a shot.
 //!
 //! Y is 1 if a shot counts, else 0, and S_i = Var E[Y|X_i]/Var Y. E[Y|X_i] is the share of candidates that count in
 //! each of [`BINS`] equal parts of the input's distribution, so that a study stores counts and no candidates. The

@@ -19,11 +19,11 @@ pub struct Contributions {
     pub output: String,
     /// Variance over the draws \[dB2\].
     pub variance_db2: f64,
-    /// First-order contribution that the largest of all inputs of shots exceeds by chance in one of twenty cases; in one of forty
-    /// where structures are drawn.
+    /// First-order contribution that the largest of all inputs of shots exceeds by chance in one of twenty cases; in
+    /// one of forty where structures are drawn.
     pub by_chance: f64,
-    /// First-order contribution that the largest of all inputs of structures exceeds by chance in one of forty cases; null where they
-    /// are held or too few.
+    /// First-order contribution that the largest of all inputs of structures exceeds by chance in one of forty cases;
+    /// null where they are held or too few.
     #[serde(default)]
     pub by_chance_of_structures: Option<f64>,
     /// Inputs above what their kind reaches by chance.
@@ -73,8 +73,8 @@ struct Found<'a> {
     thirds: Thirds,
 }
 
-/// Contributions of inputs to the total, each source, and the difference of the two loudest; `names` are the sources in their
-/// order. None with too few draws.
+/// Contributions of inputs to the total, each source, and the difference of the two loudest; `names` are the sources in
+/// their order. None with too few draws.
 pub(super) fn contributions(
     made: &Draws,
     table: &LevelTable,

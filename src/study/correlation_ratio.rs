@@ -1,13 +1,14 @@
 //! First-order contributions of inputs to the variance of a level, from the draws themselves.
 //!
-//! S_i = Var E[Y|X_i]/Var Y. The draws are put into bins of equal counts along an input; the variance between the bins' means
-//! estimates Var E[Y|X_i]. Means of finite bins scatter even where the input does nothing, by (M - 1)/(n - 1) of the variance in
-//! the mean, which is taken off (Kelley, "An unbiased correlation ratio measure", PNAS 21, 554 (1935)).
+//! S_i = Var E[Y|X_i]/Var Y. The draws are put into bins of equal counts along an input; the variance between the bins'
+//! means estimates Var E[Y|X_i]. Means of finite bins scatter even where the input does nothing, by (M - 1)/(n - 1) of
+//! the variance in the mean, which is taken off (Kelley, "An unbiased correlation ratio measure", PNAS 21, 554 (1935)).
 //!
 //! Shots on one structure share its inputs. Such an input has only as many independent values as there are structures:
 //! its bins contain structures, n is their number, and the variance that it can explain is that between them.
 //!
-//! A resample repeats draws, so that its bins scatter once more around those of the sample: Kelley's correction is made twice there.
+//! A resample repeats draws, so that its bins scatter once more around those of the sample: Kelley's correction is made
+//! twice there.
 //!
 //! Of many inputs some seem to matter by chance. An estimate counts if it is above the *largest* value of all inputs in
 //! 19 of 20 random pairings of levels with inputs. Inputs of structures and inputs of shots have separate limits, each
@@ -140,8 +141,8 @@ pub(super) struct Binned {
 }
 
 impl Binned {
-    /// Puts units into about sqrt(n) bins of equal counts; equal values share a bin. None for a constant input, and for one of too
-    /// few structures.
+    /// Puts units into about sqrt(n) bins of equal counts; equal values share a bin. None for a constant input, and for
+    /// one of too few structures.
     pub(super) fn new(values: &[f64], structures: &Structures) -> Option<Self> {
         if structures.count() == 0 {
             return Self::along(values, Unit::Draw);
@@ -350,8 +351,8 @@ mod tests {
         assert!(Binned::new(&[1.0; 50], &alone(50)).is_none());
     }
 
-    /// Levels of four shots on each of 64 structures: `a` times an input of the structure, `b` times another one, and `c` times an
-    /// input of the shot, all uniform with the variance 1.
+    /// Levels of four shots on each of 64 structures: `a` times an input of the structure, `b` times another one, and
+    /// `c` times an input of the shot, all uniform with the variance 1.
     struct TwoStages {
         structure: [Vec<f64>; 2],
         shot: Vec<f64>,

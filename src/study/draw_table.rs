@@ -6,8 +6,9 @@ use std::collections::BTreeMap;
 use serde::{Deserialize, Serialize};
 
 use super::draws::Draws;
-use super::level_table::{LevelTable, TOTAL};
+use super::level_table::LevelTable;
 use super::variables::Kind;
+use crate::result::TOTAL;
 
 /// Maximum number of stored draws.
 const MOST: usize = 4096;
@@ -22,7 +23,8 @@ const DIGITS: usize = 3;
 /// Levels and places of the draws.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct DrawTable {
-    /// Level of each source and of the total in each draw, with the errors of methods \[dB re 1 pW s\]; null for silence.
+    /// Level of each source and of the total in each draw, with the errors of methods \[dB re 1 pW s\]; null for
+    /// silence.
     pub levels_db: BTreeMap<String, Vec<Option<f64>>>,
     /// Place of each drawn key in its distribution, draw by draw: three hexadecimal digits, 0 to 4095 of 4096 parts.
     pub places: BTreeMap<String, String>,
@@ -52,7 +54,8 @@ impl DrawTable {
         }
     }
 
-    /// Whether its first draws are those of another table: the same places, and levels that differ by one in the last decimal at most.
+    /// Whether its first draws are those of another table: the same places, and levels that differ by one in the last
+    /// decimal at most.
     pub(super) fn begins_with(&self, other: &Self) -> bool {
         let count = other.len();
         let near = |(own, other): (&Option<f64>, &Option<f64>)| match (own, other) {

@@ -37,8 +37,8 @@ pub struct Draw {
     pub shot: Shot,
     /// Levels without errors of methods.
     pub levels: Levels,
-    /// Error of each source's method in this draw \[dB\]: workpiece, exhaust, body.
-    pub method_db: [f64; 3],
+    /// Error of each source's method in this draw \[dB\], in the order of the levels' sources.
+    pub method_db: Vec<f64>,
 }
 
 /// The draws of a study.
@@ -78,15 +78,15 @@ pub(super) struct Planned {
 /// Makes the requested draws on a graph, and reports their number on `progress`.
 ///
 /// # Errors
-/// Those of the chain of the design itself; [`Error::NothingDrawn`] where no candidate is accepted; [`Error::NoLevels`] where those
-/// of no draw can be computed.
+/// Those of the chain of the design itself; [`Error::NothingDrawn`] where no candidate is accepted; [`Error::NoLevels`]
+/// where those of no draw can be computed.
 pub fn draws(graph: &Graph, design: &Design, request: &Request, progress: &Progress) -> Result<Draws, Error> {
     let made = common_draws(graph, &[design], request, progress)?;
     Ok(made.into_iter().next().unwrap_or_default())
 }
 
-/// Draws of several designs in common: in each draw, everything that the designs share is the same, so that it cancels in
-/// their differences. A draw counts where it counts in all of them. The draws of each design come in the same order.
+/// Draws of several designs in common: in each draw, everything that the designs share is the same, so that it cancels
+/// in their differences. A draw counts where it counts in all of them. The draws of each design come in the same order.
 ///
 /// # Errors
 /// As [`draws`].
@@ -282,8 +282,8 @@ fn shared_shapes(graph: &Graph, (design, sampler): (&Design, &Sampler), point: &
 }
 
 /// The error of each source's method in a draw \[dB\]; an end that is open counts as 0 dB.
-pub(super) fn method_errors(variables: &[Variable], point: &Point, levels: &Levels) -> [f64; 3] {
-    let mut errors = [0.0; 3];
+pub(super) fn method_errors(variables: &[Variable], point: &Point, levels: &Levels) -> Vec<f64> {
+    let mut errors = vec![0.0; levels.sources.len()];
     for (variable, share) in variables.iter().zip(&point.shares).filter(|(_, share)| !share.is_nan()) {
         let Kind::Method(bounds) = &variable.kind else { continue };
         for (error, source) in errors.iter_mut().zip(&levels.sources) {

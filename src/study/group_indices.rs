@@ -149,8 +149,8 @@ mod tests {
         assert_indices(&rows(1 << 14, 2, level, |_| true), &expected, 0.01);
     }
 
-    /// Inputs with a sum below 1, the level the first of them: Var = 1/18, E Var(x|y) = E (1 - y)^2/12 = 1/24, and knowing y takes
-    /// off the rest.
+    /// Inputs with a sum below 1, the level the first of them: Var = 1/18, E Var(x|y) = E (1 - y)^2/12 = 1/24, and
+    /// knowing y takes off the rest.
     #[test]
     fn under_a_condition_an_input_tells_of_those_that_depend_on_it() {
         let below_one = |u: &[f64; 2]| u[0] + u[1] < 1.0;

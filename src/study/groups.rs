@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 
 use super::draws::{Draw, Draws, Planned, levels};
 use super::group_indices::{Row, indices};
-use super::level_table::{LevelTable, TOTAL};
+use super::level_table::LevelTable;
 use super::request::{Part, Request};
 use super::sampling::{Frame, Point, Sampler};
 use super::screening::screen;
@@ -19,6 +19,7 @@ use crate::design::{Design, Values};
 use crate::error::Error;
 use crate::graph::Graph;
 use crate::output;
+use crate::result::TOTAL;
 use crate::stages::Progress;
 
 /// The random sequence of the partners, separate from those of all structures.

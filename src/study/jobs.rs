@@ -10,7 +10,8 @@ use crate::stages::levels::{Levels, ShotLevels};
 use crate::stages::{Postcard, Stage};
 use crate::threads::{Begun, beside};
 
-/// Computes the jobs `0 .. count`, as many at a time as the pool has threads; the results come in the order of the jobs.
+/// Computes the jobs `0 .. count`, as many at a time as the pool has threads; the results come in the order of the
+/// jobs.
 pub(super) fn on_threads<T: Send>(count: usize, compute: impl Fn(usize) -> T + Sync) -> Vec<T> {
     let next = AtomicUsize::new(0);
     let results: Mutex<Vec<Option<T>>> = Mutex::new((0..count).map(|_| None).collect());
@@ -50,8 +51,8 @@ pub(super) fn levels_of_shot(chain: Result<Chain, Error>) -> Result<Levels, Erro
     chain.levels.get().map(|levels| Levels::clone(&levels))
 }
 
-/// The reason why a job failed, as text. An input that several jobs share fails in the job that computes it; the error of that job
-/// is the cause for all.
+/// The reason why a job failed, as text. An input that several jobs share fails in the job that computes it; the error
+/// of that job is the cause for all.
 pub(super) fn reason<'a>(error: &'a Error, of_all: impl IntoIterator<Item = &'a Error>) -> String {
     let mut all = std::iter::once(error).chain(of_all);
     all.find(|error| error.is_cause()).unwrap_or(error).in_words()

@@ -6,9 +6,11 @@ use super::draw_table::DrawTable;
 use super::draws::Draws;
 use super::population::{Difference, Population};
 use super::result::StudyResult;
-use super::weighted::{Weighting, reweighted};
+use super::weighted::reweighted;
 use crate::design::Design;
 use crate::error::Error;
+use crate::model::sources::ALL;
+use crate::result::Weighting;
 use crate::stages::levels::ShotLevels;
 use crate::stages::{Digest, Postcard, Stage};
 use crate::store::{Key, Store};
@@ -72,7 +74,9 @@ impl Found {
 
 /// Digest of the code that determines levels of draws.
 pub(super) fn code() -> String {
-    hexadecimal(&Key::empty().with(&ShotLevels::NAME).with(&ShotLevels::CODE).digest())
+    let levels = Key::empty().with(&ShotLevels::NAME).with(&ShotLevels::CODE);
+    let key = ALL.into_iter().fold(levels, |key, source| key.with(&source.code()));
+    hexadecimal(&key.digest())
 }
 
 fn all(store: &Store) -> (Digest, Vec<Kept>) {

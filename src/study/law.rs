@@ -1,5 +1,5 @@
-//! The uncertainty of a fitted penetration law as variables of a study: one of the specimen, and one a principal component of
-//! the covariance of its coefficients.
+//! The uncertainty of a fitted penetration law as variables of a study: one of the specimen, and one a principal
+//! component of the covariance of its coefficients.
 
 use super::parameters::Parameter;
 use crate::design::Design;
@@ -20,7 +20,8 @@ pub(super) fn leave_out_held(design: &Design, parameters: &mut Vec<Parameter>) -
     Ok(())
 }
 
-/// Names of the standard normal scores of the fitted laws of these designs, the specimen first; none without a fitted law.
+/// Names of the standard normal scores of the fitted laws of these designs, the specimen first; none without a fitted
+/// law.
 pub(super) fn score_names(designs: &[Design]) -> Result<Vec<String>, Error> {
     let mut most = 0;
     for design in designs {

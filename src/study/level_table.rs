@@ -4,10 +4,8 @@ use super::draws::{Draw, Draws};
 use super::statistics::energy_sum;
 use super::variables::Drawn;
 use crate::design::Value;
+use crate::result::TOTAL;
 use crate::stages::levels::Levels;
-
-/// Name of the sum of all sources.
-pub(super) const TOTAL: &str = "total";
 
 /// Levels of all draws with the errors of methods; minus infinity is silence.
 pub(super) struct LevelTable {
@@ -21,7 +19,7 @@ impl LevelTable {
             draw.levels.sources.iter().map(|source| source.source.clone()).collect()
         });
         let levels = |draw: &Draw| {
-            let sources = draw.levels.sources.iter().zip(draw.method_db);
+            let sources = draw.levels.sources.iter().zip(&draw.method_db);
             sources
                 .map(|(source, error)| source.lwa_db.map_or(f64::NEG_INFINITY, |level| level + error))
                 .collect()

@@ -21,8 +21,10 @@ pub(super) fn notes(design: &Design, request: &Request, made: &Draws, variables:
     let draws = made.draws.len();
     if (2..STATED_FROM).contains(&draws) && made.structures == 0 {
         notes.push(format!(
-            "{draws} draws state no percentiles: a further draw lies between the lowest and the highest with a probability of {:.0} %, \
-             and with 90 % confidence these contain {:.0} % of all draws (Wilks 1941); {STATED_FROM} draws state P5 and P95, and the \
+            "{draws} draws state no percentiles: a further draw lies between the lowest and the highest with a \
+             probability of {:.0} %, \
+             and with 90 % confidence these contain {:.0} % of all draws (Wilks 1941); {STATED_FROM} draws state P5 \
+             and P95, and the \
              range of {} contains 90 % of all with 90 % confidence",
             100.0 * next_within(draws),
             (100.0 * content(draws).unwrap_or(0.0)).floor(),
@@ -36,7 +38,8 @@ pub(super) fn notes(design: &Design, request: &Request, made: &Draws, variables:
         .collect();
     if request.shots_a_structure.is_none() && !held.is_empty() {
         notes.push(format!(
-            "the structures are held as in the design: {} quantities of bodies are not drawn ({}, ...), so that the intervals are \
+            "the structures are held as in the design: {} quantities of bodies are not drawn ({}, ...), so that the \
+             intervals are \
              too narrow; `--structures` draws them",
             held.len(),
             held.iter().take(3).copied().collect::<Vec<_>>().join(", ")
@@ -48,7 +51,8 @@ pub(super) fn notes(design: &Design, request: &Request, made: &Draws, variables:
         .any(|variable| matches!(variable.kind, Kind::LawScore))
     {
         notes.push(
-            "the fitted penetration law is drawn by its covariance and the scatter of its specimens; wood.hardness_modulus is \
+            "the fitted penetration law is drawn by its covariance and the scatter of its specimens; \
+             wood.hardness_modulus is \
              held, because that scatter includes it; wood.resistance_scale is drawn if it has a range"
                 .to_owned(),
         );

@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 
 use super::draws::{Draws, method_errors};
 use super::jobs::{levels_of_shot, on_threads, reason};
-use super::level_table::{TOTAL, number};
+use super::level_table::number;
 use super::request::Request;
 use super::sampling::{Point, Sampler};
 use super::screening::drawn;
@@ -22,6 +22,7 @@ use crate::design::{Design, Values};
 use crate::error::Error;
 use crate::graph::Graph;
 use crate::output;
+use crate::result::TOTAL;
 use crate::stages::Progress;
 use crate::stages::levels::Levels;
 
@@ -59,7 +60,8 @@ pub struct InputEnd {
     pub outcome: String,
     /// Why there are no levels; empty where there are.
     pub refused: String,
-    /// Change of each level from that of the design \[dB\], in the order of `outputs`; null where one of both is silent.
+    /// Change of each level from that of the design \[dB\], in the order of `outputs`; null where one of both is
+    /// silent.
     pub change_db: Vec<Option<f64>>,
 }
 
@@ -72,7 +74,7 @@ impl InputChanges {
 }
 
 /// Levels of the total and each source with errors of methods; none for silence.
-fn outputs(levels: &Levels, errors: [f64; 3]) -> Vec<Option<f64>> {
+fn outputs(levels: &Levels, errors: &[f64]) -> Vec<Option<f64>> {
     let sources = levels.sources.iter().zip(errors);
     let sources: Vec<Option<f64>> = sources
         .map(|(source, error)| source.lwa_db.map(|level| level + error))
@@ -83,7 +85,8 @@ fn outputs(levels: &Levels, errors: [f64; 3]) -> Vec<Option<f64>> {
         .collect()
 }
 
-/// Changes of the levels of the design, which are `nominal`, with each input of its draws at the ends of its distribution.
+/// Changes of the levels of the design, which are `nominal`, with each input of its draws at the ends of its
+/// distribution.
 ///
 /// # Errors
 /// Those of the chain of the design itself.
@@ -116,14 +119,14 @@ pub fn one_at_a_time(
         levels
     });
     drop(anchor);
-    let at_design = outputs(nominal, [0.0; 3]);
+    let at_design = outputs(nominal, &vec![0.0; nominal.sources.len()]);
     let failures = || results.iter().filter_map(|result| result.as_ref().err());
     let end = |job: usize| {
         let variable = &made.variables[inputs[job / 2]];
         let value = number(variable.drawn(SHARES[job % 2]));
         match &results[job] {
             Ok(levels) => {
-                let own = outputs(levels, method_errors(&made.variables, &point(job), levels));
+                let own = outputs(levels, &method_errors(&made.variables, &point(job), levels));
                 let change = |(own, base): (Option<f64>, &Option<f64>)| Some(own? - (*base)?);
                 InputEnd {
                     value,

@@ -4,14 +4,15 @@ use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::draws::Draws;
-use super::level_table::{LevelTable, TOTAL};
+use super::level_table::LevelTable;
 use super::request::Request;
 use super::statistics::{Bootstrap, Estimate, Quantiles};
 use super::variables::differing_keys;
 use crate::design::Design;
+use crate::result::TOTAL;
 
-/// A design against a reference over common draws. What both share is the same in each draw, the errors of methods included, and
-/// cancels in the change.
+/// A design against a reference over common draws. What both share is the same in each draw, the errors of methods
+/// included, and cancels in the change.
 #[derive(Debug, Clone, Serialize, JsonSchema)]
 pub struct PairedStudy {
     /// Name of the reference.

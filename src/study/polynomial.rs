@@ -1,10 +1,11 @@
 //! Sparse polynomials of points in the unit cube.
 //!
-//! A figure is expanded in products of Legendre polynomials, which are orthonormal for independent uniform coordinates (Xiu and
-//! Karniadakis, SIAM J. Sci. Comput. 24, 619 (2002)). Terms enter one by one: the next is the one that correlates most with the rest
-//! of the figure (orthogonal matching pursuit; for polynomials Blatman and Sudret, J. Comput. Phys. 230, 2345 (2011)). Their
-//! number is the one that best predicts points which took no part in choosing them; Q2 is the part of the variance at these
-//! points that is predicted. Sobol' indices are sums of squared coefficients (Sudret, Reliab. Eng. Syst. Saf. 93, 964 (2008)).
+//! A figure is expanded in products of Legendre polynomials, which are orthonormal for independent uniform coordinates
+//! (Xiu and Karniadakis, SIAM J. Sci. Comput. 24, 619 (2002)). Terms enter one by one: the next is the one that
+//! correlates most with the rest of the figure (orthogonal matching pursuit; for polynomials Blatman and Sudret, J.
+//! Comput. Phys. 230, 2345 (2011)). Their number is the one that best predicts points which took no part in choosing
+//! them; Q2 is the part of the variance at these points that is predicted. Sobol' indices are sums of squared
+//! coefficients (Sudret, Reliab. Eng. Syst. Saf. 93, 964 (2008)).
 
 use nailnoise_acoustics::random::uniform;
 use nalgebra::{DMatrix, DVector};
@@ -214,8 +215,8 @@ impl Candidates {
         )
     }
 
-    /// The same terms with the coefficients that fit levels best at points that count several times each. None where these points
-    /// do not determine them.
+    /// The same terms with the coefficients that fit levels best at points that count several times each. None where
+    /// these points do not determine them.
     pub(super) fn refitted(&self, polynomial: &Polynomial, levels: &[f64], counts: &[u32]) -> Option<Polynomial> {
         let places = || std::iter::once(0).chain(polynomial.terms.iter().copied());
         let weighted: Vec<Vec<f64>> = places()

@@ -1,5 +1,5 @@
-//! Studies of shipped designs that come with the program, so that `nailnoise run` states intervals without a wait: the result and
-//! the levels of each draw, in one compact file of the folder `designs/studies`.
+//! Studies of shipped designs that come with the program, so that `nailnoise run` states intervals without a wait: the
+//! result and the levels of each draw, in one compact file of the folder `designs/studies`.
 
 use serde::{Deserialize, Serialize};
 use serde_json::{Number, Value};
@@ -30,7 +30,8 @@ pub struct ProvidedStudy {
     /// Version of the program that made it.
     pub version: String,
     code: String,
-    /// Draws that were computed again after a change of the code, with equal levels; none where the code made all draws.
+    /// Draws that were computed again after a change of the code, with equal levels; none where the code made all
+    /// draws.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     repeated: Option<usize>,
     population: Population,
@@ -98,8 +99,8 @@ impl ProvidedStudy {
         Ok(serde_json::to_string(&value).map_err(Error::Json)? + "\n")
     }
 
-    /// The provided study that serves a design: that of a shipped one, of one that differs from it in values of drawn quantities
-    /// whose distributions are the same, or one whose draws, weighted, are worth enough.
+    /// The provided study that serves a design: that of a shipped one, of one that differs from it in values of drawn
+    /// quantities whose distributions are the same, or one whose draws, weighted, are worth enough.
     ///
     /// # Errors
     /// A design that cannot be digested; a file that does not follow the layout.
@@ -233,7 +234,7 @@ mod tests {
     #![allow(clippy::unwrap_used)]
 
     use super::*;
-    use crate::study::level_table::TOTAL;
+    use crate::result::TOTAL;
 
     /// Every study of the folder is of a shipped design, and its own draws give the shares that it states.
     #[test]

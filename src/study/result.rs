@@ -27,8 +27,8 @@ use crate::stages::levels::Levels;
 /// Version of the layout of [`StudyResult`].
 pub const SCHEMA: &str = "nailnoise-study/1";
 
-/// The result of `nailnoise study`. Levels are A-weighted single-event sound power levels in dB re 1 pW s. Further keys may be
-/// added.
+/// The result of `nailnoise study`. Levels are A-weighted single-event sound power levels in dB re 1 pW s. Further keys
+/// may be added.
 #[derive(Debug, Clone, Serialize, Deserialize, JsonSchema)]
 #[schemars(title = "Result of nailnoise study")]
 pub struct StudyResult {
@@ -58,7 +58,8 @@ pub struct StudyResult {
     pub orders: Vec<OrderProbability>,
     /// Probability that one source is louder than another.
     pub louder: Vec<Louder>,
-    /// Expected loss of a decision that a perfect knowledge of all inputs would avoid, where one source is silenced \[dB\].
+    /// Expected loss of a decision that a perfect knowledge of all inputs would avoid, where one source is silenced
+    /// \[dB\].
     pub perfect_information_db: Estimate,
     /// Which inputs decide each level, the largest contribution first.
     pub contributions: Vec<Contributions>,

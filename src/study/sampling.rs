@@ -22,7 +22,8 @@ const LENGTH: u64 = 1 << 16;
 /// Times that a component is drawn at most for one point.
 const MOST_ATTEMPTS: u64 = 1000;
 
-/// Designs by which rules that values may break are looked for: a rule that one draw in twenty breaks is missed once in 500 000.
+/// Designs by which rules that values may break are looked for: a rule that one draw in twenty breaks is missed once in
+/// 500 000.
 const PROBES: u64 = 256;
 
 /// Numbers of the sequence are multiples of 2^-24 from 0 on; half of that moves them away from the ends.
@@ -71,7 +72,8 @@ pub struct Frame<'a> {
     /// A point of the bases without conflicts. It gives all variables that are not drawn; without it they are those of
     /// the bases.
     pub given: Option<&'a Point>,
-    /// Number of the given point where partners of many points are drawn: their first candidates are the points of one sequence.
+    /// Number of the given point where partners of many points are drawn: their first candidates are the points of one
+    /// sequence.
     pub partner_of: Option<u64>,
 }
 
@@ -476,7 +478,8 @@ mod tests {
         assert!(cells.iter().all(|count| *count == N / 64), "{cells:?}");
     }
 
-    /// The seat of the given point is wider than the ring of the base. Other rules are judged with the ring of that point.
+    /// The seat of the given point is wider than the ring of the base. Other rules are judged with the ring of that
+    /// point.
     #[test]
     fn rules_are_judged_around_the_given_point() {
         let design = design("");

@@ -55,8 +55,8 @@ pub struct Tally {
 }
 
 impl Tally {
-    /// Counts another tally in. The condition stays that of the first: further candidates on a structure that was accepted are not
-    /// independent of it.
+    /// Counts another tally in. The condition stays that of the first: further candidates on a structure that was
+    /// accepted are not independent of it.
     pub fn add(&mut self, other: Self) {
         self.candidates += other.candidates;
         let into = |own: &mut BTreeMap<String, u64>, counts: BTreeMap<String, u64>| {

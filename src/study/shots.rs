@@ -47,7 +47,8 @@ pub struct DrawnShot {
     pub outcome: ShotOutcome,
 }
 
-/// Draws `count` designs from the ranges of the keys of `design` that take part in the cycle, and computes the cycle of each on a graph.
+/// Draws `count` designs from the ranges of the keys of `design` that take part in the cycle, and computes the cycle of
+/// each on a graph.
 ///
 /// The draws depend only on `seed` and the ranges, not on the number of threads. Fewer than `count` designs come back
 /// where a thousand candidates for each were not enough.

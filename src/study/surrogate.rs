@@ -1,5 +1,5 @@
-//! A polynomial surrogate of each level: which part of the variance all inputs together explain, and the indices of the inputs
-//! where that is enough.
+//! A polynomial surrogate of each level: which part of the variance all inputs together explain, and the indices of the
+//! inputs where that is enough.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -36,8 +36,8 @@ pub struct Surrogate {
     pub inputs: Vec<SurrogateIndex>,
 }
 
-/// Sobol' indices of an input by a surrogate. The intervals are those of the coefficients over resampled draws; the choice of terms
-/// is not repeated.
+/// Sobol' indices of an input by a surrogate. The intervals are those of the coefficients over resampled draws; the
+/// choice of terms is not repeated.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct SurrogateIndex {
     /// The variable.
@@ -48,8 +48,8 @@ pub struct SurrogateIndex {
     pub total: Estimate,
 }
 
-/// Surrogates of the total, each source, and the difference of the two loudest; `names` are the sources in their order. None
-/// with too few draws.
+/// Surrogates of the total, each source, and the difference of the two loudest; `names` are the sources in their order.
+/// None with too few draws.
 pub(super) fn surrogates(design: &Design, made: &Draws, names: &[String]) -> Vec<Surrogate> {
     let draws = &made.draws[..made.draws.len().min(MOST_DRAWS)];
     if draws.len() < FEWEST {

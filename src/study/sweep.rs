@@ -155,7 +155,8 @@ pub fn at_point((path, changes): (&Path, &[Assignment]), axes: &[Axis], values: 
 /// Whether the axes are those of a grid.
 ///
 /// # Errors
-/// [`Error::NothingToVary`], and [`Error::VariedTwice`]: the later values of a key would replace the earlier ones in every point.
+/// [`Error::NothingToVary`], and [`Error::VariedTwice`]: the later values of a key would replace the earlier ones in
+/// every point.
 pub fn distinct(axes: &[Axis]) -> Result<(), Error> {
     if axes.is_empty() {
         return Err(Error::NothingToVary);
@@ -171,8 +172,8 @@ pub fn distinct(axes: &[Axis]) -> Result<(), Error> {
 /// that all points have in common, too. Points with conflicting values are refused with their conflict.
 ///
 /// # Errors
-/// A key or value that no design can have; no key, or one twice; a point that needs more memory than allowed; a grid of too many
-/// points.
+/// A key or value that no design can have; no key, or one twice; a point that needs more memory than allowed; a grid of
+/// too many points.
 pub fn sweep(
     graph: &Graph,
     (path, changes): (&Path, &[Assignment]),

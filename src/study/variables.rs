@@ -8,9 +8,10 @@ use serde::Serialize;
 use super::parameters::Parameter;
 use super::{law, normal};
 use crate::chain::{Chain, Options};
-use crate::design::{Alternative, Carrier, Derived, Design, Entry, Provenance, SOURCES, Value};
+use crate::design::{Alternative, Carrier, Derived, Design, Entry, Provenance, Value};
 use crate::error::Error;
 use crate::graph::Graph;
+use crate::model::sources;
 use crate::stages::Digest;
 
 /// What a variable changes.
@@ -243,7 +244,7 @@ pub fn variables(design: &Design) -> Result<Vec<Variable>, Error> {
         });
     }
     variables.extend(law_scores(&bases)?);
-    variables.extend(SOURCES.map(|source| Variable {
+    variables.extend(sources::names().map(|source| Variable {
         name: format!("method.{source}"),
         scope: Scope::Method,
         kind: Kind::Method(settings.model.get(source).copied()),

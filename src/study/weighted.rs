@@ -1,22 +1,11 @@
 //! The study of a design from the draws of another one, each with its weight (`population.rs`).
 
 use super::draw_table::DrawTable;
-use super::level_table::TOTAL;
 use super::population::{Marginal, effective, weight};
 use super::result::{LevelStudy, OrderProbability, SourceStudy, StudyResult};
 use super::statistics::{Bootstrap, Estimate, Quantiles, order, weighted_quantiles};
 use super::tolerance::STATED_FROM;
-
-/// That and how draws of another study are weighted.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Weighting {
-    /// Draws of the study.
-    pub draws: usize,
-    /// Of how many draws without weights they are worth.
-    pub effective: f64,
-    /// The quantities whose distributions differ.
-    pub keys: Vec<String>,
-}
+use crate::result::{TOTAL, Weighting};
 
 /// The levels of a design by the draws of a study, if the distributions of some quantities differ: that of the study,
 /// and that of the design. None where the draws are worth too few, or are drawn on several structures.

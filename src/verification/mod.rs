@@ -1,7 +1,8 @@
 //! Benchmarks that this project did not write: closed forms, standards and public measurements beside computed values.
 //!
 //! `nailnoise verify` computes them on the user's machine and the tests compute them in CI. Each row names its source.
-//! What disagrees is stated in `docs/limits.md` with its number and marked in the row; no parameter was fitted to agree.
+//! What disagrees is stated in `docs/limits.md` with its number and marked in the row; no parameter was fitted to
+//! agree.
 
 mod cycle;
 mod jets;

@@ -35,7 +35,8 @@ const SERIES: Case = Case {
     source: "Navier: (pi/a)² (m² + n²) (D/rho h)^(1/2); series of six odd modes under uniform pressure; closed form",
 };
 
-/// Young's modulus \[Pa\], Poisson's ratio, density \[kg/m³\] and side \[m\] of all plates; thickness of the thin ones \[m\].
+/// Young's modulus \[Pa\], Poisson's ratio, density \[kg/m³\] and side \[m\] of all plates; thickness of the thin ones
+/// \[m\].
 const E: f64 = 200e9;
 const NU: f64 = 0.3;
 const RHO: f64 = 8000.0;
@@ -45,7 +46,8 @@ const THIN: f64 = 0.05;
 /// Elements along each side of a thin plate.
 const DIVISIONS: usize = 24;
 
-/// Differences \[Hz\] from the reference of modes 5 and 6, which lies 2.1 % above thin-plate theory, see `docs/limits.md`.
+/// Differences \[Hz\] from the reference of modes 5 and 6, which lies 2.1 % above thin-plate theory, see
+/// `docs/limits.md`.
 const ABOVE_THEORY: [f64; 2] = [-0.25, 0.0];
 
 /// Pressure \[Pa\] and damping ratio of the forced plate.

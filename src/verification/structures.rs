@@ -59,8 +59,8 @@ pub(super) fn membrane() -> Result<Vec<Row>, Error> {
     Ok(frequencies(FV32, &basis, &reference, 5e-3))
 }
 
-/// A cylinder of mean radius 0.1 m, length 0.4 m and wall 10 mm, clamped at both ends. A quarter of it, antisymmetric in
-/// both planes, has the torsion.
+/// A cylinder of mean radius 0.1 m, length 0.4 m and wall 10 mm, clamped at both ends. A quarter of it, antisymmetric
+/// in both planes, has the torsion.
 pub(super) fn cylinder() -> Result<Vec<Row>, Error> {
     let [radius, length, wall] = [0.1, 0.4, 0.01];
     let [e, nu, rho]: [f64; 3] = [200e9, 0.3, 7800.0];

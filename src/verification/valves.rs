@@ -7,7 +7,8 @@ use crate::error::Error;
 
 const PRINTED: Case = Case {
     name: "valve noise, annex A",
-    source: "IEC 60534-8-3:2010, table A.1, as transcribed in jmrplens/phonometry; F_P 0.984, as the printed p_vc require",
+    source: "IEC 60534-8-3:2010, table A.1, as transcribed in jmrplens/phonometry; F_P 0.984, as the printed p_vc \
+        require",
 };
 
 const COMPUTED: Case = Case {

@@ -10,7 +10,7 @@ use crate::measurement::arrangement::Arrangement;
 use crate::measurement::lines::{Bands, OneSecond};
 use crate::measurement::repeats::RepeatedLevel;
 use crate::measurement::result::MeasuredBand;
-use crate::measurement::wrapping::{Configuration, SOURCES};
+use crate::measurement::wrapping::{Configuration, Role};
 
 /// A source as the array would measure it alone, mean over the shots of the configuration that measures it.
 #[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
@@ -31,7 +31,7 @@ pub struct BareLevels<'a> {
     room: f64,
     transform: OneSecond,
     bands: Bands,
-    /// A-weighted energies of the range and by band, one pair a shot, in the order of [`SOURCES`].
+    /// A-weighted energies of the range and by band, one pair a shot, in the order of [`Role::ALL`].
     energies: [Vec<(f64, Vec<f64>)>; 3],
 }
 
@@ -53,8 +53,7 @@ impl<'a> BareLevels<'a> {
 
     /// Adds the shot of a configuration, which counts to the source that it measures.
     pub fn add(&mut self, configuration: Configuration, shot: &BareShot) {
-        let measured = configuration.source();
-        if let Some(place) = SOURCES.iter().position(|name| Some(*name) == measured) {
+        if let Some(place) = configuration.source().map(|role| role as usize) {
             let density = mean_density(&shot.sources[place], &self.transform);
             self.energies[place].push(energies(&density, &self.bands));
         }
@@ -68,8 +67,8 @@ impl<'a> BareLevels<'a> {
                 .collect();
             RepeatedLevel::of(&levels).map(|level| level.db)
         };
-        let of = |(source, shots): (&&'static str, &Vec<(f64, Vec<f64>)>)| BareSource {
-            source,
+        let of = |(source, shots): (Role, &Vec<(f64, Vec<f64>)>)| BareSource {
+            source: source.name(),
             shots: shots.len(),
             lwa_db: mean(&mut shots.iter().map(|own| own.0)),
             bands: (self.bands.nominal_hz().into_iter().enumerate())
@@ -79,6 +78,6 @@ impl<'a> BareLevels<'a> {
                 })
                 .collect(),
         };
-        SOURCES.iter().zip(&self.energies).map(of).collect()
+        Role::ALL.into_iter().zip(&self.energies).map(of).collect()
     }
 }

@@ -4,12 +4,14 @@ use nailnoise_acoustics::levels::{REFERENCE_PRESSURE, Weighting};
 use schemars::JsonSchema;
 use serde::Serialize;
 
-use super::BACKGROUND_HZ;
 use super::sources::energies;
 use crate::error::Error;
 use crate::measurement::arrangement::Arrangement;
 use crate::measurement::lines::{Bands, LENGTH, OneSecond};
 use crate::measurement::wrapping::{Wrapping, configurations, separated, sources};
+
+/// Range of the background noise, of equal energy in each third octave \[Hz\].
+pub(super) const BACKGROUND_HZ: [f64; 2] = [20.0, 20e3];
 
 /// Levels of a wrapping test by energies \[dB re 1 pW s, A-weighted\]; `None` where nothing is left.
 #[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
@@ -47,8 +49,8 @@ pub struct ExactBand {
     pub bound_db: Option<f64>,
 }
 
-/// Coefficient c of the density c/f of steady background noise with an A-weighted level \[dB re 20 uPa\] \[Pa2\]: the density of its
-/// mean square is c/f, that of its exposure over T seconds c T/f.
+/// Coefficient c of the density c/f of steady background noise with an A-weighted level \[dB re 20 uPa\] \[Pa2\]: the
+/// density of its mean square is c/f, that of its exposure over T seconds c T/f.
 pub fn background_density(level: f64) -> f64 {
     let [low, high] = BACKGROUND_HZ;
     // Trapezia over the logarithm of frequency, in which the density is constant.
@@ -61,8 +63,8 @@ pub fn background_density(level: f64) -> f64 {
     REFERENCE_PRESSURE.powi(2) * 10f64.powf(0.1 * level) / (sum * step)
 }
 
-/// The test of sources with these densities at the lines of one second \[Pa2 s/Hz\], recorded at `rate` \[1/s\], with steady
-/// background noise of an A-weighted level \[dB\], 0 for none.
+/// The test of sources with these densities at the lines of one second \[Pa2 s/Hz\], recorded at `rate` \[1/s\], with
+/// steady background noise of an A-weighted level \[dB\], 0 for none.
 ///
 /// # Errors
 /// Those of the room's correction.

@@ -13,11 +13,11 @@ pub(super) struct MinimumPhase {
 const LEAST: f64 = 1e-10;
 
 impl MinimumPhase {
-    /// The filter of least phase with the amplitude `magnitude(hz)`, for records of `samples` at `rate` \[1/s\]. The transform is
-    /// padded to twice the record.
+    /// The filter of least phase with the amplitude `magnitude(hz)`, for records of `samples` at `rate` \[1/s\]. The
+    /// transform is padded to twice the record.
     ///
-    /// The phase is the Hilbert transform of the logarithm of the magnitude, by its cepstrum: the causal half is doubled
-    /// (Oppenheim and Schafer, Discrete-Time Signal Processing, 3rd ed., 12.5).
+    /// The phase is the Hilbert transform of the logarithm of the magnitude, by its cepstrum: the causal half is
+    /// doubled (Oppenheim and Schafer, Discrete-Time Signal Processing, 3rd ed., 12.5).
     pub(super) fn new(samples: usize, rate: f64, magnitude: impl Fn(f64) -> f64) -> Self {
         let length = (2 * samples).next_power_of_two();
         let df = rate / length as f64;

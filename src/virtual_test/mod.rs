@@ -1,8 +1,8 @@
 //! Virtual wrapping tests: what the microphones and sensors of EN 12549 would record of a design, wrap by wrap.
 //!
-//! Each shot of each configuration is a shot of its own: supply pressure and the wood's resistance scatter, jets and background have
-//! new noise, the trigger comes at another instant. The sources' pressures pass the wraps by filters of minimum phase and add.
-//! [`exact`] does the same with energies, without recordings.
+//! Each shot of each configuration is a shot of its own: supply pressure and the wood's resistance scatter, jets and
+//! background have new noise, the trigger comes at another instant. The sources' pressures pass the wraps by filters of
+//! minimum phase and add. [`exact`] does the same with energies, without recordings.
 
 pub mod bare;
 pub mod comparison;
@@ -18,15 +18,16 @@ use rayon::prelude::*;
 
 use crate::chain::{Chain, Options};
 use crate::design::inputs::{self, located};
-use crate::design::{Design, SupportKind, Value};
+use crate::design::{Design, Value};
 use crate::error::Error;
 use crate::graph::Graph;
 use crate::measurement::arrangement::Arrangement;
 use crate::measurement::lines::BEFORE;
-use crate::measurement::manifest::Setup;
 use crate::measurement::recordings::Shot;
-use crate::measurement::wrapping::{Configuration, InsertionLoss, Wrapping};
+use crate::measurement::wrapping::{Configuration, InsertionLoss, Role, Wrapping};
+use crate::model::supports;
 use crate::stages::Input;
+use crate::stages::microphones::Heard;
 use crate::stages::microphones::noise::{normal, under_envelope};
 use crate::stages::sensors::SensorRecord;
 use crate::stages::transducers::PressureRecord;
@@ -37,9 +38,6 @@ use sources::Synthesis;
 /// Frequencies between which the losses of wraps and of the muffler rise \[Hz\].
 const WRAP_HZ: [f64; 2] = [125.0, 4000.0];
 const MUFFLER_HZ: [f64; 2] = [50.0, 400.0];
-
-/// Range of the background noise, of equal energy in each third octave \[Hz\].
-const BACKGROUND_HZ: [f64; 2] = [20.0, 20e3];
 
 /// Time over which the end of a sensor's record falls to zero \[s\].
 const FADE: f64 = 5e-3;
@@ -65,16 +63,10 @@ pub fn wrapping(design: &Design) -> Wrapping {
 /// # Errors
 /// [`Error::NoTestSetup`] for a support that the standard does not have; those of the air.
 pub fn arrangement(design: &Design) -> Result<Arrangement, Error> {
-    let setup = match design.support.kind {
-        SupportKind::Worktable => Setup::Worktable,
-        SupportKind::Sandbox => Setup::Sandbox,
-        SupportKind::Floor | SupportKind::Clamped | SupportKind::Springs => {
-            return Err(Error::NoTestSetup {
-                design: design.name().to_owned(),
-                support: design.support.kind.as_str(),
-            });
-        }
-    };
+    let setup = supports::of(design).test_setup().ok_or_else(|| Error::NoTestSetup {
+        design: design.name().to_owned(),
+        support: design.support.kind.as_str(),
+    })?;
     let array = inputs::microphones::array(design)?;
     let [x, y, plane] = array.foot;
     let names = inputs::sensors::accelerometers(design)?;
@@ -105,6 +97,15 @@ fn faded(record: &[f64], interval: f64) -> Vec<f64> {
     let mut faded = record.to_vec();
     faded[first..].iter_mut().enumerate().for_each(|(i, a)| *a *= fall(i));
     faded
+}
+
+/// Adds signals to a sum, microphone by microphone; a shorter signal ends in silence.
+fn add_signals(sum: &mut Vec<Vec<f64>>, signals: Vec<Vec<f64>>) {
+    sum.resize(sum.len().max(signals.len()), Vec::new());
+    for (sum, signal) in sum.iter_mut().zip(signals) {
+        sum.resize(sum.len().max(signal.len()), 0.0);
+        sum.iter_mut().zip(signal).for_each(|(sum, p)| *sum += p);
+    }
 }
 
 /// A shot of a virtual test before it is wrapped.
@@ -224,36 +225,30 @@ impl<'a> VirtualTest<'a> {
         };
         let chain = Chain::new(self.graph, design, options)?;
         chain.check_bodies().map_err(|error| located(design, error))?;
-        let outputs: [&dyn Input; 5] = [
-            &chain.workpiece,
-            &chain.exhaust,
-            &chain.body,
-            &chain.sensors,
-            &chain.transducers,
-        ];
+        let mut outputs: Vec<&dyn Input> = chain.sources.iter().map(|own| &own.sound as &dyn Input).collect();
+        outputs.extend([&chain.sensors as &dyn Input, &chain.transducers]);
         self.graph.prepare(&outputs).map_err(|error| located(design, error))?;
-        let (workpiece, exhaust, body) = (chain.workpiece.get()?, chain.exhaust.get()?, chain.body.get()?);
+        let count = chain.sources.len() as u64;
+        // Numbers of the noise of a shot: those of the sources, then those of parts by the source to which they count.
+        let stream = (2 * count + 2).max(8) * stream;
+        let mut sources: [Vec<Vec<f64>>; 3] = Default::default();
+        let mut add = |role: Role, heard: &Heard, number: u64| {
+            let noise = (self.seed, stream + number);
+            let signals = self.synthesis.signals(&heard.source, &heard.received, noise);
+            add_signals(&mut sources[role as usize], signals);
+        };
+        let sounds = chain.sources.iter().map(|own| Ok((own.source, own.sound.get()?)));
+        let sounds = sounds.collect::<Result<Vec<_>, Error>>()?;
+        for (number, (source, sound)) in (1..).zip(&sounds) {
+            add(source.role(), &sound.heard.own, number);
+        }
         // A part that counts to another source is known over a range of its own.
-        let (cap, vent) = (body.moved.as_ref(), exhaust.vent.as_ref());
-        let all = [
-            (&workpiece.source, &workpiece.received, None),
-            (&exhaust.source, &exhaust.received, cap),
-            (&body.source, &body.received, vent),
-        ];
-        let mut place = 0;
-        let sources = all.map(|(source, received, part)| {
-            place += 1;
-            let noise = 8 * stream + place;
-            let mut signals = self.synthesis.signals(source, received, (self.seed, noise));
-            if let Some(part) = part {
-                let added = self
-                    .synthesis
-                    .signals(&part.source, &part.received, (self.seed, noise + 3));
-                let samples = signals.iter_mut().flatten().zip(added.iter().flatten());
-                samples.for_each(|(sum, p)| *sum += p);
+        for moved in sounds.iter().filter_map(|(_, sound)| sound.heard.moved.as_ref()) {
+            let places = (1..).zip(&sounds);
+            for (number, (source, _)) in places.filter(|(_, (source, _))| source.name() == moved.to) {
+                add(source.role(), &moved.part, count + number);
             }
-            signals
-        });
+        }
         Ok(BareShot {
             cycle: chain.cycle.get()?,
             sources,
@@ -274,8 +269,8 @@ impl<'a> VirtualTest<'a> {
         let wraps = self.filters(bare);
         let microphone = |place: usize| {
             let mut record = self.background(samples, (stream, place));
-            for (source, (signals, wrap)) in bare.sources.iter().zip(&wraps).enumerate() {
-                let passed = self.passed(&signals[place], (source, wrap), configuration);
+            for (role, (signals, wrap)) in Role::ALL.into_iter().zip(bare.sources.iter().zip(&wraps)) {
+                let passed = self.passed(&signals[place], (role, wrap), configuration);
                 record.iter_mut().skip(start).zip(passed).for_each(|(sum, p)| *sum += p);
             }
             record
@@ -311,7 +306,7 @@ impl<'a> VirtualTest<'a> {
     /// Filters of the wraps and the muffler, in the order of the sources, for the signals of a shot.
     fn filters(&self, bare: &BareShot) -> [MinimumPhase; 3] {
         let length = bare.sources.iter().flatten().map(Vec::len).max().unwrap_or(0);
-        [0, 1, 2].map(|source: usize| {
+        Role::ALL.map(|source| {
             MinimumPhase::new(length, self.synthesis.rate, |hz| {
                 self.wrapping.at(hz).of_source(source).sqrt()
             })
@@ -319,13 +314,13 @@ impl<'a> VirtualTest<'a> {
     }
 
     /// The signal of a source as a configuration lets it through.
-    fn passed(&self, signal: &[f64], (source, wrap): (usize, &MinimumPhase), configuration: Configuration) -> Vec<f64> {
+    fn passed(&self, signal: &[f64], (source, wrap): (Role, &MinimumPhase), configuration: Configuration) -> Vec<f64> {
         let scaled = |share: f64| signal.iter().map(|p| share.sqrt() * p).collect();
         match (source, configuration) {
             (_, Configuration::Total) => signal.to_vec(),
-            (0, Configuration::Workpiece) => scaled(self.wrapping.workpiece_mask),
-            (1, Configuration::Exhaust) => scaled(self.wrapping.exhaust_mask),
-            (2, Configuration::Body) => signal.to_vec(),
+            (Role::Workpiece, Configuration::Workpiece) => scaled(self.wrapping.workpiece_mask),
+            (Role::Exhaust, Configuration::Exhaust) => scaled(self.wrapping.exhaust_mask),
+            (Role::Body, Configuration::Body) => signal.to_vec(),
             // Wraps that let nothing through have no phase.
             (source, _) if self.wrapping.at(1000.0).of_source(source) == 0.0 => Vec::new(),
             _ => wrap.apply(signal),
@@ -341,7 +336,7 @@ impl<'a> VirtualTest<'a> {
         let rate = self.synthesis.rate;
         let scale = exact::background_density(level) * samples as f64 / rate;
         let density = |hz: f64| {
-            if (BACKGROUND_HZ[0]..=BACKGROUND_HZ[1]).contains(&hz) {
+            if (exact::BACKGROUND_HZ[0]..=exact::BACKGROUND_HZ[1]).contains(&hz) {
                 scale / hz
             } else {
                 0.0

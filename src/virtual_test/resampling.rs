@@ -6,8 +6,8 @@ use nalgebra::Complex;
 
 /// A plan that brings band-limited records of one length from one rate to another, from their first sample on.
 ///
-/// The spectrum up to half the lower rate is summed at the new instants. The record is padded to twice its length, so that its end
-/// does not reach its beginning.
+/// The spectrum up to half the lower rate is summed at the new instants. The record is padded to twice its length, so
+/// that its end does not reach its beginning.
 pub(super) struct Resampling {
     from: f64,
     kept: usize,

@@ -24,8 +24,9 @@ pub(super) struct Synthesis {
 impl Synthesis {
     /// Pressures of a source at each microphone from the trigger on \[Pa\].
     ///
-    /// Up to the end of the range in which the source's pressures are known, these are the run's signals; above it noise continues
-    /// them, as it does the run's files. Bands are not scaled to the expected energies: each shot has its own draw.
+    /// Up to the end of the range in which the source's pressures are known, these are the run's signals; above it
+    /// noise continues them, as it does the run's files. Bands are not scaled to the expected energies: each shot has
+    /// its own draw.
     pub(super) fn signals(&self, source: &SoundSource, received: &AtMicrophones, noise: (u64, u64)) -> Vec<Vec<f64>> {
         // The operator's ear, behind the microphones, is no channel.
         let known = received.signals.get(..self.travel.len()).unwrap_or_default();

@@ -79,8 +79,8 @@ impl Board {
         self.state().differences()
     }
 
-    /// The report of the last run has become another.
-    pub fn amend(&self, report: String) {
+    /// The report of the last run is complete: the intervals of its levels are known.
+    pub fn complete(&self, report: String) {
         self.change(|state| {
             let number = state.report.as_ref().map_or(0, |(number, _)| *number);
             state.report = Some((number + 1, report.into()));

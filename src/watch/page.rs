@@ -34,10 +34,12 @@ pub(super) fn page(board: &Board) -> String {
                         h1 { (board.name) }
                         p #status role="status" { (status(&state)) }
                     }
-                    pre #failure role="alert" hidden[state.failure.is_none()] { (state.failure.as_deref().unwrap_or_default()) }
+                    pre #failure role="alert" hidden[state.failure.is_none()] {
+                        (state.failure.as_deref().unwrap_or_default()) }
                     div #bar { (bar(&state)) }
                 }
-                main #report { noscript { p { a href="report" { "The report of the last run" } ", without what follows a save." } } }
+                main #report { noscript { p { a href="report" { "The report of the last run" }
+                    ", without what follows a save." } } }
             }
         }
     }
@@ -74,7 +76,8 @@ fn status(state: &State) -> String {
 
 fn bar(state: &State) -> Markup {
     let Some(last) = &state.last else {
-        return html! { p.quiet { "The first run of a tool takes minutes; later ones a second or two, where only pressure, exhaust or air change." } };
+        return html! { p.quiet { "The first run of a tool takes minutes; later ones a second or two, where only \
+        pressure, exhaust or air change." } };
     };
     let mut names: Vec<&str> = last.levels.iter().skip(1).map(|(name, _)| name.as_str()).collect();
     names.sort_unstable();
@@ -86,7 +89,8 @@ fn bar(state: &State) -> Markup {
     let compared = [before.as_ref(), pinned.as_ref()];
     html! {
         (missed_shot(last.headline.as_ref()))
-        @for unlike in compared.into_iter().flatten().filter_map(|own| own.unlike.as_ref()) { p.alarm role="alert" { (capitalised(unlike)) "." } }
+        @for unlike in compared.into_iter().flatten().filter_map(|own| own.unlike.as_ref()) { p.alarm
+            role="alert" { (capitalised(unlike)) "." } }
         div.scroll tabindex="0" role="region" aria-label="levels and changes" { table {
             thead { tr {
                 th scope="col" { "L" sub { "WA,1s" } }
@@ -111,7 +115,8 @@ fn bar(state: &State) -> Markup {
                 @if state.pinned.is_some() { button type="button" data-post="unpin" { "Unpin" } }
             }
             a href="report" target="_blank" rel="noopener" { "Report alone, to print" }
-            span { "Changes of one shot in dB; most errors cancel in them. " code { "nailnoise compare --draws" } " says how sure they are." }
+            span { "Changes of one shot in dB; most errors cancel in them. " code { "nailnoise compare --draws" }
+                " says how sure they are." }
         }
     }
 }

@@ -34,7 +34,8 @@ const STRANGERS: usize = 64;
 
 /// Every response: nothing is cached, no other site learns the address, nothing is shown within a foreign page.
 const ALWAYS: &str = "Cache-Control: no-store\r\nReferrer-Policy: no-referrer\r\nX-Content-Type-Options: nosniff\r\n\
-                      Cross-Origin-Resource-Policy: same-origin\r\nCross-Origin-Opener-Policy: same-origin\r\nConnection: close\r\n";
+                      Cross-Origin-Resource-Policy: same-origin\r\nCross-Origin-Opener-Policy: \
+                      same-origin\r\nConnection: close\r\n";
 
 /// Permissions of the page around the report: contact this server, and run its script.
 const OUTER: &str = "default-src 'none'; script-src 'self'; style-src 'self'; connect-src 'self'; frame-src 'self'; \
@@ -291,7 +292,8 @@ impl<'a> Reply<'a> {
         } = self;
         let length = body.len();
         let head = format!(
-            "HTTP/1.1 {status}\r\nContent-Type: {kind}\r\nContent-Length: {length}\r\nContent-Security-Policy: {policy}\r\n{ALWAYS}\r\n"
+            "HTTP/1.1 {status}\r\nContent-Type: {kind}\r\nContent-Length: {length}\r\nContent-Security-Policy: \
+             {policy}\r\n{ALWAYS}\r\n"
         );
         stream.write_all(head.as_bytes())?;
         if !head_alone {

@@ -13,7 +13,8 @@ use nailnoise_meshes::{FaceGroup, FaceRef, Surface};
 use crate::common::{graph, store, try_run};
 use crate::tool::{bar, bar_mesh, put};
 
-/// The bar of the tests of the tool by boundary elements; half of the sides of its upper end is the outer side of a cap.
+/// The bar of the tests of the tool by boundary elements; half of the sides of its upper end is the outer side of a
+/// cap.
 static CAPPED: LazyLock<Design> = LazyLock::new(|| {
     let (mut design, mut mesh) = (bar(1.0), bar_mesh());
     let surface = Surface::of(&mesh);
@@ -104,7 +105,8 @@ fn sources_of_both_conventions_sum_to_the_same_in_every_band_and_interval() {
     };
     let plain = |band: &BandLevel| stated(band.lw_db, band.energies_j.map(|e| e[0]));
     let weighted = |band: &BandLevel| stated(band.lwa_db, band.energies_j.map(|e| e[1]));
-    // The weighting is integrated by a rule on the intervals of a grid, which is finer where the grids of two parts are joined.
+    // The weighting is integrated by a rule on the intervals of a grid, which is finer where the grids of two parts are
+    // joined.
     let forms: [(OfBand<'_>, f64); 2] = [(&plain, 1e-12), (&weighted, 1e-9)];
     for (of, tolerance) in forms {
         for (k, (a, b)) in bands(&PHYSICAL, of).into_iter().zip(bands(&WRAPPING, of)).enumerate() {
@@ -203,7 +205,8 @@ fn the_cap_is_a_part_of_the_exhaust_and_the_vent_of_the_source_that_the_design_g
     );
 }
 
-/// A draw sums the parts of a surface before the motion multiplies them, a run after it: both round in single precision.
+/// A draw sums the parts of a surface before the motion multiplies them, a run after it: both round in single
+/// precision.
 #[test]
 fn the_levels_of_a_draw_are_those_of_the_run() {
     let same = |own: Option<f64>, run: Option<f64>, what: &str| match (own, run) {

@@ -2,6 +2,9 @@
 
 use nailnoise::design::inputs::cycle::parameters;
 use nailnoise::design::{Design, Value};
+use nailnoise::output::columns;
+
+use crate::common::small;
 
 /// Groups whose numbers are the cycle's.
 const GROUPS: &[&str] = &[
@@ -71,4 +74,35 @@ fn every_number_of_the_tool_reaches_the_model() {
         tried += 1;
     }
     assert!(tried > 80, "{tried} keys tried");
+}
+
+/// Every list of numbers in the record has its column, each of them once and with a unit.
+#[test]
+fn every_history_of_the_record_is_a_column() {
+    let record = nailnoise::chain::cycle(&small("")).unwrap();
+    let mut histories = Vec::new();
+    let mut open = vec![serde_json::to_value(&record).unwrap()];
+    while let Some(value) = open.pop() {
+        match value {
+            serde_json::Value::Array(own) if own.len() == record.len() && own[0].is_number() => {
+                histories.push(own.iter().map(|value| value.as_f64().unwrap()).collect::<Vec<_>>());
+            }
+            serde_json::Value::Array(own) => open.extend(own),
+            serde_json::Value::Object(own) => open.extend(own.into_iter().map(|(_, value)| value)),
+            _ => {}
+        }
+    }
+    let columns = columns(&record);
+    assert_eq!(columns.len(), histories.len());
+    assert!(
+        histories
+            .iter()
+            .all(|own| columns.iter().any(|column| column.values == own))
+    );
+    let names: std::collections::BTreeSet<&str> = columns.iter().map(|column| column.name.as_str()).collect();
+    assert_eq!(names.len(), columns.len());
+    assert!(columns.iter().all(|column| !column.unit.is_empty()));
+    for name in ["magazine_force", "thrust_force", "piston_velocity"] {
+        assert!(names.contains(name), "{name}");
+    }
 }

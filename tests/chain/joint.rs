@@ -2,7 +2,7 @@
 
 use nailnoise::Design;
 use nailnoise::stages::bodies::{Body, BodyKind, MovingSurface};
-use nailnoise::stages::radiation::Covered;
+use nailnoise::stages::radiation::{CoveredFaces, OpenFaces};
 use nailnoise_acoustics::Air;
 use nailnoise_acoustics::radiation::ModalRadiation;
 use nalgebra::{Complex, DMatrix, SymmetricEigen};
@@ -13,7 +13,8 @@ use crate::common::{body, run, small, store};
 
 /// Slender, so that both pieces bend as beams.
 const BEAM: &str = "support.kind = \"floor\"\nworkpiece.length = 0.8\nworkpiece.width = 0.06\nnail.length = 0.032\n\
-                    analysis.workpiece_element = 0.02\nsupport.contact.points_along = 21\nsupport.contact.points_across = 3\n\
+                    analysis.workpiece_element = 0.02\nsupport.contact.points_along = \
+                    21\nsupport.contact.points_across = 3\n\
                     body.nose_width = 0.03\nbody.nose_depth = 0.03\nbody.nose_wall = 0.003\n";
 
 /// Cells of that contact.
@@ -110,9 +111,9 @@ fn a_shot_through_a_board_passes_all_checks_and_moves_both_pieces() {
 
 #[test]
 fn the_faces_of_a_joint_radiate_nothing() {
-    let covered = Covered {
+    let covered = CoveredFaces {
+        workpiece: OpenFaces::AboveUnderside,
         half_sides: [0.1, 0.1],
-        underside_open: false,
     };
     // A rise at unit speed.
     let power = |text: &str| {

@@ -4,10 +4,10 @@
 use std::collections::BTreeMap;
 use std::sync::LazyLock;
 
+use nailnoise::Design;
 use nailnoise::chain::{Chain, Options};
 use nailnoise::measurement::recordings::{Selector, decode};
-use nailnoise::output::of_microphones;
-use nailnoise::run::Run;
+use nailnoise::output::{Exports, RunView, of_run};
 use nailnoise_acoustics::fourier::RealTransform;
 use nailnoise_acoustics::levels::{Weighting, band_containing, energy_weights};
 
@@ -42,8 +42,15 @@ fn rows(text: &str) -> Rows {
 }
 
 impl Files {
-    fn new(run: &Run) -> Self {
-        let files = of_microphones(run).unwrap();
+    fn new(design: &Design) -> Self {
+        let run = &of(design);
+        let view = RunView {
+            design,
+            run,
+            exports: Exports::default(),
+            report: &String::new,
+        };
+        let files = of_run(&view).unwrap();
         let content = |name: &str| {
             &files
                 .iter()
@@ -95,9 +102,9 @@ fn decibels(ratio: f64) -> f64 {
 }
 
 /// Boundary elements up to 400 Hz, in a range up to 2 kHz.
-static BEM: LazyLock<Files> = LazyLock::new(|| Files::new(&of(&design("tests/data/small-bem.toml"))));
+static BEM: LazyLock<Files> = LazyLock::new(|| Files::new(&design("tests/data/small-bem.toml")));
 /// Workpiece by ERP, body as a sphere.
-static ERP: LazyLock<Files> = LazyLock::new(|| Files::new(&of(&small(""))));
+static ERP: LazyLock<Files> = LazyLock::new(|| Files::new(&small("")));
 
 fn all() -> [&'static Files; 2] {
     [&*BEM, &*ERP]
@@ -227,8 +234,8 @@ fn a_synthetic_part_is_marked_in_table_and_note() {
 fn a_synthetic_part_follows_the_power_over_time() {
     let row = BEM.levels.iter().find(|row| row["source"] == "workpiece").unwrap();
     let signal = BEM.sound(row);
-    // The blow comes some 10 ms after the trigger; before it there is only what resonances and edges of bands spread, as the
-    // noise is shaped without phase. Steady noise would have a twentieth there.
+    // The blow comes some 10 ms after the trigger; before it there is only what resonances and edges of bands spread,
+    // as the noise is shaped without phase. Steady noise would have a twentieth there.
     let transform = RealTransform::new(LENGTH);
     let mut lines = transform.lines(signal);
     for (k, x) in lines.iter_mut().enumerate() {

@@ -116,7 +116,8 @@ fn differences(design: &Design, p: &Parameters, draw: &DrawnShot, (step, part): 
     wrong
 }
 
-/// Whether the nail is within the tested sizes: the reference has the published polynomial, and no extension beyond them.
+/// Whether the nail is within the tested sizes: the reference has the published polynomial, and no extension beyond
+/// them.
 fn is_of_a_tested_size(p: &Parameters) -> bool {
     let specimen = Specimen {
         length: p.nail.length,

@@ -82,7 +82,8 @@ fn every_documented_design_ends_as_its_page_says() {
 
 #[test]
 fn a_block_states_another_outcome_in_a_comment() {
-    let page = "```toml\nbase = \"a.toml\"\n# outcome: underdriven\n```\n\n```toml\nkey = 1\n```\n```toml x\nbase = \"b\"\n```";
+    let page = "```toml\nbase = \"a.toml\"\n# outcome: underdriven\n```\n\n```toml\nkey = 1\n```\n```toml x\nbase \
+        = \"b\"\n```";
     let found = designs(page);
     let lines: Vec<usize> = found.iter().map(|(line, _)| *line).collect();
     assert_eq!(lines, [1, 9]);

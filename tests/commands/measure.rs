@@ -50,7 +50,8 @@ fn bands_of(test: &Value) -> impl Iterator<Item = &Value> {
 /// No scatter of the shots.
 const STILL: [&str; 4] = ["--set", "test.pressure_scatter=0", "--set", "test.resistance_scatter=0"];
 
-/// With wraps that let nothing through, and after WAV files of 24 bits: each source of the recorded shots in every band.
+/// With wraps that let nothing through, and after WAV files of 24 bits: each source of the recorded shots in every
+/// band.
 #[test]
 fn perfect_wraps_return_the_sources_of_the_shots() {
     let (test, folder) = recorded("measure-perfect", &[&STILL[..], &["--wraps", "perfect"]].concat());
@@ -76,14 +77,15 @@ fn perfect_wraps_return_the_sources_of_the_shots() {
     assert!(result["closure_db"].as_f64().unwrap().abs() < 0.3);
 }
 
-/// Three standard deviations of the mean level of drawn noise in a one-third octave \[dB\]: 10 lg e / sqrt(B T) a draw, of two shots at
-/// nine microphones, for the 50 ms of the exhaust.
+/// Three standard deviations of the mean level of drawn noise in a one-third octave \[dB\]: 10 lg e / sqrt(B T) a draw,
+/// of two shots at nine microphones, for the 50 ms of the exhaust.
 fn drawn_within(hz: f64) -> f64 {
     let bandwidth = 0.232 * hz;
     3.0 * 4.34 / (2.0 * 9.0 * bandwidth * 0.05).sqrt()
 }
 
-/// With the design's own wraps, the levels by subtraction are those of the exact energies within the scatter of the shots.
+/// With the design's own wraps, the levels by subtraction are those of the exact energies within the scatter of the
+/// shots.
 #[test]
 fn recordings_give_what_the_energies_give() {
     let (test, folder) = recorded("measure-wrapped", &STILL);

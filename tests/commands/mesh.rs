@@ -150,7 +150,8 @@ fn an_optimisation_that_runs_out_of_time_leaves_straight_sides_and_is_reported()
     let folder = folder("optimisation-limit");
     let at = |name: &str| folder.join(name).to_str().unwrap().to_owned();
     // A pipe, whose curved sides fold elements that are longer than its wall is thick.
-    let pipe = "SetFactory(\"OpenCASCADE\");\nCylinder(1) = {0,0,0, 0,0,60, 20};\nCylinder(2) = {0,0,0, 0,0,60, 18.5};\n\
+    let pipe = "SetFactory(\"OpenCASCADE\");\nCylinder(1) = {0,0,0, 0,0,60, 20};\nCylinder(2) = \
+        {0,0,0, 0,0,60, 18.5};\n\
                 BooleanDifference(3) = { Volume{1}; Delete; }{ Volume{2}; Delete; };\n";
     std::fs::write(at("pipe.geo"), pipe).unwrap();
     let made = std::process::Command::new("gmsh")
@@ -221,7 +222,8 @@ fn mesh_check_and_modes_refuse_the_same_damaged_meshes() {
 
 /// A tetrahedron with one line changed.
 fn tetrahedron(from: &str, to: &str) -> String {
-    let good = "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$PhysicalNames\n2\n2 9 \"base\"\n3 7 \"block\"\n$EndPhysicalNames\n\
+    let good = "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$PhysicalNames\n2\n2 9 \"base\"\n3 \
+        7 \"block\"\n$EndPhysicalNames\n\
                 $Nodes\n5\n1 0 0 0\n2 1 0 0\n3 0 1 0\n4 0 0 1\n5 1 1 1\n$EndNodes\n\
                 $Elements\n3\n17 4 2 7 1 1 2 3 4\n18 4 2 7 1 2 3 4 5\n19 2 2 9 1 1 3 2\n$EndElements\n";
     assert!(good.contains(from), "{from}");

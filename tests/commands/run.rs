@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::sync::LazyLock;
 
+use nailnoise::output::OUTPUTS;
 use serde_json::Value;
 
 /// A run of the small design: its folder, its result, and its messages.
@@ -96,6 +97,38 @@ fn run_writes_every_file() {
         "sensors.uff",
     ] {
         assert!(out.join(file).metadata().unwrap().len() > 100, "{file}");
+    }
+}
+
+/// One list names the outputs of a run: it has every file, and the documentation has every output.
+#[test]
+fn every_file_of_a_run_is_in_the_list_of_outputs() {
+    let documentation = std::fs::read_to_string("docs/output.md").unwrap();
+    let belongs = |file: &str| {
+        let of = |name: &str| match name.split_once('*') {
+            Some((before, behind)) => file.starts_with(before) && file.ends_with(behind),
+            None => file == name,
+        };
+        OUTPUTS.iter().filter(|output| of(output.name)).count() == 1
+    };
+    let mut folders = vec![SMALL_RUN.out.clone()];
+    let mut files = 0;
+    while let Some(folder) = folders.pop() {
+        for entry in std::fs::read_dir(folder).unwrap() {
+            let path = entry.unwrap().path();
+            if path.is_dir() {
+                folders.push(path);
+                continue;
+            }
+            let name = path.strip_prefix(&SMALL_RUN.out).unwrap();
+            assert!(belongs(name.to_str().unwrap()), "{}", name.display());
+            files += 1;
+        }
+    }
+    assert!(files > 40, "{files}");
+    for output in OUTPUTS {
+        let (name, _) = output.name.split_once('*').unwrap_or((output.name, ""));
+        assert!(documentation.contains(&format!("`{name}")), "{name}");
     }
 }
 
@@ -234,7 +267,8 @@ fn results_do_not_depend_on_the_cache() {
     assert_eq!(
         entries(),
         20,
-        "requirements, order of elimination, modes, body and sensor modes of workpiece and worktable each; end, two sources, sensors, checks, pictures and fields \
+        "requirements, order of elimination, modes, body and sensor modes of workpiece and worktable each; end, two \
+         sources, sensors, checks, pictures and fields \
          of the bodies, checksums of their files, files of the run"
     );
     assert_eq!(run(&[]).0, anew);

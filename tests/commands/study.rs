@@ -1,5 +1,6 @@
 //! `nailnoise study`: the draws as a user makes them.
 
+use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Output;
@@ -330,7 +331,8 @@ fn designs_are_compared_over_drawn_structures_too() {
     );
 }
 
-/// Every quantity that is drawn is in one group, every draw has two partners for each group, and threads change nothing.
+/// Every quantity that is drawn is in one group, every draw has two partners for each group, and threads change
+/// nothing.
 #[test]
 fn groups_hold_every_quantity_and_each_draw_has_its_partners() {
     let (folder, design) = made("groups");
@@ -413,4 +415,175 @@ fn a_study_to_come_with_the_program_is_of_a_shipped_design() {
     assert_eq!(output.status.code(), Some(2), "{message}");
     assert!(message.contains("`drawn` is none"), "{message}");
     assert!(!folder.join("study.json").exists());
+}
+
+/// Runs the command `run` on a design in a folder with a separate cache.
+fn run(folder: &Path, design: &str, arguments: &[&str]) -> Output {
+    let arguments = [&["run", design, "--out", "out"], arguments].concat();
+    command(&arguments)
+        .current_dir(folder)
+        .env("NAILNOISE_CACHE", folder.join("cache"))
+        .output()
+        .unwrap()
+}
+
+/// Files in the folder of a run, without its subfolders.
+fn files_of_run(folder: &Path) -> BTreeMap<String, Vec<u8>> {
+    let entries = fs::read_dir(folder.join("out"))
+        .unwrap()
+        .map(|entry| entry.unwrap().path());
+    let name = |path: &PathBuf| path.file_name().unwrap().to_str().unwrap().to_owned();
+    let files = entries.filter(|path| path.is_file());
+    files.map(|path| (name(&path), fs::read(&path).unwrap())).collect()
+}
+
+fn result_of(folder: &Path) -> Value {
+    serde_json::from_slice(&fs::read(folder.join("out/result.json")).unwrap()).unwrap()
+}
+
+/// Result, ranking and report state the same intervals: without draws, of a screening, and of a larger study that
+/// follows it.
+#[test]
+fn every_file_of_a_run_states_the_study_that_serves_it() {
+    let (folder, design) = made("stated");
+    let printed = run(&folder, &design, &["--json"]).stdout;
+    assert_eq!(printed, fs::read(folder.join("out/result.json")).unwrap());
+    let absent = result_of(&folder);
+    assert_eq!(absent["study"]["state"], "absent");
+    assert!(absent["study"]["reason"].as_str().unwrap().contains("no study serves"));
+    assert_eq!(absent["declaration"]["k_not_stated"], absent["study"]["reason"]);
+    let states = |draws: usize| {
+        let result = result_of(&folder);
+        let (study, declaration) = (&result["study"], &result["declaration"]);
+        assert_eq!([&study["state"], &study["ends"]], ["known", "extremes"]);
+        assert_eq!(study["draws"], draws);
+        assert!(declaration["k_db"].is_null() && declaration["k_not_stated"].is_string());
+        let report = fs::read_to_string(folder.join("out/report.html")).unwrap();
+        assert!(report.contains(&format!("{draws} draws dB")));
+        let ranking = fs::read_to_string(folder.join("out/ranking.csv")).unwrap();
+        let spreads = study["sources"].as_array().unwrap().iter().chain([&study["total"]]);
+        for own in spreads {
+            let name = own["source"].as_str().unwrap();
+            let row = ranking
+                .lines()
+                .find(|row| row.starts_with(&format!("{name},")))
+                .unwrap();
+            let cells: Vec<&str> = row.split(',').skip(5).collect();
+            let number =
+                |key: &str, digits: usize| own[key].as_f64().map_or_else(String::new, |x| format!("{x:.digits$}"));
+            let expected = [
+                number("low_db", 3),
+                number("high_db", 3),
+                number("first", 4),
+                draws.to_string(),
+            ];
+            assert_eq!(cells, expected, "{name}");
+        }
+        let printed = run(&folder, &design, &["--json"]).stdout;
+        assert_eq!(printed, fs::read(folder.join("out/result.json")).unwrap());
+    };
+    let before = files_of_run(&folder);
+    assert!(run(&folder, &design, &[]).status.success());
+    states(4);
+    let after = files_of_run(&folder);
+    let changed = after.iter().filter(|(name, bytes)| before[*name] != **bytes);
+    let changed: Vec<&str> = changed.map(|(name, _)| name.as_str()).collect();
+    assert_eq!(changed, ["ranking.csv", "report.html", "result.json"]);
+    let again = String::from_utf8(run(&folder, &design, &[]).stdout).unwrap();
+    assert!(
+        again.contains("unchanged design") && again.contains("4 draws dB"),
+        "{again}"
+    );
+    json(&study(&folder, &design, &["-n", "6", "--json"]));
+    let text = String::from_utf8(run(&folder, &design, &[]).stdout).unwrap();
+    assert!(
+        !text.contains("unchanged design") && text.contains("6 draws dB"),
+        "{text}"
+    );
+    states(6);
+}
+
+/// The files of a run are complete before its screening begins.
+#[test]
+#[cfg(unix)]
+fn an_interrupted_screening_leaves_a_complete_result_with_the_reason() {
+    let (folder, design) = made("interrupted");
+    let mut process = command(&["run", &design, "--out", "out"])
+        .current_dir(&folder)
+        .env("NAILNOISE_CACHE", folder.join("cache"))
+        .stdout(std::process::Stdio::null())
+        .spawn()
+        .unwrap();
+    while !folder.join("out/result.json").exists() {
+        assert!(process.try_wait().unwrap().is_none(), "the run ends without a result");
+        std::thread::sleep(std::time::Duration::from_millis(5));
+    }
+    let number = process.id().to_string();
+    let sent = std::process::Command::new("kill").args(["-s", "INT", &number]).status();
+    assert!(sent.unwrap().success());
+    assert_eq!(process.wait().unwrap().code(), Some(130));
+    let study = &result_of(&folder)["study"];
+    assert!(
+        study["reason"].as_str().unwrap().contains("4 draws has not ended"),
+        "{study}"
+    );
+    let report = fs::read_to_string(folder.join("out/report.html")).unwrap();
+    assert!(report.contains("4 draws has not ended") && report.ends_with("</html>"));
+    // The next run makes up for it.
+    assert!(run(&folder, &design, &[]).status.success());
+    assert_eq!(result_of(&folder)["study"]["draws"], 4);
+}
+
+#[test]
+fn a_screening_that_fails_is_named_in_a_complete_result() {
+    let folder = folder("study/no-candidate");
+    // No draw of the only alternative is a design.
+    let alternatives = "[study.alternatives]\npiston = [{ bore = \"1 mm\" }]\n";
+    let design = over(&folder, "drawn", &format!("{ANY}{alternatives}"));
+    let output = run(&folder, &design, &[]);
+    let text = String::from_utf8(output.stdout).unwrap();
+    let result = result_of(&folder);
+    let reason = result["study"]["reason"].as_str().unwrap();
+    assert!(reason.contains("none of"), "{reason}");
+    assert!(text.contains(reason), "{text}");
+    assert_eq!(output.status.code(), Some(0));
+}
+
+/// `compare` shows the intervals of designs that studies serve, in the terminal, on the page and as JSON.
+#[test]
+fn a_comparison_of_a_design_with_a_study_shows_its_intervals() {
+    let (folder, design) = made("compared");
+    json(&study(&folder, &design, &["-n", "3", "--json"]));
+    let other = format!("{ROOT}/{SMALL}");
+    let compare = |more: &[&str]| {
+        let arguments = [&["compare", &design, &other, "--out", "out"], more].concat();
+        let output = command(&arguments)
+            .current_dir(&folder)
+            .env("NAILNOISE_CACHE", folder.join("cache"))
+            .output()
+            .unwrap();
+        (String::from_utf8(output.stdout).unwrap(), output.status)
+    };
+    let (text, status) = compare(&["--json"]);
+    assert!(status.success());
+    let compared: Value = serde_json::from_str(&text).unwrap();
+    assert_eq!(compared["studies"][0]["draws"], 3);
+    assert_eq!(compared["studies"][1], Value::Null);
+    let total = &compared["studies"][0]["total"];
+    let [low, high] = ["low_db", "high_db"].map(|end| total[end].as_f64().unwrap());
+    let own = compared["total"]["level_db"][0].as_f64().unwrap();
+    assert!(low <= own && own <= high, "{low} .. {own} .. {high}");
+    let interval = format!("{low:.1} .. {high:.1}");
+    let (text, _) = compare(&[]);
+    assert!(
+        text.contains("intervals of the levels") && text.contains(&interval),
+        "{text}"
+    );
+    assert!(text.contains("lowest to highest level of 3 draws"), "{text}");
+    let page = text
+        .lines()
+        .find_map(|line| line.trim().strip_prefix("as a page: "))
+        .unwrap();
+    let page = fs::read_to_string(folder.join(page)).unwrap();
+    assert!(page.contains("Intervals of the levels") && page.contains(&interval));
 }

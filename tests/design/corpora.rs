@@ -59,13 +59,15 @@ proptest! {
         let numbers = numbers();
         let (key, kind) = &numbers[index.index(numbers.len())];
         let value = 10f64.powf(exponent) * if negative { -1.0 } else { 1.0 };
-        let value = if matches!(kind, Kind::Count(_)) { format!("{:.0}", value.clamp(-1e18, 1e18)) } else { format!("{value:e}") };
+        let value = if matches!(kind, Kind::Count(_)) { format!("{:.0}", value.clamp(-1e18, 1e18)) }
+            else { format!("{value:e}") };
         let text = format!("base = \"n80cb.toml\"\n{key} = {value}\n");
         let path = concat!(env!("CARGO_MANIFEST_DIR"), "/designs/any.toml");
         let number: f64 = value.parse().unwrap();
         match Design::parse(&text, path) {
             Ok(_) => prop_assert!(kind.allows(number), "{key} = {value} was read"),
-            Err(error) => prop_assert!(kind.allows(number) || error.to_string().contains(key.as_str()), "{key} = {value}: {error}"),
+            Err(error) => prop_assert!(kind.allows(number) || error.to_string().contains(key.as_str()),
+                "{key} = {value}: {error}"),
         }
     }
 }

@@ -75,7 +75,8 @@ fn settings(table: &toml::Table, path: &str, found: &mut BTreeMap<String, toml::
     }
 }
 
-/// A number with its unit in SI units. The power of ten is joined to the digits, so that the binary number is the nearest.
+/// A number with its unit in SI units. The power of ten is joined to the digits, so that the binary number is the
+/// nearest.
 fn si(number: &str, unit: &str) -> f64 {
     let power = match unit {
         "deg" => return number.parse::<f64>().unwrap().to_radians(),
@@ -393,7 +394,8 @@ fn a_derived_quantity_is_drawn_where_no_nearer_file_gives_its_follower_a_range()
     for wrong in [
         "exhaust.area = { range = \"50 .. 300 mm2\", follows = \"pitch\" }",
         "exhaust.area = { range = \"200 .. 300 mm2\" }", // without the 140 mm2
-        "exhaust.area = { range = \"50 .. 300 mm2\" }\nexhaust.hole_diameter = { value = \"6 mm\", range = \"+-10 %\" }",
+        "exhaust.area = { range = \"50 .. 300 mm2\" }\nexhaust.hole_diameter = \
+         { value = \"6 mm\", range = \"+-10 %\" }",
         "piston.area = { range = \"2000 .. 3000 mm2\" }",
     ] {
         assert!(over(wrong).is_err(), "{wrong}");

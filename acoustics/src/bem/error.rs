@@ -9,7 +9,8 @@ pub enum BemError {
     Input(#[from] InputError),
     /// A surface whose exterior is to be solved has a hole.
     #[error(
-        "the surface is open: {edges} edges belong to one panel only, one of them near {at:?} m; merge coincident nodes \
+        "the surface is open: {edges} edges belong to one panel only, one of them near {at:?} m; merge coincident \
+         nodes \
          or close the hole (a body may be open only where it stands on the floor)"
     )]
     OpenSurface {
@@ -30,7 +31,8 @@ pub enum BemError {
     },
     /// The floor cuts through the body or lies above it.
     #[error(
-        "the floor z = {floor} m lies above the body's lowest point z = {lowest} m (its highest is {highest} m); lower the \
+        "the floor z = {floor} m lies above the body's lowest point z = {lowest} m (its highest is {highest} m); \
+         lower the \
          floor or raise the body"
     )]
     FloorThroughBody {
@@ -43,7 +45,8 @@ pub enum BemError {
     },
     /// A mirror plane cuts the part of the surface that should lie above it.
     #[error(
-        "the mirror plane {axis} = {plane} m lies above the lowest {axis} = {lowest} m of the part given; give the part \
+        "the mirror plane {axis} = {plane} m lies above the lowest {axis} = {lowest} m of the part given; give the \
+         part \
          above the plane alone, or the whole surface without the mirror"
     )]
     MirrorThroughPart {
@@ -56,7 +59,8 @@ pub enum BemError {
     },
     /// A panel lies on no face of the mesh that moves it.
     #[error(
-        "the faces of the volume mesh cover {share:.6} of panel {panel} near {at:?} m; body and boundary mesh must have \
+        "the faces of the volume mesh cover {share:.6} of panel {panel} near {at:?} m; body and boundary mesh must \
+         have \
          the same flat sides"
     )]
     Uncovered {
@@ -104,7 +108,8 @@ pub enum BemError {
     },
     /// The compressed equations were not solved.
     #[error(
-        "after {steps} steps the residual of the compressed boundary-element equations is {residual:.1e} of the right-hand \
+        "after {steps} steps the residual of the compressed boundary-element equations is {residual:.1e} of the \
+         right-hand \
          side, {tolerance:.0e} is needed; solve them with the dense matrix"
     )]
     NotConverged {

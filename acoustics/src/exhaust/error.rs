@@ -9,7 +9,8 @@ pub enum ExhaustError {
     Input(#[from] InputError),
     /// The exhaust's area differs from that of its holes.
     #[error(
-        "{count} exhaust holes of {diameter} m have {found:.4e} m2, not the {area:.4e} m2 given; correct one of the three"
+        "{count} exhaust holes of {diameter} m have {found:.4e} m2, not the {area:.4e} m2 given; correct one of the \
+         three"
     )]
     HoleArea {
         /// Number of holes.

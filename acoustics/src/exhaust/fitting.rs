@@ -11,7 +11,8 @@ use crate::muffler::plane_wave_limit;
 /// Width of the transition to the range above the plane waves: a sixth of an octave.
 const TRANSITION: f64 = 1.0 / 6.0;
 
-/// A pipe on the exhaust holes, open at its end: closed by the choked holes on one side, it resonates as a quarter wave.
+/// A pipe on the exhaust holes, open at its end: closed by the choked holes on one side, it resonates as a quarter
+/// wave.
 ///
 /// The volume flow Q of choked holes does not depend on the pipe. Plane waves carry U = H Q to the open end, whose
 /// impedance r + j x is that of [`OpenEnd`]. The jet at the outlet, p = rho U^2/2, adds M, which absorbs and does not
@@ -21,8 +22,8 @@ const TRANSITION: f64 = 1.0 / 6.0;
 /// H = 1/(cos kL + j z sin kL)     z = r + j x + M     G = |H|^2 4 r/(ka)^2
 /// ```
 ///
-/// G is the energy over that of the same flow as a monopole in the open. Above the first cross mode of the pipe, G = 1 is
-/// assumed; over the sixth of an octave below it, G goes over to 1.
+/// G is the energy over that of the same flow as a monopole in the open. Above the first cross mode of the pipe, G = 1
+/// is assumed; over the sixth of an octave below it, G goes over to 1.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct PipeFitting {
     /// Length L from the holes to the open end \[m\].

@@ -20,9 +20,9 @@ pub const UNSTEADY_FLOW: &str = "unsteady flow";
 
 /// Strouhal number f D_j/U_j at which mixing noise peaks, per hertz.
 ///
-/// IEC 60534-8-3:2010, table 4, gives 0.2 for jets of drilled plates (0.1 to 0.3 for free jets, 5.4.2), there as the peak in
-/// third octaves; those of the similarity spectrum peak at 0.6. A cold jet of NASA's rig at 302 m/s peaks at 1 in third
-/// octaves at 60 and 90 degrees; `docs/uncertainty.md` has the differences.
+/// IEC 60534-8-3:2010, table 4, gives 0.2 for jets of drilled plates (0.1 to 0.3 for free jets, 5.4.2), there as the
+/// peak in third octaves; those of the similarity spectrum peak at 0.6. A cold jet of NASA's rig at 302 m/s peaks at 1
+/// in third octaves at 60 and 90 degrees; `docs/uncertainty.md` has the differences.
 const MIXING_STROUHAL: f64 = 0.2;
 
 /// Largest fraction of the mass that may leave against a higher pressure, because of inertia or at the end of a filling
@@ -175,8 +175,8 @@ pub fn exhaust_noise(
             *x *= fitting.response(hz, air)?;
         }
     }
-    // The bins reach up to one resolution beyond the range; those outside serve the interpolation only, with the muffler
-    // at the end of the range, since it need not be known beyond.
+    // The bins reach up to one resolution beyond the range; those outside serve the interpolation only, with the
+    // muffler at the end of the range, since it need not be known beyond.
     let [low, high] = settings.transform.range_hz;
     let passed: Option<Vec<f64>> = match &settings.muffler {
         Some(muffler) => Some(

@@ -12,8 +12,8 @@ const HIGHEST: f64 = 3.8317;
 /// Points of the quadrature over 0 .. k a.
 const POINTS: usize = 48;
 
-/// The unflanged open end of a circular pipe with a thin wall, without mean flow; H. Levine and J. Schwinger, Phys. Rev.
-/// 73, 383 (1948), equations (VI.4) and (VI.5).
+/// The unflanged open end of a circular pipe with a thin wall, without mean flow; H. Levine and J. Schwinger, Phys.
+/// Rev. 73, 383 (1948), equations (VI.4) and (VI.5).
 ///
 /// ```text
 /// R = -|R| exp(-2 j k l)                        r + j x = (1 + R)/(1 - R)
@@ -88,8 +88,8 @@ static LOGARITHMS: LazyLock<Vec<(f64, f64)>> = LazyLock::new(|| {
         .collect()
 });
 
-/// ln(2 I_1(y) K_1(y)): by its series below 1e-3 and above 30 (DLMF 10.31, 10.40), else by the integrals DLMF 10.32.3 and
-/// 10.32.9 with the trapezoidal rule.
+/// ln(2 I_1(y) K_1(y)): by its series below 1e-3 and above 30 (DLMF 10.31, 10.40), else by the integrals DLMF 10.32.3
+/// and 10.32.9 with the trapezoidal rule.
 fn ln_twice_product(y: f64) -> f64 {
     const EULER: f64 = 0.577_215_664_901_532_9;
     if y < 1e-3 {

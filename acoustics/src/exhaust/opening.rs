@@ -15,8 +15,8 @@ pub struct FlowHistory {
     pub pressure: Vec<f64>,
     /// Stagnation temperature before the opening \[K\].
     pub temperature: Vec<f64>,
-    /// Absolute pressure \[Pa\] inside the chamber behind the opening, which the outflow fills; `None` for an opening into
-    /// the air.
+    /// Absolute pressure \[Pa\] inside the chamber behind the opening, which the outflow fills; `None` for an opening
+    /// into the air.
     pub back_pressure: Option<Vec<f64>>,
 }
 

@@ -14,7 +14,8 @@ use std::f64::consts::PI;
 pub struct Outlet {
     /// Position \[m\].
     pub position: [f64; 3],
-    /// Directions of the jets, of any length, one for each jet or group of jets; all carry the same share of the energy.
+    /// Directions of the jets, of any length, one for each jet or group of jets; all carry the same share of the
+    /// energy.
     pub directions: Vec<[f64; 3]>,
 }
 

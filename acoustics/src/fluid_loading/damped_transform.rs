@@ -68,8 +68,8 @@ impl DampedTransform {
         Complex::new(self.sigma, TAU * self.hz(bin))
     }
 
-    /// Lines sum_n (x_n - x_0) e^{-s t_n} of the records in the columns of `motion` (samples x records), records x lines:
-    /// changes from the value that a record has at its first sample, and had before.
+    /// Lines sum_n (x_n - x_0) e^{-s t_n} of the records in the columns of `motion` (samples x records), records x
+    /// lines: changes from the value that a record has at its first sample, and had before.
     ///
     /// After its end a record goes on as 2 x_N - x_{2N-n}, without a jump of value or slope, and fades to its first
     /// value until the period ends. This has no effect on a causal system before the record's end.

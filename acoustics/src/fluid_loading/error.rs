@@ -9,7 +9,8 @@ pub enum FluidLoadingError {
     Input(#[from] InputError),
     /// The mass of structure and fluid is not positive definite.
     #[error(
-        "the mass of modes and fluid is not positive definite at {hz:.1} Hz; X / omega must be positive: refine the boundary \
+        "the mass of modes and fluid is not positive definite at {hz:.1} Hz; X / omega must be positive: refine the \
+         boundary \
          elements, or leave out modes that move the surface alike"
     )]
     Mass {
@@ -18,7 +19,8 @@ pub enum FluidLoadingError {
     },
     /// The equations of motion have no solution at a frequency.
     #[error(
-        "the modal equations are singular at {hz:.3} Hz; an undamped mode is driven at its resonance, or a support has no damping"
+        "the modal equations are singular at {hz:.3} Hz; an undamped mode is driven at its resonance, or a support \
+         has no damping"
     )]
     Singular {
         /// Frequency \[Hz\].
@@ -26,7 +28,8 @@ pub enum FluidLoadingError {
     },
     /// The iteration for the motion with the complete impedance does not converge.
     #[error(
-        "the motion with the complete impedance does not converge at {hz:.1} Hz, residual {residual:.1e}: refine the boundary \
+        "the motion with the complete impedance does not converge at {hz:.1} Hz, residual {residual:.1e}: refine the \
+         boundary \
          elements, or let radiation act as damping alone"
     )]
     Iteration {
@@ -37,7 +40,8 @@ pub enum FluidLoadingError {
     },
     /// A method gives no mass of the fluid.
     #[error(
-        "{method} gives radiation resistance alone, no mass of air that moves along; let radiation act as damping, or compute \
+        "{method} gives radiation resistance alone, no mass of air that moves along; let radiation act as damping, or \
+         compute \
          it by boundary elements"
     )]
     NoReactance {

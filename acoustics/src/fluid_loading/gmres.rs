@@ -87,8 +87,8 @@ fn norm(x: &[Complex<f64>]) -> f64 {
     x.iter().map(Complex::norm_sqr).sum::<f64>().sqrt()
 }
 
-/// Solves A_k x_k = b_k for the columns of `sides`; `product` is given numbers of systems and a vector of each (a column
-/// each), and returns A_k times each.
+/// Solves A_k x_k = b_k for the columns of `sides`; `product` is given numbers of systems and a vector of each (a
+/// column each), and returns A_k times each.
 pub(super) fn solve(
     sides: &DMatrix<Complex<f64>>,
     tolerance: f64,

@@ -51,8 +51,8 @@ impl DryModes {
         Ok(stiffness)
     }
 
-    /// Undamped modes with an added mass M, in rising order: angular frequencies, and amplitudes of the dry modes (dry x
-    /// wet) with Phi^T (I + M) Phi = I.
+    /// Undamped modes with an added mass M, in rising order: angular frequencies, and amplitudes of the dry modes (dry
+    /// x wet) with Phi^T (I + M) Phi = I.
     pub(super) fn with_mass(
         &self,
         mass: &DMatrix<f64>,

@@ -41,8 +41,8 @@ impl Resonance {
 /// det[Omega² - lambda (I + X(w)/w)] = 0,    w = sqrt(lambda_i)
 /// ```
 ///
-/// is found by iteration of w. Newton's method on q^T T(omega) q, with T the whole equation and inverse iteration for q,
-/// then gives the damped one (T is symmetric, hence the order three).
+/// is found by iteration of w. Newton's method on q^T T(omega) q, with T the whole equation and inverse iteration for
+/// q, then gives the damped one (T is symmetric, hence the order three).
 ///
 /// # Errors
 /// Lengths that do not fit; [`FluidLoadingError::Mass`].

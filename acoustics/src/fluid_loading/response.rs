@@ -37,8 +37,8 @@ pub struct PowerBalance {
 }
 
 impl PowerBalance {
-    /// Of velocities under forces, one case each, with the radiation resistance R at this frequency, which may come from
-    /// another evaluation than the impedance of [`velocities`].
+    /// Of velocities under forces, one case each, with the radiation resistance R at this frequency, which may come
+    /// from another evaluation than the impedance of [`velocities`].
     ///
     /// # Errors
     /// Lengths that do not fit.

@@ -39,7 +39,8 @@ impl RealTransform {
         lines
     }
 
-    /// Inverse transform of the lines. The lines at 0 Hz and at half the sampling rate are real; their imaginary parts are ignored.
+    /// Inverse transform of the lines. The lines at 0 Hz and at half the sampling rate are real; their imaginary parts
+    /// are ignored.
     pub fn signal(&self, mut lines: Vec<Complex<f64>>) -> Vec<f64> {
         lines[0].im = 0.0;
         if self.length.is_multiple_of(2) {

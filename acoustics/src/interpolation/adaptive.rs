@@ -63,8 +63,8 @@ pub(crate) fn pieces([low, high]: Range, widest: f64, kinks: &[f64]) -> Result<V
     Ok(edges.windows(2).map(piece).collect())
 }
 
-/// Takes the samples of a round in parallel, one frequency per task, because all take equally long. The error is that of the
-/// first frequency that has one.
+/// Takes the samples of a round in parallel, one frequency per task, because all take equally long. The error is that
+/// of the first frequency that has one.
 pub(crate) fn each<T: Send>(
     take: impl Fn(f64) -> Result<T, AcousticsError> + Sync,
 ) -> impl Fn(&[f64]) -> Result<Vec<T>, AcousticsError> + Sync {
@@ -74,8 +74,8 @@ pub(crate) fn each<T: Send>(
     }
 }
 
-/// Samples every piece. `take` gives the samples at the frequencies of a round; `misfit` gives the distance of the test samples of an
-/// interval from the interpolant through the others, relative to the sampled quantity.
+/// Samples every piece. `take` gives the samples at the frequencies of a round; `misfit` gives the distance of the test
+/// samples of an interval from the interpolant through the others, relative to the sampled quantity.
 ///
 /// Each piece begins with two rounds of Leja's sequence. Rounds are added until the last one agrees to the tolerance
 /// with the polynomial without it. The polynomial through all samples is more accurate; [`Grid::error`] assumes that

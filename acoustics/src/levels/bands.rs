@@ -59,8 +59,8 @@ pub fn third_octaves() -> Vec<Band> {
     THIRD_OCTAVES.map(Band::new).collect()
 }
 
-/// The bands of a range \[Hz\]: those of [`THIRD_OCTAVES`], and those beyond them that the range reaches into. An end of the
-/// range that is not positive and finite adds none.
+/// The bands of a range \[Hz\]: those of [`THIRD_OCTAVES`], and those beyond them that the range reaches into. An end
+/// of the range that is not positive and finite adds none.
 pub fn bands_of(range_hz: [f64; 2]) -> Vec<Band> {
     let [low, high] = range_hz;
     let (mut first, mut last) = THIRD_OCTAVES.into_inner();

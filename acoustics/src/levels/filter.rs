@@ -33,7 +33,8 @@ impl BandFilter {
 }
 
 impl SourceSpectrum {
-    /// Levels measured by class 1 filters in the bands of the range, [`bands_of`], for the part of the spectrum inside it.
+    /// Levels measured by class 1 filters in the bands of the range, [`bands_of`], for the part of the spectrum inside
+    /// it.
     ///
     /// The filter is taken at the spectrum's frequencies, which must be dense within the narrowest band.
     pub fn filter_levels(&self, range_hz: [f64; 2]) -> Vec<BandLevel> {

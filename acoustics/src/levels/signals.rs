@@ -32,8 +32,8 @@ const CHUNK: usize = 8;
 /// signal does not precede its cause. L is real on the frequency axis (Hermitian in general) and spreads a signal
 /// symmetrically in time, as do the ends of the range.
 ///
-/// The bins are those of a record padded to at least twice its length ([`crate::fourier::TransformSettings`]). Time runs
-/// from minus a quarter of the transform's period to three quarters of it.
+/// The bins are those of a record padded to at least twice its length ([`crate::fourier::TransformSettings`]). Time
+/// runs from minus a quarter of the transform's period to three quarters of it.
 #[derive(Debug, Clone)]
 pub struct PowerSignals {
     frequency: Vec<f64>,
@@ -184,8 +184,8 @@ struct Cut {
     /// Half-open range of samples.
     from: usize,
     to: usize,
-    /// The energy over the range as a sum over the bins of a transform of at least twice the piece's length; the weights
-    /// are those of the piece padded to 1 s ([`MeasuredSum`]).
+    /// The energy over the range as a sum over the bins of a transform of at least twice the piece's length; the
+    /// weights are those of the piece padded to 1 s ([`MeasuredSum`]).
     transform: Arc<dyn RealToComplex<f64>>,
     weights: Vec<f64>,
 }

@@ -130,8 +130,8 @@ impl SourceSpectrum {
             .collect()
     }
 
-    /// The bands of the range, [`bands_of`]. A band cut by the ends of `range_hz` contains the energy of its part inside, so
-    /// that the bands add up to [`Self::energy`] to round-off.
+    /// The bands of the range, [`bands_of`]. A band cut by the ends of `range_hz` contains the energy of its part
+    /// inside, so that the bands add up to [`Self::energy`] to round-off.
     pub fn band_levels(&self, range_hz: [f64; 2]) -> Vec<BandLevel> {
         let level_of = |band: Band| {
             let cut = [band.low.max(range_hz[0]), band.high.min(range_hz[1])];
@@ -221,8 +221,8 @@ fn integrate(frequency: &[f64], density: &[f64], range: [f64; 2], weighting: Wei
 /// int E(f) 10^{A(f)/10} df = sum_k w_k E(f_k)
 /// ```
 ///
-/// The integral is that of [`SourceSpectrum::energy`], E linear between the frequencies: w_k is the weighted integral of
-/// the hat function of f_k over `range`, whose ends may cut it.
+/// The integral is that of [`SourceSpectrum::energy`], E linear between the frequencies: w_k is the weighted integral
+/// of the hat function of f_k over `range`, whose ends may cut it.
 pub fn energy_weights(frequency: &[f64], range: [f64; 2], weighting: Weighting) -> Vec<f64> {
     let mut weights = vec![0.0; frequency.len()];
     pieces(frequency, range, weighting, |i, lower, upper| {

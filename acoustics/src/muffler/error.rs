@@ -22,7 +22,8 @@ pub enum MufflerError {
     },
     /// A muffler's insertion loss is not given for a frequency.
     #[error(
-        "the muffler's insertion loss has no value at {hz} Hz: give neighbouring one-third-octave bands in rising order \
+        "the muffler's insertion loss has no value at {hz} Hz: give neighbouring one-third-octave bands in rising \
+         order \
          that cover the analysed range"
     )]
     Bands {

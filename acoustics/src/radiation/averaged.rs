@@ -145,8 +145,8 @@ impl AveragedResistance {
         }
     }
 
-    /// Adds signals whose squared sum is `share` times a^H (R / omega²) a: those of odd nodes to the first half of the rows
-    /// of `signals`, those of even ones to the other, each modes x bins.
+    /// Adds signals whose squared sum is `share` times a^H (R / omega²) a: those of odd nodes to the first half of the
+    /// rows of `signals`, those of even ones to the other, each modes x bins.
     pub(crate) fn add_root_signals(
         &self,
         (frequency, share): (&[f64], &[f64]),

@@ -59,7 +59,8 @@ impl LowRank {
     }
 }
 
-/// phi^T C phi for every row phi of `shapes` and a symmetric, positive semidefinite C, in single precision of the largest.
+/// phi^T C phi for every row phi of `shapes` and a symmetric, positive semidefinite C, in single precision of the
+/// largest.
 pub fn quadratic_forms(shapes: &DMatrix<f64>, covariance: &DMatrix<f64>) -> Vec<f64> {
     let shapes = shapes.map(|v| v as f32);
     LowRank::forms(&[LowRank::of(covariance)], &shapes).swap_remove(0)

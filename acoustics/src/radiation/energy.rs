@@ -31,8 +31,8 @@ fn by_stretches<T: Send>(
 /// Bins whose signals are evaluated together; signals need much more memory than energies.
 const SIGNAL_BINS: usize = 64;
 
-/// Energy of every mode: its own part of the quadratic form, twice the real part of conj(V_i) (R V)_i, integrated with the
-/// given weight of every bin.
+/// Energy of every mode: its own part of the quadratic form, twice the real part of conj(V_i) (R V)_i, integrated with
+/// the given weight of every bin.
 ///
 /// The energies of the modes add up to the total. A mode that moves against the others absorbs sound, and its energy is
 /// negative.

@@ -41,8 +41,8 @@ impl WithSimd for Sinc<'_> {
     }
 }
 
-/// e^{-j k r_b}/r_b, real and imaginary part, r_b the distance of a point at `height` above a plane from points of it with the
-/// coordinates `x` and `y`.
+/// e^{-j k r_b}/r_b, real and imaginary part, r_b the distance of a point at `height` above a plane from points of it
+/// with the coordinates `x` and `y`.
 pub(super) fn outgoing(k: f64, (from, height): ([f64; 2], f64), [x, y]: [&[f64]; 2], [re, im]: [&mut [f64]; 2]) {
     Arch::new().dispatch(Outgoing {
         k,

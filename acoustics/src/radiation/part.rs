@@ -58,8 +58,8 @@ impl PartOfSurface {
         self.signals.iter().map(PowerSignals::mismatch).fold(0.0, f64::max)
     }
 
-    /// A-weighted power over time and energies between neighbouring `edges` \[s\] within `range_hz`, of either sign, see
-    /// [`PowerSignals::analyse`].
+    /// A-weighted power over time and energies between neighbouring `edges` \[s\] within `range_hz`, of either sign,
+    /// see [`PowerSignals::analyse`].
     pub fn analyse(&self, edges: &[f64], range_hz: [f64; 2]) -> SignalAnalysis {
         let [sum, difference] = self.signals.each_ref().map(|signals| signals.analyse(edges, range_hz));
         let pairs = sum.history.power.iter().zip(&difference.history.power);

@@ -12,8 +12,8 @@ const PIECE: usize = 1024;
 const ROWS: usize = 4;
 const COLUMNS: usize = 3;
 
-/// a^H M a for every matrix of every sample and all motions (times the squares of their scales): sample by sample, matrix
-/// by matrix, motion by motion.
+/// a^H M a for every matrix of every sample and all motions (times the squares of their scales): sample by sample,
+/// matrix by matrix, motion by motion.
 pub(super) fn forms(samples: &[&PackedHermitian], motions: &Motions) -> Vec<f64> {
     let rows: Vec<&[f32]> = samples.iter().flat_map(|s| s.rows()).collect();
     let mut sums = vec![0.0; rows.len() * motions.len()];
@@ -226,7 +226,8 @@ mod tests {
     use crate::radiation::resistance::Resistance;
     use nalgebra::{Complex, DMatrix};
 
-    /// Beside the definition in double precision, with and without an imaginary part, at sizes that fill vectors and not.
+    /// Beside the definition in double precision, with and without an imaginary part, at sizes that fill vectors and
+    /// not.
     #[test]
     fn products_are_those_of_the_matrices() {
         for n in [1, 2, 7, 8, 31, 64] {

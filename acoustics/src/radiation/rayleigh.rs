@@ -298,8 +298,8 @@ impl Rayleigh {
         self.moving.as_ref().map(SandPatch::fade_hz)
     }
 
-    /// Far field r p e^{jkr} in directions above the plane per unit of modal acceleration, r from the point (0, 0) of the
-    /// plane, directions x modes \[Pa m per m/s²\].
+    /// Far field r p e^{jkr} in directions above the plane per unit of modal acceleration, r from the point (0, 0) of
+    /// the plane, directions x modes \[Pa m per m/s²\].
     ///
     /// ```text
     /// r p e^{jkr} = rho0/(2 pi) sum_a S_a phi_a e^{jk d.x_a}
@@ -421,7 +421,8 @@ fn product(a: MatRef<'_, f64>, b: MatRef<'_, f64>) -> DMatrix<f64> {
 mod tests {
     use super::*;
 
-    /// By waves, pair by pair and at places that are far, with sand that moves, up to the frequency they are chosen for.
+    /// By waves, pair by pair and at places that are far, with sand that moves, up to the frequency they are chosen
+    /// for.
     #[test]
     fn few_sources_radiate_like_all() {
         let grid: Vec<[f64; 2]> = (0..1920)

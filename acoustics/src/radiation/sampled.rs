@@ -71,7 +71,8 @@ impl Sampling {
 
 /// A radiation resistance sampled at a few frequencies and interpolated between them.
 ///
-/// Q = R / omega² is interpolated entrywise by polynomials on intervals of the frequency axis. Below the lowest sample f_0
+/// Q = R / omega² is interpolated entrywise by polynomials on intervals of the frequency axis. Below the lowest sample
+/// f_0
 ///
 /// ```text
 /// R_ij(f) = R_ij(f_0) (f/f_0)^{(n_i + n_j)/2}      n_i = 2, 4, 6: the slope of R_ii at f_0, rounded to even
@@ -137,8 +138,8 @@ impl SampledRadiation {
     /// Samples several resistances with a common solution, as those of all parities of a body: `solve` returns R(f) of
     /// each and of every patch, `modes` is the number of modes of each.
     ///
-    /// The error is judged over all entries of all resistances together, with every mode scaled to the same power. Single
-    /// entries of weak modes near a narrow resonance of the air may have a larger error.
+    /// The error is judged over all entries of all resistances together, with every mode scaled to the same power.
+    /// Single entries of weak modes near a narrow resonance of the air may have a larger error.
     ///
     /// # Errors
     /// As [`Self::new`], and those of `solve`.
@@ -346,7 +347,8 @@ impl SampledRadiation {
         &self.grid
     }
 
-    /// Estimated interpolation error of a field known at the same samples, relative to the largest entry in an interval.
+    /// Estimated interpolation error of a field known at the same samples, relative to the largest entry in an
+    /// interval.
     pub(crate) fn error_of(&self, samples: &[DMatrix<Complex<f64>>]) -> f64 {
         self.grid.error_of_fields(samples)
     }

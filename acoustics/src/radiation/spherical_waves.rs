@@ -157,8 +157,8 @@ pub(super) fn highest_order(x: f64) -> usize {
     values.iter().enumerate().rposition(counts).unwrap_or(0)
 }
 
-/// j_0(x), j_1(x), ... for x >= 0, the last of them beyond l = x: by the recurrence downwards (J. C. P. Miller, in Abramowitz and
-/// Stegun 10.5), scaled to sum (2 l + 1) j_l^2 = 1.
+/// j_0(x), j_1(x), ... for x >= 0, the last of them beyond l = x: by the recurrence downwards (J. C. P. Miller, in
+/// Abramowitz and Stegun 10.5), scaled to sum (2 l + 1) j_l^2 = 1.
 fn spherical_bessel(x: f64, values: &mut [f64]) {
     /// Number of orders beyond the last one wanted at which the recurrence begins.
     const BEYOND: usize = 16;

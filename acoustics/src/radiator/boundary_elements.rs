@@ -143,7 +143,8 @@ fn uncertainty(
         minus: Some(evaluations - above(10f64.powf(-most.max(0.0) / 10.0)).min(0.0)),
         plus: Some(evaluations + above(10f64.powf(-least.min(0.0) / 10.0)).max(0.0)),
         basis: format!(
-            "difference between surface and far-field power, and above {:.0} Hz the error of the high-frequency limit, {least:+.1} to \
+            "difference between surface and far-field power, and above {:.0} Hz the error of the high-frequency \
+             limit, {least:+.1} to \
              {most:+.1} dB in the last bands of the boundary elements{lacking}{gap}",
             bem.transition_hz()[0]
         ),

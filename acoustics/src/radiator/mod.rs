@@ -7,13 +7,17 @@
 mod boundary_elements;
 mod fluid_loading;
 mod flush;
+mod loading_report;
+mod moving_body;
 mod report;
 mod separate;
 mod sphere;
 
 pub use boundary_elements::FADE_OCTAVES;
-pub use fluid_loading::{FluidLoading, FluidLoads, Loading};
+pub use fluid_loading::{FluidLoads, Loading};
 pub use flush::FlushRadiator;
+pub use loading_report::FluidLoading;
+pub use moving_body::MovingBody;
 pub use report::{ModeShare, RadiationBand, RadiationReport, Uncertainty};
 pub use separate::SeparateBodies;
 pub use sphere::RigidSphere;
@@ -35,8 +39,8 @@ pub trait Radiator: Send + Sync {
     /// A number of modes that differs from the bodies', a range beyond the radiator's.
     fn energy(&self, source: &str, motions: &[&ModalSpectra]) -> Result<SourceSpectrum, AcousticsError>;
 
-    /// Energy spectrum and signals of the source `source`, with the second evaluation of its power if there is one and the
-    /// report is asked for.
+    /// Energy spectrum and signals of the source `source`, with the second evaluation of its power if there is one and
+    /// the report is asked for.
     ///
     /// # Errors
     /// As [`Self::energy`].
@@ -50,7 +54,8 @@ pub trait Radiator: Send + Sync {
     /// The effects of the fluid on each mode of each body.
     ///
     /// # Errors
-    /// Where the mass is to act: a method without reactance, those of [`WetModes::new`](crate::fluid_loading::WetModes::new).
+    /// Where the mass is to act: a method without reactance, those of
+    /// [`WetModes::new`](crate::fluid_loading::WetModes::new).
     fn loads(&self, bodies: &[DryModes], acts: Loading) -> Result<Vec<FluidLoads>, AcousticsError>;
 
     /// Pressures at the receivers of the radiator; `None` if only its power is known.
@@ -59,7 +64,8 @@ pub trait Radiator: Send + Sync {
     /// As [`Self::energy`].
     fn pressures(&self, motions: &[&ModalSpectra]) -> Result<Option<Pressures>, AcousticsError>;
 
-    /// Radiation impedance of the modes of all bodies, one body after the other; none where the method gives no reactance.
+    /// Radiation impedance of the modes of all bodies, one body after the other; none where the method gives no
+    /// reactance.
     fn impedance(&self) -> Option<&dyn Impedance> {
         None
     }
@@ -72,25 +78,6 @@ pub enum Detail {
     Levels,
     /// The comparisons of a report, too: other methods, shares of the modes, fluid loading.
     Report,
-}
-
-/// A body in motion.
-#[derive(Debug, Clone, Copy)]
-pub struct MovingBody<'a> {
-    /// Its name.
-    pub name: &'static str,
-    /// Angular frequencies of its modes, then of its static corrections \[rad/s\].
-    pub omega: &'a [f64],
-    /// How many of these are modes.
-    pub modes: usize,
-    /// Damping ratio of its structure \[-\].
-    pub zeta: f64,
-    /// The effects of the fluid on each, if known.
-    pub loads: Option<&'a FluidLoads>,
-    /// The part of them that acts on its motion.
-    pub acts: Loading,
-    /// Fourier transforms of the modal accelerations.
-    pub spectra: &'a ModalSpectra,
 }
 
 /// The sound of a radiator.
@@ -121,8 +108,8 @@ pub struct Pressures {
     pub interpolation_error: f64,
 }
 
-/// Damping ratio that radiation adds to modes of these angular frequencies \[rad/s\], for modal masses of 1 and zero for
-/// rigid modes:
+/// Damping ratio that radiation adds to modes of these angular frequencies \[rad/s\], for modal masses of 1 and zero
+/// for rigid modes:
 ///
 /// ```text
 /// zeta_j = R_jj(omega_j) / (2 omega_j)
@@ -162,7 +149,7 @@ fn mode_shares(bodies: &[MovingBody<'_>], energies: &[f64]) -> Vec<ModeShare> {
                     .filter(|_| body.acts.damps())
                     .map(|loads| loads.damping[number]),
                 added_mass: mass(number),
-                shift_hz: mass(number).map(|mass| fluid_loading::shift(mass) * omega / TAU),
+                shift_hz: mass(number).map(|mass| loading_report::shift(mass) * omega / TAU),
                 share: energy / total,
             });
         }

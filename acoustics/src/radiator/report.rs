@@ -1,6 +1,6 @@
 //! The second evaluation of a source's power, the share of each mode, and the uncertainty of the method.
 
-use super::fluid_loading::FluidLoading;
+use super::loading_report::FluidLoading;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::borrow::Cow;
@@ -27,8 +27,8 @@ pub struct RadiationReport {
     /// Up to where every single frequency is solved, and up to where boundary elements are known in the mean over
     /// neighbouring frequencies \[Hz\]; by Rayleigh's integral and in closed form twice the top of the range.
     pub solved_hz: [f64; 2],
-    /// Frequencies at which the radiation matrix was computed, those of means not counted; those of the spectrum in closed
-    /// form.
+    /// Frequencies at which the radiation matrix was computed, those of means not counted; those of the spectrum in
+    /// closed form.
     pub frequencies: usize,
     /// Largest interpolation error of the matrix over frequency, root mean square of the entries relative to
     /// sqrt(R_ii R_jj) \[-\].
@@ -64,8 +64,8 @@ pub struct ModeShare {
     pub hz: Option<f64>,
     /// Damping ratio that radiation adds to it \[-\]; null where radiation does not damp.
     pub radiation_damping: Option<f64>,
-    /// Mass of air that moves along at its resonance, relative to its own \[-\], an upper bound above the range of boundary
-    /// elements; null where the method gives no reactance.
+    /// Mass of air that moves along at its resonance, relative to its own \[-\], an upper bound above the range of
+    /// boundary elements; null where the method gives no reactance.
     pub added_mass: Option<f64>,
     /// By how much that moves its frequency \[Hz\]; it does where the mass acts.
     pub shift_hz: Option<f64>,

@@ -69,8 +69,8 @@ pub fn background_correction(difference: f64) -> Option<f64> {
     (difference >= BACKGROUND[0]).then(|| -10.0 * (1.0 - 10f64.powf(-0.1 * difference)).log10())
 }
 
-/// Correction for the room, K2 \[dB\], of a measurement surface of `area` \[m²\] in a room with the equivalent absorption area
-/// `absorption` \[m²\].
+/// Correction for the room, K2 \[dB\], of a measurement surface of `area` \[m²\] in a room with the equivalent
+/// absorption area `absorption` \[m²\].
 ///
 /// ```text
 /// K2 = 10 lg(1 + 4 S / A)

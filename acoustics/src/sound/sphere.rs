@@ -64,7 +64,8 @@ pub fn oscillating_sphere_pressure(
 /// Wavelengths at which the pressure of a sphere is that of the far field: the near field adds 1/(kr)² to its square.
 const FAR: f64 = 1e3;
 
-/// Rings of directions over which the far field is integrated: Gauss points, exact for the square of a cosine from two on.
+/// Rings of directions over which the far field is integrated: Gauss points, exact for the square of a cosine from two
+/// on.
 const RINGS: usize = 4;
 
 /// The energy of [`crate::radiation::rigid_body_energy`] from the field instead of from the surface's resistance: the

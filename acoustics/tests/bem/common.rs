@@ -86,7 +86,8 @@ pub fn sphere(radius: f64, n: usize, quadratic: bool) -> BoundaryMesh {
     }
 }
 
-/// A box of the given corners with panels of at most `edge` \[m\]; triangles or quadrilaterals; patches -x +x -y +y -z +z.
+/// A box of the given corners with panels of at most `edge` \[m\]; triangles or quadrilaterals; patches -x +x -y +y -z
+/// +z.
 pub fn cuboid(low: [f64; 3], high: [f64; 3], edge: f64, quads: bool) -> BoundaryMesh {
     let divisions = [0, 1, 2].map(|c| ((high[c] - low[c]) / edge - 1e-9).ceil().max(1.0) as usize);
     let mut points = Points::default();
@@ -226,15 +227,15 @@ pub fn even(length: f64, count: usize) -> Vec<f64> {
         .collect()
 }
 
-/// Lines of the nodes of `count` panels from 0 to `length` that become narrow at both ends, as the cosine does: a function
-/// that is linear in the panel at the end rises with the root of the distance.
+/// Lines of the nodes of `count` panels from 0 to `length` that become narrow at both ends, as the cosine does: a
+/// function that is linear in the panel at the end rises with the root of the distance.
 pub fn graded(length: f64, count: usize) -> Vec<f64> {
     let at = |n: usize| 0.5 * length * (1.0 - (PI * n as f64 / (2 * count) as f64).cos());
     (0..=2 * count).map(at).collect()
 }
 
-/// A quarter of a disk in the plane z = 0 between the planes x = 0 and y = 0, normals along z: n² curved triangles, whose
-/// vertices lie at the radii that `place` gives for 0 to 1.
+/// A quarter of a disk in the plane z = 0 between the planes x = 0 and y = 0, normals along z: n² curved triangles,
+/// whose vertices lie at the radii that `place` gives for 0 to 1.
 pub fn quarter_disk(n: usize, place: impl Fn(f64) -> f64) -> BoundaryMesh {
     let mut points = Points::default();
     let mut panels = Vec::new();

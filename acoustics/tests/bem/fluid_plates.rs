@@ -86,8 +86,8 @@ fn a_clamped_disk_in_a_baffle() {
     assert!(errors[1].abs() < 0.35 * errors[0].abs(), "{errors:?}");
 }
 
-/// Coefficients m/(rho pi b² L/4) of a rectangle L x b in broadside motion, to 3e-4 by a spectral method; .579, .757 and
-/// .830 in DNV-RP-C205. Panels much longer than wide lose some per cent.
+/// Coefficients m/(rho pi b² L/4) of a rectangle L x b in broadside motion, to 3e-4 by a spectral method; .579, .757
+/// and .830 in DNV-RP-C205. Panels much longer than wide lose some per cent.
 #[test]
 fn rigid_rectangles_in_broadside_motion() {
     for (ratio, coefficient) in [(1.0, 0.5804), (2.0, 0.7583), (3.0, 0.8333)] {
@@ -99,8 +99,8 @@ fn rigid_rectangles_in_broadside_motion() {
     }
 }
 
-/// 1 x 0.8 m, 10 mm of steel, simply supported in a baffle, mode (1,1): 63.001 Hz dry, M_a/M = 4.651059, 26.508 Hz and a
-/// damping ratio of 0.01061 in water.
+/// 1 x 0.8 m, 10 mm of steel, simply supported in a baffle, mode (1,1): 63.001 Hz dry, M_a/M = 4.651059, 26.508 Hz and
+/// a damping ratio of 0.01061 in water.
 #[test]
 fn a_simply_supported_plate_in_a_baffle() {
     let [a, b, h]: [f64; 3] = [1.0, 0.8, 0.01];
@@ -284,8 +284,8 @@ impl Cantilever {
     }
 }
 
-/// Cantilevers of 207 GPa, 0.3, 7850 kg/m³ and 5 mm in water, both sides wet: dry frequencies and wet over dry, to 3e-4 by
-/// a spectral Galerkin method.
+/// Cantilevers of 207 GPa, 0.3, 7850 kg/m³ and 5 mm in water, both sides wet: dry frequencies and wet over dry, to 3e-4
+/// by a spectral Galerkin method.
 #[test]
 fn cantilevers_in_water() {
     let cases = [

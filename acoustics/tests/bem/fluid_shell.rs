@@ -152,8 +152,8 @@ fn resonances_in_water() {
     }
 }
 
-/// The breathing mode radiates so well that it hardly oscillates: mass and stiffness cancel at 1130.2 Hz, and free motion
-/// decays within a cycle.
+/// The breathing mode radiates so well that it hardly oscillates: mass and stiffness cancel at 1130.2 Hz, and free
+/// motion decays within a cycle.
 #[test]
 fn the_breathing_mode_in_water() {
     let modes = modes_of(0);
@@ -199,8 +199,8 @@ fn db(ratio: f64) -> f64 {
     10.0 * ratio.log10()
 }
 
-/// Power in water for a point force of 1 N and for a uniform pressure of the same total, and how much more there is without
-/// the water's reaction.
+/// Power in water for a point force of 1 N and for a uniform pressure of the same total, and how much more there is
+/// without the water's reaction.
 #[test]
 fn power_in_water() {
     let modes = all_modes(0..=40);
@@ -215,7 +215,8 @@ fn power_in_water() {
         let [two_way, one_way] = powers(&modes, &water(), hz, |mode| mode.radial);
         let [breath, _] = powers(&breathing, &water(), hz, |mode| mode.radial);
         println!(
-            "{hz} Hz: {two_way:.4e} {at_point:e} ({:+.3} dB), one-way {:+.2} {more:+}; uniform {breath:.5e} {uniform:e}",
+            "{hz} Hz: {two_way:.4e} {at_point:e} ({:+.3} dB), one-way {:+.2} {more:+}; uniform {breath:.5e} \
+             {uniform:e}",
             db(two_way / at_point),
             db(one_way / two_way)
         );
@@ -340,7 +341,8 @@ fn power_supplied_is_dissipated_or_radiated() {
     }
 }
 
-/// Frozen at resonance, as motion in time takes it: in water 1.1 % off for n = 2, with 1 dB less damping, and exact in air.
+/// Frozen at resonance, as motion in time takes it: in water 1.1 % off for n = 2, with 1 dB less damping, and exact in
+/// air.
 #[test]
 fn modes_with_frozen_mass_and_damping() {
     for (medium, limits) in [(water(), [0.012, 0.25]), (air(), [1e-6, 1e-3])] {

@@ -38,8 +38,8 @@ fn heaving(boundary: Boundary, air: &Air, hz: f64) -> [f64; 2] {
     [found.far_field[(0, 0)], found.added_mass[(0, 0)]]
 }
 
-/// Integral over the rectangle |x| < a, |y| < b < a of the solution of -lap psi = 1 that is zero at its sides: a quarter
-/// of its torsion constant (Timoshenko & Goodier, *Theory of Elasticity*, section 109).
+/// Integral over the rectangle |x| < a, |y| < b < a of the solution of -lap psi = 1 that is zero at its sides: a
+/// quarter of its torsion constant (Timoshenko & Goodier, *Theory of Elasticity*, section 109).
 fn rectangle(a: f64, b: f64) -> f64 {
     let term = |n: i32| (f64::from(n) * PI * a / (2.0 * b)).tanh() / f64::from(n).powi(5);
     let sum: f64 = (1..100).step_by(2).map(term).sum();

@@ -214,7 +214,8 @@ fn gain_and_response_go_over_to_the_open_holes_at_the_cross_mode() {
 proptest! {
     /// What enters the pipe leaves by the open end or is absorbed by its jet.
     #[test]
-    fn energy_is_conserved(length in 0.02..0.5_f64, diameter in 0.02..0.15_f64, mach in 0.0..0.3_f64, ka in 0.01..1.8_f64) {
+    fn energy_is_conserved(length in 0.02..0.5_f64, diameter in 0.02..0.15_f64, mach in 0.0..0.3_f64,
+        ka in 0.01..1.8_f64) {
         let (pipe, air) = (fitting(length, diameter, mach), air());
         let hz = ka * 343.2 / (PI * diameter);
         let z = OpenEnd::new(ka).unwrap().impedance + mach;

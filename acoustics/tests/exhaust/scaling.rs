@@ -124,8 +124,8 @@ fn the_jets_mass_is_that_of_the_flow() {
     }
 }
 
-/// Lighthill's rule for subsonic jets, eta = 1e-4 (U/c0)^5 of the jet's mechanical power, with the speed of sound of the air
-/// (M. J. Lighthill, Proc. R. Soc. A 267, 147 (1962)): two independent statements of one fact.
+/// Lighthill's rule for subsonic jets, eta = 1e-4 (U/c0)^5 of the jet's mechanical power, with the speed of sound of
+/// the air (M. J. Lighthill, Proc. R. Soc. A 267, 147 (1962)): two independent statements of one fact.
 #[test]
 fn subsonic_jets_have_the_efficiency_of_the_rule() {
     let air = Air::default();

@@ -4,7 +4,8 @@ use nailnoise_acoustics::radiation::{ModalRadiation, Resistance, SampledRadiatio
 use nalgebra::DMatrix;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-/// Resonances of the air between two parallel plates, 270 Hz apart, as a block on a table has them: frequency and half width \[Hz\].
+/// Resonances of the air between two parallel plates, 270 Hz apart, as a block on a table has them: frequency and half
+/// width \[Hz\].
 const RESONANCES: [[f64; 2]; 4] = [[2213.0, 6.0], [2486.0, 6.0], [2756.0, 7.0], [3025.0, 8.0]];
 
 /// A resistance that rises with the square of the frequency, three times as high at each resonance.
@@ -38,8 +39,8 @@ fn narrow_resonances_are_resolved_where_they_are() {
         let error = sum / exact - 1.0;
         assert!(error.abs() < sampling.tolerance, "{low} to {high} Hz: {error}");
     }
-    // One polynomial over the whole range would need about 900, equal intervals of one polynomial each about 800, and halves that
-    // begin anew 452.
+    // One polynomial over the whole range would need about 900, equal intervals of one polynomial each about 800, and
+    // halves that begin anew 452.
     let solved = solved.into_inner();
     assert!(solved < 250, "{solved} frequencies");
 }

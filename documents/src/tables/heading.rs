@@ -4,7 +4,7 @@ use nailnoise_quantities::Dimension;
 use nailnoise_quantities::dimension::{FORCE, TIME};
 
 use super::label::{dimension_of, si_of};
-use super::rows::number;
+use super::number::number;
 
 /// Names of a column of times, in lower case.
 const TIMES: [&str; 6] = ["t", "time", "times", "zeit", "x_value", "timestamp"];

@@ -2,7 +2,7 @@
 
 use super::heading::Heading;
 use super::label::dimension_of;
-use super::rows::number;
+use super::number::number;
 
 /// Separators in the order of trial: a heading or a decimal number may contain a comma.
 const SEPARATORS: [u8; 4] = [b';', b'\t', b',', b'|'];

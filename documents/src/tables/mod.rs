@@ -9,6 +9,7 @@ mod foreign;
 mod heading;
 mod label;
 mod layout;
+mod number;
 mod rows;
 
 use crate::text::decode;
@@ -17,7 +18,7 @@ pub use foreign::Foreign;
 pub use foreign::foreign;
 pub use heading::{ColumnOf, Heading, time};
 pub use label::{dimension_of, si_of, spelled};
-pub use rows::number;
+pub use number::number;
 
 /// Characters of a text of a file that a message shows.
 const SHOWN: usize = 40;

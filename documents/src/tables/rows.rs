@@ -1,5 +1,6 @@
 //! Rows of a table as numbers or as text, each with its line.
 
+use super::number::number;
 use super::{SHOWN, Table, TableFault, shown};
 
 /// Columns of numbers and the line of each row.
@@ -16,18 +17,6 @@ pub struct Columns {
 struct Marks {
     point: Option<usize>,
     comma: Option<usize>,
-}
-
-/// A finite number with a decimal point or comma; `D` marks an exponent too.
-pub fn number(field: &str) -> Option<f64> {
-    let parsed = field.parse::<f64>().or_else(|_| {
-        let mut text = field.replace('\u{2212}', "-").replace(['D', 'd'], "E");
-        if text.matches(',').count() == 1 && !text.contains('.') {
-            text = text.replace(',', ".");
-        }
-        text.parse()
-    });
-    parsed.ok().filter(|number| number.is_finite())
 }
 
 impl Table {

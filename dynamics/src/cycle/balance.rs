@@ -19,7 +19,8 @@ pub(crate) struct Balance {
     start_mass: f64,
     start: Stock,
     momentum: f64,
-    /// Energy taken out of bodies and springs at events: per contact, at the rod-nail impact, with the nail left behind.
+    /// Energy taken out of bodies and springs at events: per contact, at the rod-nail impact, with the nail left
+    /// behind.
     released: [f64; Contact::COUNT],
     nail_impact: f64,
     nail_left: f64,

@@ -272,8 +272,8 @@ impl Air {
         area * up * r.chain(n, dn)
     }
 
-    /// P_m above which holes before a muffler are choked: P_s = P_cr P_m and A_2 P_m = A_3 P_s N(P_a/P_s); none where the
-    /// muffler chokes before them.
+    /// P_m above which holes before a muffler are choked: P_s = P_cr P_m and A_2 P_m = A_3 P_s N(P_a/P_s); none where
+    /// the muffler chokes before them.
     pub(crate) fn choking_pressure(&self, holes: f64, muffler: f64, ambient: f64) -> Option<f64> {
         let needed = holes / (muffler * self.critical);
         if needed > 1.0 {

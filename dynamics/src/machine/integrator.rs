@@ -65,8 +65,8 @@ fn step<const N: usize>(rates: &impl Fn(&[f64; N]) -> [f64; N], y: &[f64; N], h:
     (end, error)
 }
 
-/// Steps from `start` until `event` falls to zero or the time is `end`; `accepted` sees every step. Returns the last state
-/// and whether it is the event; none where the step became too short.
+/// Steps from `start` until `event` falls to zero or the time is `end`; `accepted` sees every step. Returns the last
+/// state and whether it is the event; none where the step became too short.
 pub(super) fn integrate<const N: usize>(
     rates: impl Fn(&[f64; N]) -> [f64; N],
     event: impl Fn(&[f64; N]) -> f64,

@@ -4,7 +4,8 @@
 //! (M_c + M) a = (P_c - P_a) A_p - (P_u - P_a)(A_p - A_rod) - F_f - F_b + (M_c + M) g
 //! F_b = n max(0, k (u - L) + c u')  for u > L
 //! ```
-//! The projectile is free once the carrier falls behind it, a < g. Gas as in the nailing cycle, without heat to the walls.
+//! The projectile is free once the carrier falls behind it, a < g. Gas as in the nailing cycle, without heat to the
+//! walls.
 
 use std::f64::consts::PI;
 

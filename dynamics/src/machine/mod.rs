@@ -1,7 +1,7 @@
 //! A machine that drives nails by a free projectile: launch by gas, impact, penetration, rebound, sensors.
 //!
-//! Described by Nili Ahmadabadi (2016), ch. 3: a reservoir, a valve, a cylinder whose carrier throws the projectile, and
-//! bumpers that stop the carrier, so that the projectile flies on freely and strikes the nail without air pressure
+//! Described by Nili Ahmadabadi (2016), ch. 3: a reservoir, a valve, a cylinder whose carrier throws the projectile,
+//! and bumpers that stop the carrier, so that the projectile flies on freely and strikes the nail without air pressure
 //! behind it. Dimensions and masses of the carrier and the bumpers are unpublished: they are inputs.
 
 mod driving;
@@ -55,8 +55,8 @@ group! {
         reservoir_pressure: f64 = gas_pressure(), "P_c";
         /// Volume of the reservoir.
         reservoir_volume: f64 = positive(VOLUME), "";
-        /// Effective area C A of the valve from reservoir to cylinder; 0 where the cylinder opens into the reservoir without
-        /// restriction.
+        /// Effective area C A of the valve from reservoir to cylinder; 0 where the cylinder opens into the reservoir
+        /// without restriction.
         valve_area: f64 = nonnegative(AREA), "C A";
         /// Dead volume of the cylinder above the piston.
         dead_volume: f64 = positive(VOLUME), "";

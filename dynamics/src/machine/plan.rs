@@ -42,7 +42,8 @@ pub enum PlanError {
     },
     /// The lower level of a mass would be at rest.
     #[error(
-        "a projectile of {mass} kg with {energy:.3} J flies at {speed:.3} m/s, not above the {TOOL_SPEED_STEP} m/s between levels"
+        "a projectile of {mass} kg with {energy:.3} J flies at {speed:.3} m/s, not above the {TOOL_SPEED_STEP} m/s \
+         between levels"
     )]
     TooSlow {
         /// The mass \[kg\].
@@ -54,7 +55,8 @@ pub enum PlanError {
     },
 }
 
-/// The plan for these masses \[kg\] at the energy of the middle level \[J\]: v = sqrt(2 E/M), and 5 m/s below and above.
+/// The plan for these masses \[kg\] at the energy of the middle level \[J\]: v = sqrt(2 E/M), and 5 m/s below and
+/// above.
 ///
 /// # Errors
 /// [`PlanError`] for values that allow no plan.

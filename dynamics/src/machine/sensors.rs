@@ -47,8 +47,8 @@ pub fn read(machine: &Machine, drive: &Drive, normal: &mut impl FnMut() -> f64) 
     readings
 }
 
-/// The response x'' + 2 zeta w x' + w^2 x = w^2 f of the cell to a force that is straight between the samples, exact to the
-/// substeps' fourth order.
+/// The response x'' + 2 zeta w x' + w^2 x = w^2 f of the cell to a force that is straight between the samples, exact to
+/// the substeps' fourth order.
 fn filtered(sensors: &Sensors, force: &[f64]) -> Vec<f64> {
     if sensors.cell_frequency == 0.0 {
         return force.to_vec();

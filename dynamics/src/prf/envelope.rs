@@ -41,8 +41,8 @@ impl Envelope {
         }
     }
 
-    /// Part of E(z) along the shank and at the tip \[N\]; zero at or above the surface. A law that depends on the speed is
-    /// evaluated at rest, after an impact in the middle of its data.
+    /// Part of E(z) along the shank and at the tip \[N\]; zero at or above the surface. A law that depends on the speed
+    /// is evaluated at rest, after an impact in the middle of its data.
     #[inline]
     pub fn shank(&self, depth: f64) -> f64 {
         self.shank_after(depth, self.usual_impact)

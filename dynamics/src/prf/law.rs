@@ -3,7 +3,6 @@
 use nailnoise_quantities::choice;
 use serde::{Deserialize, Serialize};
 
-use super::tables::{FitQuality, coefficients, fit_quality};
 use super::{HIGHEST_SPEED, LOWEST_SPEED};
 use crate::CycleError;
 use crate::cycle::Real;
@@ -51,16 +50,6 @@ pub struct Specimen {
 }
 
 impl PenetrationLaw {
-    /// The coefficients C0..C9 of Eq. 2.2; C8 \[-\] multiplies Pi3. Dropped terms are zero.
-    pub fn coefficients(self) -> [f64; 10] {
-        coefficients(self)
-    }
-
-    /// Published quality of the fit (Tables 2-7, 2-9, A I-3).
-    pub fn fit_quality(self) -> FitQuality {
-        fit_quality(self)
-    }
-
     /// Penetration resistance force \[N\] at `depth` \[m\] and penetration speed `speed` \[m/s\]; zero at or above the
     /// surface.
     ///

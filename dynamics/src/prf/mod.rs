@@ -14,6 +14,7 @@ pub mod fit;
 mod law;
 mod penetration_curve;
 mod resistance;
+mod resistance_law;
 mod table;
 mod tables;
 
@@ -21,8 +22,8 @@ pub use envelope::Envelope;
 pub use extension::LENGTH_FACTOR;
 pub use law::{PenetrationLaw, Specimen};
 pub use penetration_curve::{CurveError, CurveLaw, PenetrationCurve};
-pub use resistance::ResistanceLaw;
 pub(crate) use resistance::{Resistance, Shanks};
+pub use resistance_law::ResistanceLaw;
 pub use table::{ForceTable, TableError};
 pub use tables::{FitQuality, NAILS, NailSize, Shank, WOODS, WoodKind};
 

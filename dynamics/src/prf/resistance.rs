@@ -1,67 +1,11 @@
 //! The law a cycle is driven against: a published one, a constant force, a fitted law, or a table.
 
-use nailnoise_quantities::{Held, Kind, Value};
-use serde::{Deserialize, Serialize};
-
 use super::extension::extended;
 use super::fit::{FittedLaw, LawOfDrive};
 use super::law::Curve;
-use super::{ForceTable, PenetrationLaw, REFERENCE_SPEED, Specimen};
+use super::{ForceTable, PenetrationLaw, REFERENCE_SPEED, ResistanceLaw, Specimen};
 use crate::cycle::Real;
 use crate::{Parameters, Wood};
-
-/// A law of the penetration resistance force for the nailing cycle, by its word in a design.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum ResistanceLaw {
-    /// A published law, evaluated at [`REFERENCE_SPEED`].
-    Published(PenetrationLaw),
-    /// The same force at every depth, `wood.penetration_force`.
-    Constant,
-    /// A law fitted to own tests, [`Parameters::penetration_fit`].
-    Fitted,
-}
-
-/// Words of the published laws, then those of the constant force and of a fitted law.
-const WORDS: [&str; PenetrationLaw::WORDS.len() + 2] = {
-    let mut words = ["constant"; PenetrationLaw::WORDS.len() + 2];
-    words[PenetrationLaw::WORDS.len() + 1] = "fitted";
-    let mut i = 0;
-    while i < PenetrationLaw::WORDS.len() {
-        words[i] = PenetrationLaw::WORDS[i];
-        i += 1;
-    }
-    words
-};
-
-impl ResistanceLaw {
-    /// The value of a key of this type.
-    pub const KIND: Kind = Kind::Choice(&WORDS);
-}
-
-impl Held for ResistanceLaw {
-    fn from_value(value: &Value) -> Option<Self> {
-        match value {
-            Value::Choice("constant") => Some(Self::Constant),
-            Value::Choice("fitted") => Some(Self::Fitted),
-            _ => PenetrationLaw::from_value(value).map(Self::Published),
-        }
-    }
-
-    fn to_value(&self) -> Value {
-        match self {
-            Self::Published(law) => law.to_value(),
-            Self::Constant => Value::Choice("constant"),
-            Self::Fitted => Value::Choice("fitted"),
-        }
-    }
-}
-
-impl From<PenetrationLaw> for ResistanceLaw {
-    fn from(law: PenetrationLaw) -> Self {
-        Self::Published(law)
-    }
-}
 
 /// The fastener's contribution to the resistance beyond the dimensions of one shank.
 #[derive(Debug, Clone, Copy)]
@@ -73,7 +17,8 @@ pub(crate) struct Shanks {
 }
 
 impl Shanks {
-    /// One shank, with the share of a smooth nail (Nili Ahmadabadi 2016, sec. 2.4.3: 81 % of a 6d nail in poplar plywood).
+    /// One shank, with the share of a smooth nail (Nili Ahmadabadi 2016, sec. 2.4.3: 81 % of a 6d nail in poplar
+    /// plywood).
     pub(crate) const SMOOTH: Self = Self {
         legs: 1,
         friction_share: 0.81,
@@ -106,8 +51,8 @@ impl Resistance {
         Self::of(&p.wood, own, specimen, (p.piston.mass, shank))
     }
 
-    /// The law of a wood, or a table or fit in its place, for a nail that is driven by a mass \[kg\]. A published law is that
-    /// of one shank, times their number; own laws are those of the fastener.
+    /// The law of a wood, or a table or fit in its place, for a nail that is driven by a mass \[kg\]. A published law
+    /// is that of one shank, times their number; own laws are those of the fastener.
     pub(crate) fn of(
         wood: &Wood,
         (table, fit): (Option<&ForceTable>, Option<&FittedLaw>),

@@ -65,7 +65,8 @@ pub enum TableError {
     },
     /// A depth or a force that no drive has.
     #[error(
-        "point {point} is {depth:?} m, {force:?} N; depths of at most {DEEPEST} m and forces from 0 to {LARGEST:e} N are expected; \
+        "point {point} is {depth:?} m, {force:?} N; depths of at most {DEEPEST} m and forces from 0 to {LARGEST:e} N \
+         are expected; \
          correct the point, or the units of the columns"
     )]
     Value {

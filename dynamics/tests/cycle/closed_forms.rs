@@ -23,8 +23,8 @@ fn order(points: &[(f64, f64)]) -> f64 {
     (e1 / e0).ln() / (x1 / x0).ln()
 }
 
-/// The error is small and falls with the tolerance of a step as a method of order p makes it, tol^(p/(p+1)): order 3 for
-/// ESDIRK; 5 for BDF, whose changes of order bring it towards proportionality.
+/// The error is small and falls with the tolerance of a step as a method of order p makes it, tol^(p/(p+1)): order 3
+/// for ESDIRK; 5 for BDF, whose changes of order bring it towards proportionality.
 fn follows_the_tolerance(limit: f64, error: impl Fn(Method, f64) -> f64) {
     for (method, least, most) in [(Method::Bdf, 5.0 / 6.0, 1.0), (Method::Esdirk34, 0.75, 0.75)] {
         let points = [1e-5, 1e-6, 1e-7, 1e-8].map(|tolerance| (tolerance, error(method, tolerance)));

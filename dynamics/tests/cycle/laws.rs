@@ -174,7 +174,8 @@ fn a_value_out_of_range_is_refused_by_name() {
         "piston.mass = -0.131 must be from 1e-5 to 1000 kg"
     );
     assert!(
-        matches!(refused(|p| p.chambers.leak_area = f64::NAN), CycleError::Value { name, .. } if name == "chambers.leak_area")
+        matches!(refused(|p| p.chambers.leak_area = f64::NAN), CycleError::Value { name, .. }
+            if name == "chambers.leak_area")
     );
     assert!(
         matches!(refused(|p| p.supply.pressure = 9e4), CycleError::Value { name, .. } if name == "supply.pressure")

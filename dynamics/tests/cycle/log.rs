@@ -181,8 +181,8 @@ fn chatter_ends_the_run_with_an_error_that_names_the_contact() {
 
 #[test]
 fn the_printed_cap_stiffness_does_not_chatter_and_gives_the_force_of_a_damped_bounce() {
-    // The valve vibrates on the cap at 217 kHz. The peak force of a damped bounce is
-    // F = v sqrt(k m) exp(-zeta phi/sqrt(1 - zeta^2)) with tan phi = sqrt(1 - zeta^2) (1 - 4 zeta^2)/(zeta (3 - 4 zeta^2)).
+    // The valve vibrates on the cap at 217 kHz. The peak force of a damped bounce is F = v sqrt(k m) exp(-zeta
+    // phi/sqrt(1 - zeta^2)) with tan phi = sqrt(1 - zeta^2) (1 - 4 zeta^2)/(zeta (3 - 4 zeta^2)).
     let mut printed = n80cb();
     printed.contacts.cap_stiffness = 1.1e11;
     let r = run(&printed);

@@ -117,8 +117,8 @@ fn below_the_tested_diameters_a_thinner_nail_needs_less_force() {
     assert!(forces.windows(2).all(|pair| pair[0] < pair[1]), "{forces:?}");
 }
 
-/// Load \[N\] at which a bright smooth nail is pulled out at once: 6900 G^(5/2) D in pounds per inch of length, D in inches
-/// (Forest Products Laboratory, Nail-withdrawal resistance of American woods, FPL-093, 1965).
+/// Load \[N\] at which a bright smooth nail is pulled out at once: 6900 G^(5/2) D in pounds per inch of length, D in
+/// inches (Forest Products Laboratory, Nail-withdrawal resistance of American woods, FPL-093, 1965).
 fn withdrawal(gravity: f64, (length, diameter, legs): Size) -> f64 {
     let [length, diameter] = [length, diameter].map(|mm| mm / 25.4);
     f64::from(legs) * 6900.0 * gravity.powf(2.5) * diameter * length * 4.448_222

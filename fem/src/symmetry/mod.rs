@@ -42,8 +42,8 @@ pub(crate) struct Sector<'a> {
     /// K of the whole in its own order, from the analysis of its pattern to the first factorisation.
     whole: Mutex<Option<CscMatrix<f64>>>,
     pub(crate) mass: Cow<'a, CscMatrix<f64>>,
-    /// For each unknown of the whole its row of T_c, which has one entry at most: column and value. None where T_c is the
-    /// identity.
+    /// For each unknown of the whole its row of T_c, which has one entry at most: column and value. None where T_c is
+    /// the identity.
     rows: Option<Vec<Option<(usize, f64)>>>,
 }
 

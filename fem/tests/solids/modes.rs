@@ -67,8 +67,8 @@ fn isotropic(size: [f64; 3], divisions: [usize; 3], e: f64, nu: f64, rho: f64) -
     assemble(&mesh, &[Material::isotropic(e, nu, rho).unwrap()], &Constraints::free()).unwrap()
 }
 
-/// A free square plate of thickness h and side L: omega L^2 sqrt(rho h / D) = 13.49 (twice skew to its sides), 19.79, 24.43 for
-/// nu = 0.3 (A. W. Leissa, *Vibration of Plates*, NASA SP-160, 1969, table 4.67).
+/// A free square plate of thickness h and side L: omega L^2 sqrt(rho h / D) = 13.49 (twice skew to its sides), 19.79,
+/// 24.43 for nu = 0.3 (A. W. Leissa, *Vibration of Plates*, NASA SP-160, 1969, table 4.67).
 #[test]
 fn rigid_modes_of_thin_sheets_are_never_nan() {
     let (e, nu, rho, side) = (210e9_f64, 0.3, 7850.0, 1.0_f64);

@@ -273,7 +273,8 @@ fn of_sensitivity(quantity: Quantity) -> &'static str {
     }
 }
 
-/// Smallest and largest sensitivity \[V per SI unit\]: 1 pV/Pa is below that of blast gauges, 1 kV/(m/s²) above that of seismometers.
+/// Smallest and largest sensitivity \[V per SI unit\]: 1 pV/Pa is below that of blast gauges, 1 kV/(m/s²) above that of
+/// seismometers.
 const SENSITIVITIES: [f64; 2] = [1e-12, 1e3];
 
 /// Refuses a text without a unit: the number may be meant in V, in Pa or in dB.

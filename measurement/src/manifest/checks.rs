@@ -14,7 +14,8 @@ use nailnoise_documents::{KeyError, Keys};
 /// 0.42 dB.
 const OFF_SURFACE: f64 = 0.05;
 
-/// Least distance between microphones \[m\]: twice the tolerance of a position. Those of EN 12549 are 0.7 m apart and more.
+/// Least distance between microphones \[m\]: twice the tolerance of a position. Those of EN 12549 are 0.7 m apart and
+/// more.
 const APART: f64 = 2.0 * OFF_SURFACE;
 
 /// Microphones of EN 12549.

@@ -96,13 +96,18 @@ impl<'a> ChannelChecks<'a> {
         let name = |own: &Finding| self.arrangement.setup.configuration(own.configuration.number());
         let levels = self.found.iter().filter(|own| own.kind == Kind::Level).map(|own| {
             format!(
-                "{}: {} reads {:.0} dB {} than the median of the microphones in {}; check its cable, gain and calibration, because \
+                "{}: {} reads {:.0} dB {} than the median of the microphones in {}; check its cable, gain and \
+                 calibration, because \
                  the mean includes it",
                 name(own),
                 own.channel,
                 own.value.abs(),
                 if own.value < 0.0 { "less" } else { "more" },
-                if own.repeats == 1 { "1 repeat".to_owned() } else { format!("{} repeats", own.repeats) },
+                if own.repeats == 1 {
+                    "1 repeat".to_owned()
+                } else {
+                    format!("{} repeats", own.repeats)
+                },
             )
         });
         let silent = self.found.iter().filter(|own| own.kind == Kind::Silent);

@@ -47,8 +47,8 @@ pub struct Measured {
     pub transducers: Vec<String>,
 }
 
-/// Processes the recordings that a manifest names. `read` is called with the number of shots read and their total; `keep` takes the
-/// corrected signals of each shot of a source.
+/// Processes the recordings that a manifest names. `read` is called with the number of shots read and their total;
+/// `keep` takes the corrected signals of each shot of a source.
 ///
 /// # Errors
 /// Those of the recordings and of `keep`; as [`process`].
@@ -79,8 +79,8 @@ pub fn process_recordings<E: From<MeasurementError>>(
     process(arrangement, processing, &recorded, shot, keep)
 }
 
-/// Processes a test. `shot` reads a configuration's repeat, counted from 0; `keep` takes the corrected signals of each shot of
-/// a source.
+/// Processes a test. `shot` reads a configuration's repeat, counted from 0; `keep` takes the corrected signals of each
+/// shot of a source.
 ///
 /// # Errors
 /// Those of `shot` and `keep`; [`MeasurementError::Shot`] for markers in the wrong order.
@@ -128,7 +128,7 @@ pub fn process<E: From<MeasurementError>>(
             if let Some((source, microphones)) = one.configuration.source().zip(corrected) {
                 let rate = recording.rate;
                 keep(CorrectedShot {
-                    source,
+                    source: source.name(),
                     repeat,
                     rate,
                     microphones,
@@ -188,7 +188,8 @@ fn out_of_order(
             first.0,
             1e3 * first.1
         ),
-        help: "check the names of the channels and the trigger: N is on the handle, W on the block, TC under the table, PT-I \
+        help: "check the names of the channels and the trigger: N is on the handle, W on the block, TC under the \
+            table, PT-I \
                in the cylinder"
             .to_owned(),
     }

@@ -10,7 +10,7 @@ use crate::result::{
     MeasuredSource, MeasurementResult, Processing, SCHEMA,
 };
 use crate::subtraction::{SURVEY_LIMIT_DB, expected_energy};
-use crate::wrapping::{Configuration, SOURCES};
+use crate::wrapping::{Configuration, Role};
 
 /// Fewest repeats of a test (EN 12549).
 pub const LEAST_REPEATS: usize = 5;
@@ -50,9 +50,14 @@ impl Summary<'_> {
             .iter()
             .filter_map(|(one, shots, _)| self.source(*one, shots))
             .collect();
-        let level_of = |name: &str| sources.iter().find(|own| own.source == name).and_then(|own| own.level);
+        let level_of = |role: Role| {
+            sources
+                .iter()
+                .find(|own| own.source == role.name())
+                .and_then(|own| own.level)
+        };
         let closure = self.total().and_then(|total| {
-            let parts = SOURCES.map(level_of);
+            let parts = Role::ALL.map(level_of);
             let sum: Option<f64> = parts
                 .iter()
                 .map(|level| level.map(|level| 10f64.powf(0.1 * level.db)))
@@ -174,7 +179,7 @@ impl Summary<'_> {
     }
 
     fn source(&self, one: Recorded, shots: &[ProcessedShot]) -> Option<MeasuredSource> {
-        let name = one.configuration.source()?;
+        let role = one.configuration.source()?;
         let corrected: Vec<&Energies> = shots.iter().filter_map(|shot| shot.corrected.as_ref()).collect();
         if corrected.is_empty() {
             return None;
@@ -194,7 +199,7 @@ impl Summary<'_> {
             })
             .collect();
         Some(MeasuredSource {
-            source: name.to_owned(),
+            source: role.name().to_owned(),
             configuration: self.arrangement.setup.configuration(one.configuration.number()),
             level: self.repeated(corrected.iter().map(|own| own.whole)),
             by_energy_db: self.level(whole - residual),
@@ -227,8 +232,8 @@ impl Summary<'_> {
     }
 
     fn bound(&self, sources: &[MeasuredSource]) -> Option<MeasuredBound> {
-        let of = |name: &str| sources.iter().find(|own| own.source == name);
-        let (exhaust, body) = (of("exhaust")?, of("body")?);
+        let of = |role: Role| sources.iter().find(|own| own.source == role.name());
+        let (exhaust, body) = (of(Role::Exhaust)?, of(Role::Body)?);
         let total = self.total()?;
         let energy = |level: Option<f64>| level.map_or(0.0, |level| 10f64.powf(0.1 * level));
         let left = |total: Option<f64>, exhaust: Option<f64>, body: Option<f64>| {
@@ -269,7 +274,8 @@ impl Summary<'_> {
             let late = shots.iter().filter(|shot| shot.lead < BEFORE * (1.0 - 1e-6)).count();
             if late > 0 {
                 notes.push(format!(
-                    "{}: {late} of {} records begin less than {:.0} ms before the trigger, so that the start of the shot may be \
+                    "{}: {late} of {} records begin less than {:.0} ms before the trigger, so that the start of the \
+                     shot may be \
                      missing: record earlier",
                     name(one),
                     shots.len(),
@@ -280,7 +286,8 @@ impl Summary<'_> {
         for one in self.all.iter().map(|one| self.configuration(one)) {
             if let Some(above) = one.above_residual_db.filter(|above| *above < LEAST_ABOVE) {
                 notes.push(format!(
-                    "{}: {above:.1} dB above the residual; below {LEAST_ABOVE:.0} dB its source is not measured, the level shown is the floor",
+                    "{}: {above:.1} dB above the residual; below {LEAST_ABOVE:.0} dB its source is not measured, the \
+                     level shown is the floor",
                     one.name
                 ));
             }
@@ -290,8 +297,10 @@ impl Summary<'_> {
                 .map(|(arrived, burst)| arrived - burst);
             if let Some(late) = late.filter(|late| late.abs() > PATHS) {
                 notes.push(format!(
-                    "{}: the microphones put the burst t12 {:+.1} ms from where the handle puts it, more than the {:.1} ms that the \
-                     paths of the sound explain: check that microphones and accelerometers share a clock, and the positions",
+                    "{}: the microphones put the burst t12 {:+.1} ms from where the handle puts it, more than the \
+                     {:.1} ms that the \
+                     paths of the sound explain: check that microphones and accelerometers share a clock, and the \
+                     positions",
                     one.name,
                     1e3 * late,
                     1e3 * PATHS
@@ -305,14 +314,16 @@ impl Summary<'_> {
                 .filter(|(level, floor)| level.db < floor + 3.0);
             if let Some((level, floor)) = near {
                 notes.push(format!(
-                    "{}: {:.1} dB lies at the floor of the subtraction, {floor:.1} dB; the source may be anything below",
+                    "{}: {:.1} dB lies at the floor of the subtraction, {floor:.1} dB; the source may be anything \
+                     below",
                     own.source, level.db
                 ));
             }
         }
-        if sources.iter().any(|own| own.source == "workpiece") && self.total().is_some() {
+        if sources.iter().any(|own| own.source == Role::Workpiece.name()) && self.total().is_some() {
             notes.push(
-                "the workpiece bare is masked by the body's wrap; the bound holds whatever the wraps hide, unless the bias of \
+                "the workpiece bare is masked by the body's wrap; the bound holds whatever the wraps hide, unless the \
+                 bias of \
                  exhaust and body is larger (see the levels by energy)"
                     .to_owned(),
             );

@@ -5,8 +5,9 @@
 
 use nailnoise_quantities::dimension::TIME;
 
+use super::axis::even_axis;
 use super::fault::Fault;
-use super::{Numbers, Refusal, Selector, Track, even_axis};
+use super::{Numbers, Refusal, Selector, Track};
 use nailnoise_documents::tables::{Heading, Table, TableFault, si_of, time};
 
 /// Reads columns of a table.

@@ -278,7 +278,8 @@ pub enum Fault {
     },
     /// A calibrator's record without the tone.
     #[error(
-        "no tone of {frequency} Hz in the calibrator's record: {:.1} % of its energy lie within {:.0} % of it", 100.0 * share,
+        "no tone of {frequency} Hz in the calibrator's record: {:.1} % of its energy lie within {:.0} % of \
+         it", 100.0 * share,
         100.0 * band
     )]
     NoTone {
@@ -341,7 +342,8 @@ impl Fault {
             Self::StartsDiffer { .. } => "export all channels of a shot with a common time axis",
             Self::Clipped { .. } => "repeat the shot with a larger input range",
             Self::NoCalibration { .. } => {
-                "give `sensitivity` and `full_scale` (\"50 mV/Pa\", \"10 V\"), or `full_scale` in the channel's quantity (\"200 \
+                "give `sensitivity` and `full_scale` (\"50 mV/Pa\", \"10 V\"), or `full_scale` in the channel's \
+                 quantity (\"200 \
                  Pa\"), or `calibrator`, or `unit` where the file holds numbers in a unit"
             }
             Self::Unit { .. } => "give `unit` in the manifest: Pa, kPa, m/s2 or g; V with a `sensitivity`",
@@ -349,7 +351,8 @@ impl Fault {
                 "correct `channel`, `column` or `kind` in the manifest, or the label in the file"
             }
             Self::Dead { .. } => {
-                "record again with this sensor connected, or remove the channel: the mean is then over the other microphones"
+                "record again with this sensor connected, or remove the channel: the mean is then over the other \
+                 microphones"
             }
             Self::UnitsDiffer { .. } => "remove `unit` if the file is right, else export the file with the right unit",
             Self::Short { .. } => "record longer, or correct `trigger`; the machine sounds for about 0.1 s",

@@ -6,8 +6,9 @@ use nailnoise_meshes::uff::{Function, UffError, functions};
 use nailnoise_quantities::Dimension;
 use nailnoise_quantities::dimension::{ACCELERATION, FORCE, LENGTH, PRESSURE, TEMPERATURE, TIME, VELOCITY};
 
+use super::axis::even_axis;
 use super::fault::Fault;
-use super::{Numbers, Refusal, Selector, Track, even_axis, numbers};
+use super::track::{Numbers, Refusal, Selector, Track, numbers};
 use nailnoise_documents::tables::si_of;
 
 /// Specific data types of an abscissa that is time, or unknown.

@@ -7,7 +7,7 @@ use hound::{SampleFormat, WavSpec, WavWriter};
 use super::fault::Fault;
 use super::format::{BitAlignment, Coded, Format};
 use super::riff::Riff;
-use super::{Numbers, Refusal, Selector, Track, numbers};
+use super::track::{Numbers, Refusal, Selector, Track, numbers};
 use nailnoise_documents::MemoryLimit;
 
 /// How samples are written.

@@ -15,7 +15,8 @@ fn accelerometer(folder: &Folder, bytes: impl AsRef<[u8]>, keys: &str) -> Result
     folder.write("mic.wav", wav(&[&sine(0.1)]));
     folder.write("N", bytes);
     let manifest = folder.load(&format!(
-        "{HEAD}[channels]\nmic5 = {{ file = \"mic.wav\", full_scale = \"200 Pa\", {CORNER} }}\nN = {{ file = \"N\", {keys} }}\n{ONE}"
+        "{HEAD}[channels]\nmic5 = {{ file = \"mic.wav\", full_scale = \"200 Pa\", {CORNER} }}\nN = {{ file = \"N\", \
+         {keys} }}\n{ONE}"
     ))?;
     manifest.shot(0, 0)
 }

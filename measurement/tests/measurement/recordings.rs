@@ -518,7 +518,8 @@ fn time_axes_of_one_shot_begin_together() {
             .unwrap(),
     );
     let manifest = folder.load(&format!(
-        "{HEAD}[channels]\nmic5 = {{ file = \"mic.csv\", column = \"mic5\", {CORNER} }}\nN = {{ file = \"N.csv\", column = \"N\" }}\n{ONE}"
+        "{HEAD}[channels]\nmic5 = {{ file = \"mic.csv\", column = \"mic5\", {CORNER} }}\nN = {{ file = \"N.csv\", \
+         column = \"N\" }}\n{ONE}"
     ));
     names(
         &manifest.unwrap().shot(0, 0).unwrap_err(),
@@ -582,7 +583,8 @@ fn a_trigger_is_where_its_channel_crosses_the_threshold() {
         format!(
             "{HEAD}[channels]\nmic5 = {{ file = \"{{c}}-{{k}}.wav\", full_scale = \"200 Pa\", {CORNER} }}\n\
              switch = {{ file = \"{{c}}-{{k}}.wav\", channel = 2, kind = \"trigger\", full_scale = \"10 V\" }}\n\
-             [configurations]\nW-1 = {{ repeats = 1, trigger = {{ channel = \"switch\", threshold = \"{threshold}\" }} }}\n"
+             [configurations]\nW-1 = {{ repeats = 1, trigger = {{ channel = \"switch\", threshold = \"{threshold}\" \
+             }} }}\n"
         )
     };
     let loaded = folder.load(&manifest("2.5 V")).unwrap();
@@ -651,7 +653,8 @@ fn a_value_beyond_full_scale_is_not_written_as_an_integer() {
     assert!(encode(&[], RATE, 1.0, Coding::Integer24).is_err());
 }
 
-/// `data/libsndfile-*.wav` were written by libsndfile (Python's soundfile): two channels, 0.5 sin(0.3 i) and half of it.
+/// `data/libsndfile-*.wav` were written by libsndfile (Python's soundfile): two channels, 0.5 sin(0.3 i) and half of
+/// it.
 #[test]
 fn sound_files_of_another_program_are_read() {
     let files: [(&[u8], i32); 4] = [

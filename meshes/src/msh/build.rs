@@ -5,7 +5,7 @@ use std::collections::{BTreeMap, HashMap};
 use nalgebra::Point3;
 
 use super::MshError;
-use super::raw::Raw;
+use super::raw::{IN_METRES, Raw};
 use crate::{ElementKind, FaceGroup, FaceRef, Mesh, MeshError};
 
 /// Places in gmsh's order of the nodes of a VTK element after its corners.
@@ -84,7 +84,7 @@ impl Imported {
 impl Raw {
     /// Makes a mesh; lengths are multiplied by `scale` unless a comment of the file gives metres as the unit.
     pub(super) fn build(self, scale: f64) -> Result<Imported, MshError> {
-        let (scale, comment, states_metres) = match self.comment.strip_suffix(super::IN_METRES) {
+        let (scale, comment, states_metres) = match self.comment.strip_suffix(IN_METRES) {
             Some(rest) => (1.0, rest.trim_end_matches([';', ' ']).to_owned(), true),
             None => (scale, self.comment.clone(), false),
         };

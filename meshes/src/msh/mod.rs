@@ -21,7 +21,7 @@ pub use build::Imported;
 pub use error::MshError;
 pub use write::{Format, to_bytes};
 
-use nailnoise_documents::read_regular;
+use crate::read_regular;
 
 use crate::MeshError;
 
@@ -30,9 +30,6 @@ const GZIP: [u8; 2] = [0x1f, 0x8b];
 
 /// The largest file that is read, compressed or not \[byte\].
 pub const LARGEST: u64 = 4 << 30;
-
-/// Comment that gives the unit in files written here; the format has no other place for it.
-const IN_METRES: &str = "lengths in m";
 
 /// Reads a `.msh` file, also one compressed by gzip. `unit` is the length of one unit of the file \[m\]. It is not used
 /// if the file's comments state lengths in metres, as those of [`to_bytes`] do.

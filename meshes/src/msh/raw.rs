@@ -2,6 +2,9 @@
 
 use super::MshError;
 
+/// Comment that gives the unit in files written here; the format has no other place for it.
+pub(super) const IN_METRES: &str = "lengths in m";
+
 /// The content of a file before anything is made of it.
 #[derive(Debug, Default, PartialEq)]
 pub(super) struct Raw {

@@ -1,7 +1,7 @@
 //! Entities, nodes and elements of versions 4.0 and 4.1.
 //!
-//! Version 4.0 (gmsh 4.0 and 4.1) gives the number of an entity before its dimension, writes each node's number in front of its
-//! coordinates, and numbers nodes and elements by `int`.
+//! Version 4.0 (gmsh 4.0 and 4.1) gives the number of an entity before its dimension, writes each node's number in
+//! front of its coordinates, and numbers nodes and elements by `int`.
 
 use std::collections::HashMap;
 

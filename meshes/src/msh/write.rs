@@ -43,7 +43,7 @@ pub fn to_bytes(mesh: &Mesh, format: Format, comment: &str) -> Vec<u8> {
     let (comment, between) = (comment.replace('\n', " "), if comment.is_empty() { "" } else { "; " });
     out.text(&format!(
         "$Comments\n{comment}{between}{}\n$EndComments\n",
-        super::IN_METRES
+        super::raw::IN_METRES
     ));
     out.text("$PhysicalNames\n");
     out.text(&format!("{}\n", mesh.part_names.len() + mesh.groups.len()));

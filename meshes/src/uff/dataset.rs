@@ -68,8 +68,10 @@ pub enum UffError {
     },
     /// A node names a coordinate system that the file does not give.
     #[error(
-        "{}, line {line}, dataset {dataset}: the node names coordinate system {system}, which the file does not give (known: \
-         {known}); export the coordinate systems as well (dataset 18 or 2420), or the nodes in global axes (system 0)", path.display()
+        "{}, line {line}, dataset {dataset}: the node names coordinate system {system}, which the file does not give \
+         (known: \
+         {known}); export the coordinate systems as well (dataset 18 or 2420), or the nodes in global axes (system \
+         0)", path.display()
     )]
     NoSystem {
         /// The file.
@@ -85,7 +87,8 @@ pub enum UffError {
     },
     /// The reference systems of a coordinate system lead to no global one.
     #[error(
-        "{}: coordinate system {system} has a reference system that leads back to itself or is not Cartesian; give it in terms of a \
+        "{}: coordinate system {system} has a reference system that leads back to itself or is not Cartesian; give it \
+         in terms of a \
          Cartesian one", path.display()
     )]
     Reference {
@@ -96,7 +99,8 @@ pub enum UffError {
     },
     /// It contains no modes.
     #[error(
-        "{} has no mode shapes: no dataset 55 with normal modes (2) or complex ones (3, 7){}", path.display(), others(*analyses)
+        "{} has no mode shapes: no dataset 55 with normal modes (2) or complex ones (3, \
+         7){}", path.display(), others(*analyses)
     )]
     NoModes {
         /// The file.
@@ -111,7 +115,8 @@ fn others(analyses: usize) -> String {
     match analyses {
         0 => String::new(),
         _ => format!(
-            "; it has {analyses} of dataset 2414 (analysis data), which is not read: export the mode shapes as dataset 55"
+            "; it has {analyses} of dataset 2414 (analysis data), which is not read: export the mode shapes as \
+             dataset 55"
         ),
     }
 }

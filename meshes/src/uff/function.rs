@@ -12,8 +12,8 @@ pub struct Function {
     pub name: String,
     /// Function type: 1 time response, 2 auto spectrum, 4 frequency response, 9 power spectral density, 0 unknown.
     pub kind: i64,
-    /// Specific data types of abscissa and ordinate: 17 time, 8 displacement, 9 reaction force, 12 acceleration, 13 excitation
-    /// force, 0 unknown.
+    /// Specific data types of abscissa and ordinate: 17 time, 8 displacement, 9 reaction force, 12 acceleration, 13
+    /// excitation force, 0 unknown.
     pub kinds: [i64; 2],
     /// Labels of their units; empty if there are none.
     pub units: [String; 2],
@@ -31,13 +31,14 @@ const HEADER: &str = "data type, number of values, spacing, first abscissa, incr
 
 /// Reads the functions of a universal file, in their order; other datasets are left out. `path` is for messages.
 ///
-/// A function is text (58) or binary (58b: IEEE 754, either byte order, single or double precision). Each has its own result,
-/// because one that cannot be read leaves the others as they are: test systems write time histories, spectra and frequency
-/// responses of a run into one file. Where the file ends within a dataset of another kind, the last result states that.
+/// A function is text (58) or binary (58b: IEEE 754, either byte order, single or double precision). Each has its own
+/// result, because one that cannot be read leaves the others as they are: test systems write time histories, spectra
+/// and frequency responses of a run into one file. Where the file ends within a dataset of another kind, the last
+/// result states that.
 ///
 /// # Errors
-/// [`UffError::Truncated`]; [`UffError::Line`] with the line that cannot be read; [`UffError::NotFinite`]; [`UffError::Form`]
-/// for complex data and for binary data of machines without IEEE 754.
+/// [`UffError::Truncated`]; [`UffError::Line`] with the line that cannot be read; [`UffError::NotFinite`];
+/// [`UffError::Form`] for complex data and for binary data of machines without IEEE 754.
 pub fn functions(bytes: &[u8], path: &Path) -> Vec<Result<Function, UffError>> {
     datasets(&utf8(bytes))
         .iter()
@@ -171,7 +172,8 @@ impl Block<'_> {
         }
     }
 
-    /// Samples in IEEE 754. An uneven abscissa is in single precision or, as some programs write it, in that of the ordinate.
+    /// Samples in IEEE 754. An uneven abscissa is in single precision or, as some programs write it, in that of the
+    /// ordinate.
     fn bytes(&self, binary: Binary<'_>, layout: &Layout, function: &mut Function) -> Result<(), UffError> {
         const EXPECTED: &str = "IEEE 754 (format 2), byte order 1 or 2, or as text";
         let little = match (binary.order, binary.format) {

@@ -47,8 +47,8 @@ pub struct History<'a> {
 impl History<'_> {
     /// Appends the dataset to a file.
     ///
-    /// Function type 1 is a time response, data type 4 real double precision, abscissa spacing 1 even; specific data type 17
-    /// is time. Reference direction 0 is a scalar, which a sensor's axis is.
+    /// Function type 1 is a time response, data type 4 real double precision, abscissa spacing 1 even; specific data
+    /// type 17 is time. Reference direction 0 is a scalar, which a sensor's axis is.
     pub fn write(&self, text: &mut Vec<u8>) {
         text.extend_from_slice(format!("{:>6}\n{:>6}\n", -1, 58).as_bytes());
         text.extend_from_slice(self.records(4).as_bytes());
@@ -59,8 +59,8 @@ impl History<'_> {
         text.extend_from_slice(b"    -1\n");
     }
 
-    /// Appends the dataset with its values in binary form, 58b: IEEE 754, single precision, least significant byte first; five times
-    /// shorter than text.
+    /// Appends the dataset with its values in binary form, 58b: IEEE 754, single precision, least significant byte
+    /// first; five times shorter than text.
     pub fn write_binary(&self, bytes: &mut Vec<u8>) {
         let header = format!(
             "{:>6}\n{:>6}b{:>6}{:>6}{:>12}{:>12}{:>6}{:>6}{:>12}{:>12}\n",

@@ -34,8 +34,8 @@ const LARGEST: u64 = 1 << 30;
 /// Factors of units in dataset 164, from those of kilometres and meganewtons to those of nanometres and nanonewtons.
 const UNITS: std::ops::RangeInclusive<f64> = 1e-9..=1e9;
 
-/// Reads datasets 15, 781 and 2411 (nodes), 18 and 2420 (their coordinate systems), 164 (units) and 55 (modes); others are left
-/// out.
+/// Reads datasets 15, 781 and 2411 (nodes), 18 and 2420 (their coordinate systems), 164 (units) and 55 (modes); others
+/// are left out.
 ///
 /// # Errors
 /// [`UffError`].
@@ -128,8 +128,8 @@ impl Block<'_> {
         Ok(())
     }
 
-    /// Units of length \[m\] and force \[N\] of the file, from dataset 164, which gives the factors by which a length and a
-    /// force in the file are divided for those in SI units.
+    /// Units of length \[m\] and force \[N\] of the file, from dataset 164, which gives the factors by which a length
+    /// and a force in the file are divided for those in SI units.
     fn units(&self) -> Result<[f64; 2], UffError> {
         let expected = "factors of the units of length, force and temperature";
         match self.numbers(1, expected)?.as_slice() {

@@ -1,7 +1,7 @@
 //! Coordinate systems of universal files: datasets 18 and 2420.
 //!
-//! A node names two of them: that of its coordinates and that of its displacements. Modal-test software gives each sensor its
-//! own axes in this way.
+//! A node names two of them: that of its coordinates and that of its displacements. Modal-test software gives each
+//! sensor its own axes in this way.
 
 use std::collections::HashMap;
 use std::path::Path;
@@ -63,7 +63,8 @@ pub(super) struct LocalNode {
 }
 
 impl Systems {
-    /// Reads dataset 18: label, kind, reference, colour, method; name; origin, a point on +x, a point in the +x +z half plane.
+    /// Reads dataset 18: label, kind, reference, colour, method; name; origin, a point on +x, a point in the +x +z half
+    /// plane.
     pub(super) fn read_18(&mut self, block: &Block<'_>) -> Result<(), UffError> {
         let expected =
             "a coordinate system: label, kind, reference system, colour, method 1 (origin, +x axis, +xz plane)";

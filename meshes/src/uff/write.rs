@@ -84,7 +84,8 @@ pub fn text(name: &str, surface: &Surface, modes: &[Mode<'_>]) -> Result<String,
     });
     for (index, mode) in modes.iter().enumerate() {
         dataset(&mut text, 55, |text| {
-            // Five lines of identification; structural, normal mode, 3 translations, displacement, real, 3 values a node.
+            // Five lines of identification; structural, normal mode, 3 translations, displacement, real, 3 values a
+            // node.
             let _ = writeln!(
                 text,
                 "{name}\nNONE\nNONE\nNONE\nmode {} at {:.3} Hz",

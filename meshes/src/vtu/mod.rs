@@ -1,8 +1,8 @@
 //! VTK XML files: `.vtu` grids with fields, and the `.pvd` list that makes a series of them.
 //!
 //! The crate vtkio writes meshes, surfaces and polygons ([`Grid`]), compressed by zlib. The files of a film share one
-//! grid; see [`Frames`]. Meshes are in double precision, so that they are read back as they were; surfaces and polygons,
-//! which are for viewing, in single precision.
+//! grid; see [`Frames`]. Meshes are in double precision, so that they are read back as they were; surfaces and
+//! polygons, which are for viewing, in single precision.
 
 mod frames;
 mod grid;

@@ -19,8 +19,8 @@ pub(crate) fn close(found: f64, expected: f64, relative: f64) {
     );
 }
 
-/// Asserts that the surface is closed, that the integral of its normal vanishes, and that positions, normals and nodes agree
-/// with the mesh.
+/// Asserts that the surface is closed, that the integral of its normal vanishes, and that positions, normals and nodes
+/// agree with the mesh.
 pub(crate) fn assert_sound(mesh: &Mesh) -> Surface {
     let surface = Surface::of(mesh);
     assert_eq!(surface.open_edges(), 0);

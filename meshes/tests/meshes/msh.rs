@@ -303,7 +303,8 @@ fn blocks(first: u32, second: u32, surface: u32) -> String {
 
 const NAMES: &str = "$PhysicalNames\n2\n2 9 \"base\"\n3 7 \"one\"\n$EndPhysicalNames\n";
 
-/// Asserts that a file shows the two tetrahedra of [`text`], 1/6 and 1/3, with one part and, if it has names, the triangle.
+/// Asserts that a file shows the two tetrahedra of [`text`], 1/6 and 1/3, with one part and, if it has names, the
+/// triangle.
 fn is_the_pair(what: &str, file: &str, part: &str) {
     let read = parse(file.as_bytes()).unwrap_or_else(|error| panic!("{what}: {error}"));
     let mesh = &read.mesh;
@@ -529,7 +530,8 @@ proptest! {
         binary in any::<bool>(),
         four in any::<bool>(),
     ) {
-        let mut bytes = format!("$MeshFormat\n{} {} 8\n", if four { "4.1" } else { "2.2" }, u8::from(binary)).into_bytes();
+        let mut bytes = format!("$MeshFormat\n{} {} 8\n", if four { "4.1" } else { "2.2" },
+            u8::from(binary)).into_bytes();
         if binary {
             bytes.extend(1i32.to_le_bytes());
         }

@@ -101,8 +101,10 @@ fn a_shape_that_is_too_short_is_refused() {
 
 #[test]
 fn measured_complex_modes_are_read_with_their_frequency_in_hertz() {
-    let text = "    -1\n    55\na\nNONE\nNONE\nNONE\nNONE\n         1         3         2         8         5         3\n         \
-                2         6         1         1\n -6.28319E+00  6.28319D+02  0.0 0.0 0.0 0.0\n        17\n  1.0 0.5 0.0 0.0 \
+    let text = "    -1\n    55\na\nNONE\nNONE\nNONE\nNONE\n         1         3         2         8         5         \
+        3\n         \
+                2         6         1         1\n -6.28319E+00  6.28319D+02  0.0 0.0 0.0 0.0\n        17\n  1.0 0.5 \
+                0.0 0.0 \
                 -1.0 0.25\n    -1\n";
     let read = uff::read(&Scratch::holding("complex", text).0).unwrap();
     assert!(read.nodes.is_empty());
@@ -199,7 +201,8 @@ fn history(header: &str, axes: [&str; 2], values: &str) -> String {
     let axis = |text: &str| format!("{text}\n");
     let none = "         0    0    0    0 NONE                 NONE                \n";
     format!(
-        "    -1\n    58\nforce\nNONE\nNONE\nNONE\nNONE\n    1         0    0         0 NONE                1   3 NONE                0   0\n\
+        "    -1\n    58\nforce\nNONE\nNONE\nNONE\nNONE\n    1         0    0         0 NONE                1   3 \
+         NONE                0   0\n\
          {header}\n{}{}{none}{none}{values}\n    -1\n",
         axis(axes[0]),
         axis(axes[1])
@@ -411,8 +414,8 @@ fn damaged_binary_time_histories_are_refused() {
     assert!(nan.contains("sample 2 is NaN"), "{nan}");
 }
 
-/// `data/pyuff-58b.uff` was written by pyuff 2.5.8: two binary datasets and one in text, k 5 sin(0.3 i) for k = 1, 2, 3 at
-/// 48 kHz.
+/// `data/pyuff-58b.uff` was written by pyuff 2.5.8: two binary datasets and one in text, k 5 sin(0.3 i) for k = 1, 2, 3
+/// at 48 kHz.
 #[test]
 fn a_file_of_another_program_is_read() {
     let bytes = include_bytes!("../data/pyuff-58b.uff");
@@ -432,7 +435,8 @@ fn a_file_of_another_program_is_read() {
 
 /// A file of one mode with nodes as given.
 fn with_nodes(nodes: &str) -> Result<uff::Measurement, UffError> {
-    let mode = "    -1\n    55\nNONE\nNONE\nNONE\nNONE\nNONE\n 1 2 2 8 2 3\n 2 4 1 1\n 100.0 1.0 0.0 0.02\n 7\n 1.0 2.0 3.0\n    -1\n";
+    let mode = "    -1\n    55\nNONE\nNONE\nNONE\nNONE\nNONE\n 1 2 2 8 2 3\n 2 4 1 1\n 100.0 1.0 0.0 0.02\n 7\n 1.0 \
+        2.0 3.0\n    -1\n";
     uff::parse(format!("{nodes}{mode}").as_bytes(), std::path::Path::new("test.uff"))
 }
 

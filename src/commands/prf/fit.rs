@@ -28,7 +28,8 @@ const FIT: &str = "fit.toml";
 #[derive(Args)]
 #[command(after_help = examples!(
     "nailnoise prf fit drives.csv --form \"poly(x,7) + rate + slender\"" => "a law fitted to measured drives",
-    "nailnoise prf fit drives.csv --reduce --leave group" => "terms that carry nothing left out; cross-validation by group",
+    "nailnoise prf fit drives.csv --reduce --leave group" => "terms that carry nothing left out; cross-validation by \
+        group",
 ))]
 pub(super) struct Arguments {
     /// CSV files with a row a drive: id, group, repeat, nail, wood, speed, file, ...
@@ -359,7 +360,8 @@ fn text(result: &FitResult<'_>) -> String {
             .share_error
             .map_or_else(String::new, |error| format!(" +- {error:.3}"));
         text.push_str(&format!(
-            "\n  friction {:.0} N and deformation {:.0} N at full depth (from x = {:.2}), root mean square errors {:.0} and \
+            "\n  friction {:.0} N and deformation {:.0} N at full depth (from x = {:.2}), root mean square errors \
+             {:.0} and \
              {:.0} N, {} pairs\n  wood.friction_share = {:.3}{error} (standard error)\n",
             split.friction,
             split.deformation,

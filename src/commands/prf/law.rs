@@ -9,7 +9,7 @@ use nailnoise_dynamics::prf::{
 };
 use serde::Serialize;
 
-use super::within;
+use super::limits::within;
 use crate::commands::progress::note;
 use crate::commands::table::{dash, fixed, table};
 use crate::commands::{print, print_json};

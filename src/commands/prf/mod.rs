@@ -2,13 +2,13 @@
 
 mod fit;
 mod law;
+mod limits;
 mod machine;
 mod plan;
 
 use std::process::ExitCode;
 
 use clap::{Args, Subcommand};
-use nailnoise_quantities::{Dimension, measure};
 
 use crate::error::Error;
 
@@ -32,21 +32,6 @@ enum Command {
     Machine(machine::Arguments),
     /// Plan tests at high speed: masses, speeds, what they reach, and which terms they tell apart
     Plan(plan::Arguments),
-}
-
-/// Reads a quantity of an option within limits \[SI\].
-///
-/// # Errors
-/// The fault of the text, or the limits.
-fn within(text: &str, dimension: Dimension, [low, high]: [f64; 2]) -> Result<f64, String> {
-    let value = measure(text, dimension)?;
-    if (low..=high).contains(&value) {
-        return Ok(value);
-    }
-    Err(format!(
-        "{value:?} {0} is outside {low:?} to {high:?} {0}",
-        dimension.unit()
-    ))
 }
 
 pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {

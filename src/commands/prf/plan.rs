@@ -15,7 +15,7 @@ use nailnoise_quantities::dimension::{ENERGY, MASS, NUMBER};
 use nalgebra::DMatrix;
 use serde::Serialize;
 
-use super::within;
+use super::limits::within;
 use crate::chain;
 use crate::commands::progress::note;
 use crate::commands::table::{fixed, table};
@@ -54,7 +54,8 @@ pub(super) struct Arguments {
     #[arg(long, value_name = "KEY=VALUE", requires = "from")]
     set: Vec<Assignment>,
     /// Masses of the projectiles, for example "0.131 kg,0.2 kg" [default: 0.131 0.2 0.3 0.4 0.5 kg]
-    #[arg(long, value_name = "MASSES", value_delimiter = ',', value_parser = |text: &str| within(text, MASS, PROJECTILES))]
+    #[arg(long, value_name = "MASSES", value_delimiter = ',',
+        value_parser = |text: &str| within(text, MASS, PROJECTILES))]
     mass: Vec<f64>,
     /// What the speeds of the plan are
     #[arg(long, value_name = "WHAT", value_enum, default_value_t = SpeedIs::Impact)]
@@ -72,7 +73,8 @@ pub(super) struct Arguments {
     #[arg(long, value_name = "TERMS", default_value = "poly(x,3) + decay + inertia + energy")]
     form: String,
     /// Scatter between specimens of s = sqrt(F_r/(H_M NL)), for the number of repeats
-    #[arg(long, value_name = "NUMBER", default_value = "0.01", value_parser = |text: &str| within(text, NUMBER, [0.0, 100.0]))]
+    #[arg(long, value_name = "NUMBER", default_value = "0.01",
+        value_parser = |text: &str| within(text, NUMBER, [0.0, 100.0]))]
     sigma_between: f64,
     /// Wished standard error of the terms that are constant in a drive
     #[arg(long, value_name = "NUMBER", value_parser = |text: &str| within(text, NUMBER, [1e-6, 100.0]))]
@@ -143,7 +145,8 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
     )];
     if fit.is_none() {
         notes.push(format!(
-            "depths by the quasi-static law {} in {}, which is uncertain at these speeds: a guide to where the nail stops",
+            "depths by the quasi-static law {} in {}, which is uncertain at these speeds: a guide to where the nail \
+             stops",
             law.as_str(),
             wood.name
         ));

@@ -3,19 +3,17 @@
 use std::path::Path;
 
 use nailnoise_fem::Material;
-use nailnoise_fem::supports::{RectangularBase, Sand, contact_dashpot};
+use nailnoise_fem::supports::contact_dashpot;
 use nailnoise_fem::transient::{Support, SupportLaw};
-use nailnoise_meshes::{Tool, Worktable, element_size};
+use nailnoise_meshes::{Tool, element_size};
 use nalgebra::Matrix3;
 
-use crate::design::{
-    self, Design, NamedSurface, Spring, Sprung, SupportKind, SurfaceOf, SurfaceProblem, TableFoot, WorktablePreset,
-};
+use crate::design::{self, Design, NamedSurface, Spring, Sprung, SurfaceOf, SurfaceProblem};
 use crate::error::Error;
+use crate::model::supports::{self, Table};
 use crate::stages::bodies::{
-    AddedSand, BodyKind, ContactCells, Extent, FileUnit, Geometry, Joint, JointSpring, LoadPlaces, MeshFile,
-    MeshSource, NailPlace, Naming, PartMaterials, Properties, Remainder, SideSand, SpringFoot, SurfacePlace,
-    ToolPlaces, ToolShape,
+    BodyKind, ContactFace, Extent, FileUnit, Geometry, Joint, JointSpring, LoadPlaces, MeshFile, MeshSource, NailPlace,
+    Naming, PartMaterials, Properties, Remainder, SpringFoot, SurfacePlace, ToolPlaces, ToolShape,
 };
 
 /// Inputs of a body's stages.
@@ -41,15 +39,13 @@ pub(crate) struct BodyInputs {
 /// [`Error::NoSuchBody`] for the worktable of a design without one; those of materials and mesh file.
 pub(crate) fn body(design: &Design, kind: BodyKind, driven: bool) -> Result<BodyInputs, Error> {
     let places = if driven {
-        places(design, kind)
+        places(design, kind)?
     } else {
         LoadPlaces::default()
     };
-    let table = &design.support.worktable;
     let loss_factor = match kind {
         BodyKind::Workpiece => design.wood.loss_factor,
-        BodyKind::Worktable if table.preset == WorktablePreset::A => table.loss_factor,
-        BodyKind::Worktable => table.steel.loss_factor,
+        BodyKind::Worktable => table(design)?.loss_factor,
         BodyKind::Tool => design.body.loss_factor,
     };
     let (top_hz, _) = limits(design, kind);
@@ -91,7 +87,7 @@ pub fn geometry(design: &Design, kind: BodyKind, remesh: bool) -> Result<Geometr
 }
 
 fn workpiece(design: &Design) -> Result<Geometry, Error> {
-    let (block, wood, support) = (&design.workpiece, &design.wood, &design.support);
+    let (block, wood, support) = (&design.workpiece, &design.wood, supports::of(design));
     let material = Material::orthotropic(&wood.block_axes(), &Matrix3::identity(), wood.density)?;
     let own = own_mesh(
         design,
@@ -99,10 +95,6 @@ fn workpiece(design: &Design) -> Result<Geometry, Error> {
         (&block.mesh, block.mesh_unit),
         material.slowest_speed(),
     )?;
-    let sand = match support.kind {
-        SupportKind::Sandbox => Some(added_sand(design)?).filter(|sand| sand.mass != 0.0),
-        _ => None,
-    };
     Ok(Geometry {
         kind: BodyKind::Workpiece,
         mesh: own.unwrap_or(MeshSource::Block {
@@ -113,67 +105,40 @@ fn workpiece(design: &Design) -> Result<Geometry, Error> {
         naming: naming(design, BodyKind::Workpiece),
         properties: Properties {
             materials: PartMaterials::Same(Box::new(material)),
-            clamped: (support.kind == SupportKind::Clamped).then_some("bottom"),
-            sand,
+            clamped: support.fixed(),
+            sand: support.added_sand()?.filter(|sand| sand.mass != 0.0),
             remainder: None,
         },
     })
 }
 
+/// The body under the workpiece.
+fn table(design: &Design) -> Result<Table, Error> {
+    supports::of(design).table()?.ok_or_else(|| Error::NoSuchBody {
+        design: design.name().to_owned(),
+        body: BodyKind::Worktable.name(),
+        support: design.support.kind.as_str(),
+    })
+}
+
 fn worktable(design: &Design) -> Result<Geometry, Error> {
-    let support = &design.support;
-    if support.kind != SupportKind::Worktable {
-        return Err(Error::NoSuchBody {
-            design: design.name().to_owned(),
-            body: "worktable",
-            support: support.kind.as_str(),
-        });
-    }
-    let (table, analysis) = (&support.worktable, &design.analysis);
-    let steel = &table.steel;
-    let wooden = table.preset == WorktablePreset::A;
-    let (top, legs) = if wooden {
-        let top = Material::orthotropic(&table.top, &Matrix3::identity(), table.top_density)?;
-        // Legs: grain (axis 1) vertical, radial axis 2 along y, tangential axis 3 along x.
-        let upright = Matrix3::new(0.0, 0.0, 1.0, 0.0, 1.0, 0.0, 1.0, 0.0, 0.0);
-        let legs = Material::orthotropic(&table.legs, &upright, table.leg_density)?;
-        (top, legs)
-    } else {
-        let material = isotropic(&steel.material)?;
-        (material.clone(), material)
-    };
-    let slowest = top.slowest_speed().min(legs.slowest_speed());
-    let built_in = || {
-        let thickness = match table.preset {
-            WorktablePreset::A => table.top_thickness,
-            WorktablePreset::B => steel.top_thickness_b,
-            WorktablePreset::C => steel.top_thickness_c,
-        };
-        let (leg, leg_element_size) = if wooden {
-            (table.leg_width, analysis.worktable_leg_element)
-        } else {
-            (steel.tube_width, analysis.worktable_tube_element)
-        };
-        let spec = Worktable {
-            top: [table.length, table.width],
-            thickness,
-            leg: [leg; 2],
-            height: table.height,
-            element_size: analysis.worktable_element,
-            leg_element_size,
-            top_layers: analysis.worktable_top_layers as usize,
-            origin: [-0.5 * table.length, -0.5 * table.width, -table.height],
-        };
-        MeshSource::Worktable(spec, (!wooden).then_some(steel.tube_wall))
-    };
-    let own = own_mesh(design, BodyKind::Worktable, (&table.mesh, table.mesh_unit), slowest)?;
+    let Table {
+        materials,
+        built_in,
+        fixed,
+        ..
+    } = table(design)?;
+    let speeds = materials.iter().map(|(_, material)| material.slowest_speed());
+    let slowest = speeds.fold(f64::INFINITY, f64::min);
+    let keys = &design.support.worktable;
+    let own = own_mesh(design, BodyKind::Worktable, (&keys.mesh, keys.mesh_unit), slowest)?;
     Ok(Geometry {
         kind: BodyKind::Worktable,
-        mesh: own.unwrap_or_else(built_in),
+        mesh: own.unwrap_or(built_in),
         naming: naming(design, BodyKind::Worktable),
         properties: Properties {
-            materials: PartMaterials::Named(vec![("top", top), ("leg", legs.clone()), ("legs", legs)]),
-            clamped: (table.foot == TableFoot::Clamped).then_some("floor"),
+            materials: PartMaterials::Named(materials),
+            clamped: fixed,
             sand: None,
             remainder: None,
         },
@@ -240,8 +205,8 @@ fn own_mesh(
     Ok(Some(MeshSource::File(file)))
 }
 
-/// How many times longer or shorter than the built-in body a body from a file may be: less than an inch is longer than a
-/// millimetre.
+/// How many times longer or shorter than the built-in body a body from a file may be: less than an inch is longer than
+/// a millimetre.
 const LIKE_BUILT_IN: f64 = 20.0;
 
 /// Longest sides of a hand-held tool \[m\].
@@ -305,24 +270,23 @@ pub(crate) fn mass(design: &Design, kind: BodyKind) -> Option<f64> {
 }
 
 /// Places where the shot's forces, contacts and supports act on a body.
-fn places(design: &Design, kind: BodyKind) -> LoadPlaces {
-    let on_cells = |group, outward| (contact_cells(design), group, outward);
-    match kind {
+fn places(design: &Design, kind: BodyKind) -> Result<LoadPlaces, Error> {
+    let support = supports::of(design);
+    let contacts = |group, outward| -> Result<Vec<ContactFace>, Error> {
+        let contacts = support.contacts()?.into_iter();
+        Ok(contacts.map(|contact| contact.cells.on(group, outward)).collect())
+    };
+    Ok(match kind {
         BodyKind::Workpiece => LoadPlaces {
             nail: Some(nail_place(design)),
-            contact: match design.support.kind {
-                SupportKind::Clamped | SupportKind::Springs => None,
-                SupportKind::Worktable | SupportKind::Sandbox | SupportKind::Floor => {
-                    Some(on_cells("bottom", [0.0, 0.0, -1.0]))
-                }
-            },
-            side_sand: side_sand(design),
+            contacts: contacts("bottom", [0.0, 0.0, -1.0])?,
+            side_sand: support.sides()?.map(|sides| sides.cells),
             springs: spring_feet(design, Sprung::Workpiece),
             joint: joint(design),
             ..LoadPlaces::default()
         },
         BodyKind::Worktable => LoadPlaces {
-            contact: Some(on_cells("top", [0.0, 0.0, 1.0])),
+            contacts: contacts("top", [0.0, 0.0, 1.0])?,
             springs: spring_feet(design, Sprung::Worktable),
             elsewhere: joint(design).map_or(0, |joint| joint.supports_count()),
             ..LoadPlaces::default()
@@ -334,7 +298,7 @@ fn places(design: &Design, kind: BodyKind) -> LoadPlaces {
             }),
             ..LoadPlaces::default()
         },
-    }
+    })
 }
 
 fn nail_place(design: &Design) -> NailPlace {
@@ -355,7 +319,7 @@ fn joint(design: &Design) -> Option<Joint> {
     let (block, board) = (&design.workpiece, &design.workpiece.board);
     (board.thickness > 0.0).then(|| Joint {
         height: block.thickness - board.thickness,
-        cells: contact_cells(design),
+        cells: supports::underside(design),
         nail: nail_place(design),
         dowel: DOWEL * design.nail.diameter,
     })
@@ -377,50 +341,6 @@ pub(crate) fn joint_supports(design: &Design) -> Vec<Support> {
 pub(crate) fn block_size(design: &Design) -> [f64; 3] {
     let block = &design.workpiece;
     [block.length, block.width, block.thickness]
-}
-
-/// Contact cells of the workpiece's underside.
-pub(crate) fn contact_cells(design: &Design) -> ContactCells {
-    let (block, contact) = (&design.workpiece, &design.support.contact);
-    ContactCells {
-        size: [block.length, block.width],
-        cells: [contact.points_along, contact.points_across],
-    }
-}
-
-/// Sand that moves with the block's base, its mass as a part of rho r_0 A.
-///
-/// # Errors
-/// Those of the base's dimensions.
-pub(crate) fn added_sand(design: &Design) -> Result<AddedSand, Error> {
-    let (block, sand) = (&design.workpiece, &design.support.sand);
-    let base = RectangularBase::new(block.length, block.width)?;
-    Ok(AddedSand {
-        mass: sand.added_mass * sand.density * base.equivalent_radius() * base.area(),
-        base: [block.length, block.width],
-    })
-}
-
-/// Sand at the sides of the block, if it supports them.
-fn side_sand(design: &Design) -> Option<SideSand> {
-    let held = design.support.kind == SupportKind::Sandbox && design.support.sand.side_contact > 0.0;
-    held.then(|| SideSand {
-        block: block_size(design),
-    })
-}
-
-/// Springs and dashpots of the sand at the sides.
-///
-/// # Errors
-/// Those of sand and base.
-pub(crate) fn side_supports(design: &Design) -> Result<Vec<Support>, Error> {
-    let Some(side_sand) = side_sand(design) else {
-        return Ok(Vec::new());
-    };
-    let s = &design.support.sand;
-    let sand = Sand::new(s.shear_modulus, s.density, s.poisson_ratio)?;
-    let base = RectangularBase::new(design.workpiece.length, design.workpiece.width)?;
-    Ok(side_sand.supports(&base, &sand, s.side_contact))
 }
 
 /// An axis of a spring: direction, stiffness \[N/m\] and damping \[N s/m\].

@@ -5,10 +5,10 @@ use std::path::Path;
 use nailnoise_dynamics as dynamics;
 use nailnoise_dynamics::prf::fit::{Conditions, Driving, FittedLaw};
 use nailnoise_dynamics::prf::{ResistanceLaw, Specimen};
-use nailnoise_fem::supports::{RectangularBase, Sand, contact_dashpot};
 
-use crate::design::{Design, MufflerKind, Sprung, SupportKind};
+use crate::design::{Design, MufflerKind};
 use crate::error::Error;
+use crate::model::supports;
 use crate::penetration::{self, PenetrationError};
 
 /// How the cycle of a design is integrated and recorded.
@@ -46,7 +46,7 @@ pub fn parameters(design: &Design) -> Result<dynamics::Parameters, Error> {
         contacts: design.contacts.clone(),
         tool: design.tool.clone(),
         hand: design.hand.clone(),
-        support: support(design)?,
+        support: supports::of(design).lumped()?,
         ambient: design.ambient.clone(),
         model: design.model.clone(),
     })
@@ -105,43 +105,4 @@ pub fn conditions(design: &Design, law: &FittedLaw, impact: Option<f64>) -> Cond
             },
         },
     }
-}
-
-/// The support of the lumped workpiece in the cycle. On a floor it is the contact as one spring and dashpot, on springs
-/// their sum, in sand the vertical foundation stiffness K_z and the radiation dashpot rho V_La of the base of the
-/// block.
-fn support(d: &Design) -> Result<dynamics::Support, Error> {
-    use dynamics::SupportDamping;
-    Ok(match d.support.kind {
-        // A block clamped at its foot is the spring k_ws = E A/L itself.
-        SupportKind::Worktable | SupportKind::Clamped => dynamics::Support {
-            stiffness: d.support.worktable.stiffness,
-            damping: SupportDamping::Ratio(d.support.worktable.damping_ratio),
-        },
-        SupportKind::Sandbox => {
-            let s = &d.support.sand;
-            let sand = Sand::new(s.shear_modulus, s.density, s.poisson_ratio)?;
-            let base = RectangularBase::new(d.workpiece.length, d.workpiece.width)?;
-            dynamics::Support {
-                stiffness: base.stiffness(&sand).z,
-                damping: SupportDamping::Coefficient(sand.normal_dashpot() * base.area()),
-            }
-        }
-        SupportKind::Springs => {
-            let [stiffness, damping] = d.sprung(Sprung::Workpiece);
-            dynamics::Support {
-                stiffness,
-                damping: SupportDamping::Coefficient(damping),
-            }
-        }
-        SupportKind::Floor => {
-            let c = &d.support.contact;
-            let area = d.workpiece.length * d.workpiece.width;
-            let dashpot = contact_dashpot(c.stiffness_per_area, c.loss_ratio, c.loss_frequency);
-            dynamics::Support {
-                stiffness: c.stiffness_per_area * area,
-                damping: SupportDamping::Coefficient(dashpot * area),
-            }
-        }
-    })
 }

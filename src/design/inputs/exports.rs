@@ -1,7 +1,7 @@
 //! Inputs of the exports: the surroundings of the bodies in the report.
 
 use super::air;
-use super::radiation::nose;
+use super::radiation::{covered_faces, nose};
 use crate::design::Design;
 use crate::error::Error;
 use crate::report::Surroundings;
@@ -12,8 +12,7 @@ use crate::report::Surroundings;
 /// Air that cannot be.
 pub(crate) fn surroundings(design: &Design) -> Result<Surroundings, Error> {
     Ok(Surroundings {
-        support: design.support.kind,
-        half_sides: [0.5 * design.workpiece.length, 0.5 * design.workpiece.width],
+        covered: covered_faces(design),
         nose: nose(design).into(),
         air: air(design)?,
     })

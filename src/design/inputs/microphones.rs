@@ -1,12 +1,14 @@
-//! Inputs of the microphones: their positions, the reflecting plane, the room, and the tool as the sphere of its volume.
+//! Inputs of the microphones: their positions, the reflecting plane, the room, and the tool as the sphere of its
+//! volume.
 
 use nailnoise_acoustics::sound::Iso3744Box;
 use nailnoise_acoustics::sound_fields::Cuts;
 use nalgebra::Point3;
 
 use super::air;
-use crate::design::{Design, SandboxPlane, SupportKind};
+use crate::design::Design;
 use crate::error::Error;
+use crate::model::supports;
 use crate::stages::microphones::{MicrophoneArray, Room, ToolSphere};
 
 /// The microphones of a design.
@@ -44,7 +46,8 @@ fn foot(design: &Design) -> [f64; 3] {
     [x, y, measurement_plane(design)]
 }
 
-/// Height of the device's centre, half the tool's height above the workpiece, above the plane of the measurement surface \[m\].
+/// Height of the device's centre, half the tool's height above the workpiece, above the plane of the measurement
+/// surface \[m\].
 fn centre_height(design: &Design) -> f64 {
     let [_, _, centre] = on_axis(design, 0.5 * tool_height(design));
     centre - measurement_plane(design)
@@ -52,12 +55,7 @@ fn centre_height(design: &Design) -> f64 {
 
 /// Height of the base plane of the measurement surface \[m\]: the reflecting plane, or the floor under a sandbox.
 fn measurement_plane(design: &Design) -> f64 {
-    let sand = &design.support.sand;
-    let below = match (design.support.kind, sand.measurement_plane) {
-        (SupportKind::Sandbox, SandboxPlane::Floor) => sand.box_depth,
-        _ => 0.0,
-    };
-    reflecting_plane(design) - below
+    supports::of(design).measurement_plane()
 }
 
 /// The room of a design.
@@ -91,7 +89,7 @@ pub(crate) fn workpiece_centre(design: &Design) -> [f64; 3] {
 }
 
 /// A point on the axis of driving, `height` above the workpiece \[m\].
-pub(super) fn on_axis(design: &Design, height: f64) -> [f64; 3] {
+pub(crate) fn on_axis(design: &Design, height: f64) -> [f64; 3] {
     let nail = &design.nail;
     [
         nail.offset_along,
@@ -105,15 +103,9 @@ pub(crate) fn tool_height(design: &Design) -> f64 {
     design.body.nose_height + design.body.barrel_height + design.body.cap_height
 }
 
-/// Height of the reflecting plane \[m\]: the floor under a worktable, under a block on springs, or at the underside of a
-/// block that lies or is clamped on it; the sand's surface.
+/// Height of the reflecting plane above the workpiece's underside \[m\].
 pub(crate) fn reflecting_plane(design: &Design) -> f64 {
-    match design.support.kind {
-        SupportKind::Worktable => -design.support.worktable.height,
-        SupportKind::Sandbox => design.workpiece.thickness,
-        SupportKind::Floor | SupportKind::Clamped => 0.0,
-        SupportKind::Springs => -design.support.clearance,
-    }
+    supports::of(design).reflecting_plane()
 }
 
 #[cfg(test)]
@@ -121,6 +113,7 @@ mod tests {
     #![allow(clippy::unwrap_used)]
 
     use super::*;
+    use crate::design::SandboxPlane;
 
     /// The areas of the specification for a device whose centre is 0.1725 m above the sand.
     #[test]

@@ -7,7 +7,6 @@ use crate::error::Error;
 
 pub mod bodies;
 pub mod cycle;
-pub(crate) mod exhaust;
 pub(crate) mod exports;
 pub(crate) mod microphones;
 pub(crate) mod notes;

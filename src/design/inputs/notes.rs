@@ -1,33 +1,12 @@
-//! Inputs of the notes: support and values outside their ranges, in words.
+//! Inputs of the notes: the fitted law, and values outside their ranges, in words.
 
 use nailnoise_dynamics::CycleRecord;
 use nailnoise_dynamics::prf::fit::{Placement, Variable};
 
 use super::cycle::{conditions, fitted_law as law_of};
-use super::radiation::{cap, workpiece_floor};
-use crate::design::{Convention, Design, SupportKind, VentSource, Warning};
+use super::radiation::cap;
+use crate::design::{Convention, Design, VentSource, Warning};
 use crate::error::Error;
-
-/// Support of the workpiece.
-pub(crate) fn support(design: &Design) -> String {
-    let support = &design.support;
-    match support.kind {
-        SupportKind::Worktable => format!("workpiece on worktable {}", support.worktable.preset.as_str()),
-        SupportKind::Sandbox => "workpiece in sand".to_owned(),
-        SupportKind::Floor => "workpiece alone on a rigid floor, its underside silent".to_owned(),
-        SupportKind::Clamped => "workpiece alone, its underside held on a rigid floor".to_owned(),
-        SupportKind::Springs if support.clearance > 0.0 => format!(
-            "workpiece alone on its springs, its underside {:.3} m above the floor{}",
-            support.clearance,
-            if workpiece_floor(design).is_some() {
-                ""
-            } else {
-                ", which is left out of its power"
-            }
-        ),
-        SupportKind::Springs => "workpiece alone on its springs and the floor, its underside silent".to_owned(),
-    }
-}
 
 /// Parts that count to another source by the convention of wrapping; none by the physical one.
 pub(crate) fn convention(design: &Design) -> Option<String> {
@@ -36,10 +15,12 @@ pub(crate) fn convention(design: &Design) -> Option<String> {
         return None;
     }
     let cap = if cap(design).is_some() {
-        "the outer side of the cap counts to the exhaust, with its own term of the body's radiated energy and half of each cross \
+        "the outer side of the cap counts to the exhaust, with its own term of the body's radiated energy and half of \
+         each cross \
          term: where it absorbs sound of the rest its energy is negative and has no level"
     } else {
-        "the cap stays with the body: the radiation of a rigid body, or as that of a sphere, has no surface from which a part could \
+        "the cap stays with the body: the radiation of a rigid body, or as that of a sphere, has no surface from \
+         which a part could \
          be taken"
     };
     let vent = match own.trigger_vent {
@@ -94,12 +75,14 @@ pub(crate) fn fitted_law(design: &Design, record: &CycleRecord) -> Result<Vec<St
     )];
     if law.form().uses(Variable::Decay) {
         notes.push(
-            "v/v0 is limited to the range of the tests: in a tool the gas continues to push the piston, in the tests nothing pushes the projectile"
+            "v/v0 is limited to the range of the tests: in a tool the gas continues to push the piston, in the tests \
+             nothing pushes the projectile"
                 .to_owned(),
         );
     } else if !law.dynamic() {
         notes.push(format!(
-            "the tests of the fitted law end at {:.3} mm/s; what the wood does at the speed of the shot is not known from them",
+            "the tests of the fitted law end at {:.3} mm/s; what the wood does at the speed of the shot is not known \
+             from them",
             1e3 * law.reference_speed()
         ));
     }

@@ -1,26 +1,18 @@
 //! Inputs of the radiation of workpiece and tool: surroundings, microphones, resolution, sand.
 
 use nailnoise_acoustics::bem::{EquationSolver, SolidBox};
-use nailnoise_acoustics::radiation::{AbsorbingSand, MovingSand};
 use nailnoise_acoustics::radiator::Loading;
-use nailnoise_fem::supports::Sand;
 use nalgebra::Vector3;
 
+use super::bodies::block_size;
 use super::microphones::{positions, reflecting_plane, tool_height};
-use crate::design::{
-    BemEquations, BodyModel, Convention, Design, FluidLoading, RadiationMethod, SupportKind, SurfaceName,
-    WorktablePreset,
-};
+use crate::design::{BemEquations, BodyModel, Convention, Design, FluidLoading, RadiationMethod, SurfaceName};
 use crate::error::Error;
+use crate::model::supports::{self, FlushSand};
 use crate::stages::radiation::{
-    CapSurface, Covered, FlushTop, Places, Resolution, ToolRadiation, WorkpieceBoundaryElements, WorkpieceRadiation,
+    CapSurface, CoveredFaces, FlushTop, Places, Resolution, ToolRadiation, WorkpieceBoundaryElements,
+    WorkpieceRadiation,
 };
-
-/// Highest underside of a hung block whose floor is part of the equations \[m\]. The floor at the height h changes the
-/// power by about sin(2 k h)/(2 k h), a ripple every c/2h. At twice the height it requires twice as many frequencies,
-/// and it cancels in every wider band. The reflection of a farther floor at a microphone is the sound at the
-/// microphone's image.
-pub(crate) const FARTHEST_FLOOR: f64 = 1.0;
 
 /// The part of the air's reaction that acts on the modes.
 pub(crate) fn loading(design: &Design) -> Loading {
@@ -36,40 +28,44 @@ pub(crate) fn loading(design: &Design) -> Loading {
 /// # Errors
 /// [`Error::Sand`] when the sand's constants are outside the range of the foundation's formulas.
 pub(crate) fn workpiece(design: &Design) -> Result<WorkpieceRadiation, Error> {
-    Ok(match (design.support.kind, design.acoustics.method) {
-        (SupportKind::Sandbox, _) => WorkpieceRadiation::Rayleigh(flush_top(design)?),
-        (_, RadiationMethod::Erp) => WorkpieceRadiation::Erp(Covered {
-            half_sides: [0.5 * design.workpiece.length, 0.5 * design.workpiece.width],
-            underside_open: design.support.kind == SupportKind::Springs && design.support.clearance > 0.0,
-        }),
-        (_, RadiationMethod::Bem) => WorkpieceRadiation::BoundaryElements(workpiece_boundary_elements(design)),
+    Ok(match (flush_top(design)?, design.acoustics.method) {
+        (Some(top), _) => WorkpieceRadiation::Rayleigh(top),
+        (None, RadiationMethod::Erp) => WorkpieceRadiation::Erp(covered_faces(design)),
+        (None, RadiationMethod::Bem) => WorkpieceRadiation::BoundaryElements(workpiece_boundary_elements(design)),
     })
+}
+
+/// The faces of workpiece and support from which no sound leaves.
+pub(crate) fn covered_faces(design: &Design) -> CoveredFaces {
+    CoveredFaces {
+        workpiece: supports::of(design).open_faces(),
+        half_sides: [0.5 * design.workpiece.length, 0.5 * design.workpiece.width],
+    }
 }
 
 /// Boundary elements of the workpiece, and of a table below it.
 pub(crate) fn workpiece_boundary_elements(design: &Design) -> WorkpieceBoundaryElements {
+    let support = supports::of(design);
+    let below = support.boxes();
+    let [x, y, z] = block_size(design);
+    let block = SolidBox {
+        low: [-0.5 * x, -0.5 * y, 0.0],
+        high: [0.5 * x, 0.5 * y, z],
+        part: 0,
+    };
     WorkpieceBoundaryElements {
         resolution: resolution(design),
-        boxes: boxes(design),
-        on_table: design.support.kind == SupportKind::Worktable,
-        floor: workpiece_floor(design),
+        on_table: !below.is_empty(),
+        boxes: std::iter::once(block).chain(below).collect(),
+        floor: support.floor(),
     }
 }
 
 /// The microphones in the coordinates of the workpiece.
 pub(crate) fn workpiece_places(design: &Design) -> Places {
-    let image_in = workpiece_floor(design).is_none().then(|| reflecting_plane(design));
-    let middle = match design.support.kind {
-        SupportKind::Springs => 0.5 * design.workpiece.thickness,
-        _ => 0.0,
-    };
-    Places::new(positions(design).into_iter(), image_in, middle)
-}
-
-/// Height of the rigid floor if it is part of the workpiece's equations; the block's underside is at 0 \[m\].
-pub(crate) fn workpiece_floor(design: &Design) -> Option<f64> {
-    let plane = reflecting_plane(design);
-    (design.support.kind == SupportKind::Worktable || -plane <= FARTHEST_FLOOR).then_some(plane)
+    let support = supports::of(design);
+    let image_in = support.floor().is_none().then(|| support.reflecting_plane());
+    Places::new(positions(design).into_iter(), image_in, support.sound_centre())
 }
 
 /// Boundary elements of the tool's body; none if the design does not request them.
@@ -126,44 +122,18 @@ pub(crate) fn nose(design: &Design) -> Vector3<f64> {
     Vector3::new(nail.offset_along, nail.offset_across, design.workpiece.thickness)
 }
 
-/// The block's top, flush with the sand.
+/// The block's top, if it is flush with sand.
 ///
 /// # Errors
 /// [`Error::Sand`] when the sand's constants are outside the range of the foundation's formulas.
-pub(crate) fn flush_top(design: &Design) -> Result<FlushTop, Error> {
-    let sand = &design.support.sand;
-    let moving = sand.moving_surface.then(|| moving_sand(design)).transpose()?;
-    Ok(FlushTop {
+fn flush_top(design: &Design) -> Result<Option<FlushTop>, Error> {
+    let sand = supports::of(design).flush_sand()?;
+    Ok(sand.map(|FlushSand { absorbing, moving }| FlushTop {
         top_hz: design.analysis.workpiece_top.min(design.analysis.range_high),
         places: Places::new(positions(design).into_iter(), None, design.workpiece.thickness),
-        absorbing: absorbing_sand(design),
+        absorbing,
         moving,
-    })
-}
-
-/// The sand's surface as an absorber.
-pub(crate) fn absorbing_sand(design: &Design) -> AbsorbingSand {
-    AbsorbingSand {
-        resistivity: design.support.sand.flow_resistivity,
-        share: design.support.sand.absorption_share,
-    }
-}
-
-/// The sand's surface as it moves with the block.
-///
-/// # Errors
-/// [`Error::Sand`] when the sand's constants are outside the range of the foundation's formulas.
-pub(crate) fn moving_sand(design: &Design) -> Result<MovingSand, Error> {
-    let (block, sand) = (&design.workpiece, &design.support.sand);
-    let around = |length: f64| [-0.5 * length, 0.5 * length];
-    let ground = Sand::new(sand.shear_modulus, sand.density, sand.poisson_ratio)?;
-    Ok(MovingSand {
-        footprint: [around(block.length), around(block.width)],
-        sand: [around(sand.box_length), around(sand.box_width)],
-        shear_speed: ground.shear_speed(),
-        loss_factor: sand.loss_factor,
-        to_hz: sand.moving_surface_top,
-    })
+    }))
 }
 
 fn resolution(design: &Design) -> Resolution {
@@ -179,38 +149,6 @@ fn resolution(design: &Design) -> Resolution {
         },
         tolerance: acoustics.bem_tolerance,
     }
-}
-
-fn centred([x, y]: [f64; 2], [low, high]: [f64; 2], part: usize) -> SolidBox {
-    SolidBox {
-        low: [-0.5 * x, -0.5 * y, low],
-        high: [0.5 * x, 0.5 * y, high],
-        part,
-    }
-}
-
-/// The block, and where it stands on a table the table's top and legs, in the coordinates of the bodies.
-fn boxes(design: &Design) -> Vec<SolidBox> {
-    let (block, table) = (&design.workpiece, &design.support.worktable);
-    let mut boxes = vec![centred([block.length, block.width], [0.0, block.thickness], 0)];
-    if design.support.kind != SupportKind::Worktable {
-        return boxes;
-    }
-    let (thickness, leg) = match table.preset {
-        WorktablePreset::A => (table.top_thickness, table.leg_width),
-        WorktablePreset::B => (table.steel.top_thickness_b, table.steel.tube_width),
-        WorktablePreset::C => (table.steel.top_thickness_c, table.steel.tube_width),
-    };
-    boxes.push(centred([table.length, table.width], [-thickness, 0.0], 1));
-    let (x, y) = (0.5 * table.length, 0.5 * table.width);
-    for from in [[-x, -y], [x - leg, -y], [-x, y - leg], [x - leg, y - leg]] {
-        boxes.push(SolidBox {
-            low: [from[0], from[1], -table.height],
-            high: [from[0] + leg, from[1] + leg, -thickness],
-            part: 2,
-        });
-    }
-    boxes
 }
 
 #[cfg(test)]

@@ -3,9 +3,9 @@
 use nailnoise_acoustics::radiation::MovingSand;
 use nalgebra::Vector3;
 
-use super::radiation::moving_sand;
-use crate::design::{BodyModel, Carrier, Design, Sensor, SensorProblem, SupportKind, Transducer};
+use crate::design::{BodyModel, Carrier, Design, Sensor, SensorProblem, Transducer};
 use crate::error::Error;
+use crate::model::supports;
 use crate::stages::bodies::SensorPoint;
 use crate::stages::sensors::Accelerometer;
 use crate::stages::transducers::PressureTransducer;
@@ -15,10 +15,11 @@ use crate::stages::transducers::PressureTransducer;
 /// # Errors
 /// [`Error::Sand`] for sand that is outside the range of its formulas.
 pub(crate) fn accelerometers(design: &Design) -> Result<Vec<Accelerometer>, Error> {
+    let sand = supports::of(design).moving_sand()?;
     let accelerometer = |(name, sensor): (&String, &Sensor)| {
         let top_hz = top_hz(design, sensor.body).unwrap_or(f64::INFINITY);
         let sand = match sensor.body {
-            Carrier::Sand => Some((moving_sand(design)?, [sensor.x, sensor.y])),
+            Carrier::Sand => sand.map(|law| (law, [sensor.x, sensor.y])),
             Carrier::Workpiece | Carrier::Worktable | Carrier::Tool => None,
         };
         Ok(Accelerometer {
@@ -48,11 +49,11 @@ pub(crate) fn transducers(design: &Design) -> Vec<PressureTransducer> {
 /// # Errors
 /// [`Problem::Sensor`](crate::design::Problem::Sensor) for a sensor that is not on the sand.
 pub(crate) fn points(design: &Design, body: Carrier) -> Result<Vec<SensorPoint>, Error> {
+    let sand = supports::of(design).moving_sand()?;
     let mut points = Vec::new();
     for (name, sensor) in present(design) {
-        let (position, direction) = match (sensor.body, body) {
-            (Carrier::Sand, Carrier::Workpiece) => {
-                let law = moving_sand(design)?;
+        let (position, direction) = match (sensor.body, body, sand) {
+            (Carrier::Sand, Carrier::Workpiece, Some(law)) => {
                 let distance = off_the_sand(&law, [sensor.x, sensor.y]);
                 if distance > 0.0 {
                     return Err(outside(design, name, sensor, "sand's surface", distance));
@@ -60,7 +61,7 @@ pub(crate) fn points(design: &Design, body: Carrier) -> Result<Vec<SensorPoint>,
                 let [x, y] = law.edge([sensor.x, sensor.y]);
                 ([x, y, design.workpiece.thickness], Vector3::z() * axis(sensor).z)
             }
-            (own, body) if own == body => ([sensor.x, sensor.y, sensor.z], axis(sensor)),
+            (own, body, _) if own == body => ([sensor.x, sensor.y, sensor.z], axis(sensor)),
             _ => continue,
         };
         points.push(SensorPoint {
@@ -109,13 +110,12 @@ fn present(design: &Design) -> impl Iterator<Item = (&String, &Sensor)> {
 fn carries(design: &Design, body: Carrier) -> bool {
     match body {
         Carrier::Workpiece | Carrier::Tool => true,
-        Carrier::Worktable => design.support.kind == SupportKind::Worktable,
-        Carrier::Sand => design.support.kind == SupportKind::Sandbox,
+        Carrier::Worktable | Carrier::Sand => supports::of(design).carriers().contains(&body),
     }
 }
 
-/// Top frequency of the modes of a body \[Hz\], above which they and their static corrections are not its motion; none for a
-/// rigid tool.
+/// Top frequency of the modes of a body \[Hz\], above which they and their static corrections are not its motion; none
+/// for a rigid tool.
 fn top_hz(design: &Design, body: Carrier) -> Option<f64> {
     let analysis = &design.analysis;
     match body {

@@ -68,8 +68,8 @@ fn shipped_design() -> Option<&'static Design> {
     READ.get_or_init(read).as_ref()
 }
 
-/// The shipped design with other materials and walls of the tool, each quantity at one of [`RANGE_SHARES`] or [`TOOL_SHARES`] in its
-/// range, and without lumped masses of the tool.
+/// The shipped design with other materials and walls of the tool, each quantity at one of [`RANGE_SHARES`] or
+/// [`TOOL_SHARES`] in its range, and without lumped masses of the tool.
 fn varied() -> Option<&'static Design> {
     static READ: OnceLock<Option<Design>> = OnceLock::new();
     let read = || {
@@ -106,8 +106,8 @@ fn at_shares<'a>(
         .map(|((key, [low, high]), share)| (key, Value::Number(low + share * (high - low))))
 }
 
-/// The design with materials, nail, and walls, masses and loads of the tool `from` another design; its bodies have the outer
-/// surfaces of the design's. The loads count because the static corrections of the modes depend on them.
+/// The design with materials, nail, and walls, masses and loads of the tool `from` another design; its bodies have the
+/// outer surfaces of the design's. The loads count because the static corrections of the modes depend on them.
 fn with_materials_of(design: &Design, from: &Design) -> Design {
     let mut standard = design.clone();
     let (wood, own) = (&mut standard.wood, &from.wood);

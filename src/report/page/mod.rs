@@ -89,7 +89,8 @@ impl Page {
                         h1 { (self.heading) }
                         (self.lead)
                     }
-                    nav aria-label="Sections" { @for section in &self.sections { a href={ "#" (section.id) } { (section.title) } } }
+                    nav aria-label="Sections" { @for section in &self.sections { a href={ "#"
+                        (section.id) } { (section.title) } } }
                     main {
                         @for (place, section) in self.sections.iter().enumerate() {
                             @if Some(place) == first_of_appendix { p.appendix-begins { "Appendix" } }

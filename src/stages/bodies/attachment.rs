@@ -136,8 +136,8 @@ fn meshed_mass(mesh: &Mesh, materials: &[Material]) -> Result<f64, MeshError> {
     Ok(masses.map(|(volume, material)| volume * material.density()).sum())
 }
 
-/// Interfaces between bodies that are meshed separately: the nodes of every group `NAME_slave` follow the faces of `NAME_master`, across a
-/// gap of `fit` \[m\] and the chords of both meshes.
+/// Interfaces between bodies that are meshed separately: the nodes of every group `NAME_slave` follow the faces of
+/// `NAME_master`, across a gap of `fit` \[m\] and the chords of both meshes.
 pub(super) fn ties(mesh: &Mesh, fit: f64) -> Vec<Tie> {
     let longest = mesh.longest_edges().into_iter().fold(0.0, f64::max);
     let of_group = |group: &nailnoise_meshes::FaceGroup| {

@@ -102,8 +102,8 @@ pub struct Body {
     /// Generalised displacement of each load, downwards positive: modes x loads.
     #[serde(with = "matrix")]
     pub loads: DMatrix<f64>,
-    /// Generalised displacement of each contact cell along the body's outward normal, then of the sand's cells at its sides,
-    /// of springs to the ground and of the joint of two pieces: modes x supports.
+    /// Generalised displacement of each contact cell along the body's outward normal, then of the sand's cells at its
+    /// sides, of springs to the ground and of the joint of two pieces: modes x supports.
     #[serde(with = "matrix")]
     pub contacts: DMatrix<f64>,
 }
@@ -222,8 +222,8 @@ impl Body {
         &self.lift * -gravity
     }
 
-    /// The same where a mass \[kg\] of sand that moves with the base rests in the sand: its weight is evenly carried by the
-    /// contact cells.
+    /// The same where a mass \[kg\] of sand that moves with the base rests in the sand: its weight is evenly carried by
+    /// the contact cells.
     pub fn weight_in_sand(&self, gravity: f64, sand: f64, grid: &ContactGrid) -> DVector<f64> {
         let mut weight = self.weight(gravity);
         let area: f64 = grid.areas.iter().sum();

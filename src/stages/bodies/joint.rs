@@ -1,9 +1,9 @@
 //! Joint of a workpiece of two pieces: a board on the block, and the nail that fastens it.
 //!
-//! The pieces touch in contact cells that push and do not pull. The driven nail ties them along its axis, by its head and the
-//! friction along its shank, and across it, as a dowel. Its springs act from the start of the shot. Assumption: until the nail
-//! is through, tool and weight press the pieces together, so that the springs carry little. Friction between the pieces is
-//! left out.
+//! The pieces touch in contact cells that push and do not pull. The driven nail ties them along its axis, by its head
+//! and the friction along its shank, and across it, as a dowel. Its springs act from the start of the shot. Assumption:
+//! until the nail is through, tool and weight press the pieces together, so that the springs carry little. Friction
+//! between the pieces is left out.
 
 use nailnoise_fem::LoadVector;
 use nailnoise_fem::transient::{Support, SupportLaw};
@@ -48,7 +48,8 @@ impl Joint {
         self.cells.grid().points.len() + NAIL_SPRINGS
     }
 
-    /// Supports in the order of the load vectors: contact per area in each cell, then the nail along and across its axis.
+    /// Supports in the order of the load vectors: contact per area in each cell, then the nail along and across its
+    /// axis.
     pub fn supports(&self, contact: JointSpring, axial: JointSpring, shear: JointSpring) -> Vec<Support> {
         let support = |spring: JointSpring, area: f64, law| Support {
             stiffness: spring.stiffness * area,
@@ -65,8 +66,8 @@ impl Joint {
         cells.chain(nail).collect()
     }
 
-    /// How far the pieces have closed in each cell; then how far the block has moved more than the board at the nail, upwards,
-    /// along x and along y.
+    /// How far the pieces have closed in each cell; then how far the block has moved more than the board at the nail,
+    /// upwards, along x and along y.
     pub(super) fn load_vectors(&self, mesh: &Mesh) -> Result<Vec<LoadVector>, MeshError> {
         let up = Vector3::z();
         let lower = self.cells.load_vectors(mesh, JOINT[0], self.height, up)?;
@@ -82,8 +83,8 @@ impl Joint {
         Ok(vectors)
     }
 
-    /// Mean motion of the block along the shank from the lower end to the joint, less that of the board from the joint to the
-    /// upper end.
+    /// Mean motion of the block along the shank from the lower end to the joint, less that of the board from the joint
+    /// to the upper end.
     fn slip(&self, mesh: &Mesh, [low, high]: [f64; 2], direction: Vector3<f64>) -> Result<LoadVector, MeshError> {
         let [x, y] = self.nail.at;
         let pieces = [([low, self.height], 1.0), ([self.height, high], -1.0)];

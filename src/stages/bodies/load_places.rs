@@ -10,7 +10,7 @@ use nalgebra::{Point3, Vector3};
 use serde::Serialize;
 
 use super::attachment::Meshed;
-use super::contact_cells::ContactCells;
+use super::contact_cells::ContactFace;
 use super::geometry::BodyKind;
 use super::joint::Joint;
 use super::nail_stations::NailPlace;
@@ -76,8 +76,8 @@ pub struct LoadPlaces {
     pub nail: Option<NailPlace>,
     /// Forces and pressures on the tool's body.
     pub tool: Option<ToolPlaces>,
-    /// Contact cells, the face group they lie on, and its outward normal.
-    pub contact: Option<(ContactCells, &'static str, [f64; 3])>,
+    /// Contact cells on its faces.
+    pub contacts: Vec<ContactFace>,
     /// Sand at the sides.
     pub side_sand: Option<SideSand>,
     /// Springs to the ground.
@@ -246,8 +246,8 @@ impl LoadPlaces {
     /// Load vectors of contacts and supports.
     fn contacts(&self, mesh: &Mesh) -> Result<Vec<LoadVector>, Error> {
         let mut contacts = Vec::new();
-        if let Some((cells, group, outward)) = self.contact {
-            contacts.extend(cells.load_vectors(mesh, group, 0.0, Vector3::from(outward))?);
+        for face in &self.contacts {
+            contacts.extend(face.load_vectors(mesh)?);
         }
         if let Some(side_sand) = &self.side_sand {
             contacts.extend(side_sand.load_vectors(mesh)?);

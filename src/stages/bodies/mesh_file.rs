@@ -2,9 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
-use nailnoise_documents::read_regular;
 use nailnoise_meshes::msh::{self, Imported};
-use nailnoise_meshes::{MeshError, SolidGeometry};
+use nailnoise_meshes::{MeshError, SolidGeometry, read_regular};
 use serde::Serialize;
 use sha2::{Digest as _, Sha256};
 
@@ -83,7 +82,8 @@ impl Extent {
         (self.longest[0]..=self.longest[1]).contains(&extent)
     }
 
-    /// The error that no such body has a longest side \[m\], for a file that is read in a unit \[m\] or states its own (none).
+    /// The error that no such body has a longest side \[m\], for a file that is read in a unit \[m\] or states its own
+    /// (none).
     fn refuse(&self, path: &Path, extent: f64, unit: Option<f64>) -> Error {
         let read_as = |other: f64| unit.map(|unit| extent / unit * other);
         let better = UNITS

@@ -25,7 +25,7 @@ mod tool_surfaces;
 
 pub use attachment::{Attachment, Meshed};
 pub use body::{Body, ModalModel, MovingSurface, Resolution, SIDES_PER_WAVE};
-pub use contact_cells::ContactCells;
+pub use contact_cells::{ContactCells, ContactFace};
 pub use elimination::Elimination;
 pub use geometry::{AddedSand, BodyKind, Geometry, MeshSource, PartMaterials, Properties, Remainder};
 pub use joint::{Joint, JointSpring};

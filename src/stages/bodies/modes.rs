@@ -93,8 +93,8 @@ impl Stage for Modes {
     }
 }
 
-/// M (0, 0, 1) on all degrees of freedom, to be multiplied by the shapes: the momentum of everything, tied and lumped parts
-/// included, in a rise at unit speed \[kg\].
+/// M (0, 0, 1) on all degrees of freedom, to be multiplied by the shapes: the momentum of everything, tied and lumped
+/// parts included, in a rise at unit speed \[kg\].
 fn upward_momentum(system: &System) -> Vec<f64> {
     let velocity = system.equations.translation(Vector3::z());
     let mut momentum = vec![0.0; velocity.nrows()];

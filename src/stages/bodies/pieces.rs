@@ -12,8 +12,8 @@ impl Meshed {
     /// Checks that the pieces of the mesh are one body: joined by common nodes, ties or a joint, or fixed.
     ///
     /// # Errors
-    /// [`Error::LoosePiece`] with the place of the smallest loose piece; [`Error::NotTied`] for pieces that a tie does not
-    /// reach.
+    /// [`Error::LoosePiece`] with the place of the smallest loose piece; [`Error::NotTied`] for pieces that a tie does
+    /// not reach.
     pub fn check_pieces(&self, body: &'static str) -> Result<(), Error> {
         let mesh = &self.imported.mesh;
         let followers = self.attachments.followers(mesh, &self.constraints);

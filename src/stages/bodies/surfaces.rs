@@ -82,8 +82,8 @@ impl FoundSurface {
 }
 
 impl Naming {
-    /// Names the surfaces of a mesh: those whose places the design gives; by the heights of its planes a mesh without any
-    /// name; and the surfaces of a tool, unless its file names one of them. A face has one name.
+    /// Names the surfaces of a mesh: those whose places the design gives; by the heights of its planes a mesh without
+    /// any name; and the surfaces of a tool, unless its file names one of them. A face has one name.
     ///
     /// # Errors
     /// [`Error::SurfaceOutside`] for a place that is not on the body.

@@ -48,12 +48,12 @@ pub struct ToolPlaces {
 /// Surface of an axial load, the load that acts there, and the part of the surface under load.
 type AxialLoad<'a> = (&'static str, &'static str, &'a dyn Fn(&Point3<f64>) -> bool);
 
-/// Load vectors of all loads on a tool body, in their order: downwards displacement for the axial ones \[1\], swept volume for
-/// the pressures \[m2\].
+/// Load vectors of all loads on a tool body, in their order: downwards displacement for the axial ones \[1\], swept
+/// volume for the pressures \[m2\].
 ///
 /// # Errors
-/// [`Error::NoLoadSurface`] for each surface that is not there, [`Error::NoneOfSurface`] for one that is not where the design
-/// has the force.
+/// [`Error::NoLoadSurface`] for each surface that is not there, [`Error::NoneOfSurface`] for one that is not where the
+/// design has the force.
 pub(crate) fn load_vectors(places: &ToolPlaces, mesh: &Mesh) -> Result<Vec<LoadVector>, Error> {
     let surface = Surface::of(mesh);
     let [inner, outer] = places.valve.map(|diameter| 0.5 * diameter);

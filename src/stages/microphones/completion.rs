@@ -15,7 +15,8 @@ use rayon::prelude::*;
 
 use super::bands::{Integration, Spectra, bands, density, integrals, within};
 use super::continuation::Continuation;
-use super::{AtMicrophones, MicrophoneArray, SAMPLE_RATE};
+use super::{AtMicrophones, Heard, MicrophoneArray, SAMPLE_RATE};
+use crate::stages::apart::Apart;
 use crate::stages::sound::SoundSource;
 
 /// How often the factors are corrected for the loss where a signal is cut at the ends of the record.
@@ -25,20 +26,17 @@ const PASSES: usize = 6;
 type OfReceiver = (Vec<Vec<[f64; 2]>>, Vec<Vec<f64>>);
 
 impl MicrophoneArray {
-    /// The complete signals and exposures of a source, and of the part of it that counts to another source, if there is one. The
-    /// noise follows from `seed` and the source's number.
+    /// The complete signals and exposures of a source, and of the part of it that counts to another source, if there is
+    /// one. The noise follows from the seed and the source's number.
     ///
     /// Parts are continued and scaled like their sum, so that signals and exposures of parts sum to those of the
     /// source, whichever source a part counts to. The signal of one part p_k among several has not its exposure, 2
     /// Re(p_k conj p).
     #[must_use]
-    pub fn complete(
-        &self,
-        own: (&SoundSource, &AtMicrophones),
-        moved: Option<(&SoundSource, &AtMicrophones)>,
-        (noise_seed, number): (u32, u64),
-    ) -> (AtMicrophones, Option<AtMicrophones>) {
-        let (sources, known): (Vec<&SoundSource>, Vec<&AtMicrophones>) = [own].into_iter().chain(moved).unzip();
+    pub fn complete(&self, heard: &Apart<Heard>, noise_seed: u32, number: u64) -> Apart<AtMicrophones> {
+        let parts = heard.parts();
+        let sources: Vec<&SoundSource> = parts.iter().map(|part| &part.source).collect();
+        let known: Vec<&AtMicrophones> = parts.iter().map(|part| &part.received).collect();
         let samples = known
             .iter()
             .flat_map(|part| &part.signals)
@@ -87,18 +85,19 @@ impl MicrophoneArray {
             (exposures, signals)
         };
         let found: Vec<OfReceiver> = (0..whole.len()).into_par_iter().map(at).collect();
-        let complete = |number: usize, (source, known): (&SoundSource, &AtMicrophones)| {
-            let range_hz = [known.range_hz[0], top];
-            let spectrum = &source.spectrum;
+        let mut numbers = 0..;
+        heard.map(|part| {
+            let number = numbers.next().unwrap_or_default();
+            let range_hz = [part.received.range_hz[0], top];
+            let spectrum = &part.source.spectrum;
             AtMicrophones {
                 range_hz,
                 exposures: found.iter().map(|(exposures, _)| exposures[number].clone()).collect(),
                 radiated: integrals(&spectrum.frequency, &spectrum.energy_density, &within(&all, range_hz)),
                 signals: found.iter().map(|(_, signals)| signals[number].clone()).collect(),
-                ..known.clone()
+                ..part.received.clone()
             }
-        };
-        (complete(0, own), moved.map(|part| complete(1, part)))
+        })
     }
 }
 

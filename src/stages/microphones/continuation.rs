@@ -17,9 +17,9 @@ const DIRECTIVITY_OCTAVES: f64 = 1.0;
 
 /// The known quantity of a source above its pressures (beyond the boundary elements): only its power.
 ///
-/// Gaussian noise of the power's density under the power history takes over where the pressures fade, over [`FADE_OCTAVES`].
-/// Each receiver gets the share of the power that it receives in the octave below. Waveforms and peaks of it are one choice among
-/// many; its energies are those of the power.
+/// Gaussian noise of the power's density under the power history takes over where the pressures fade, over
+/// [`FADE_OCTAVES`]. Each receiver gets the share of the power that it receives in the octave below. Waveforms and
+/// peaks of it are one choice among many; its energies are those of the power.
 pub(crate) struct Continuation<'a> {
     /// The parts of the source, whose energies sum to its own.
     parts: &'a [&'a SoundSource],
@@ -51,8 +51,8 @@ impl<'a> Continuation<'a> {
         (0.5 * PI * fading).sin().powi(2)
     }
 
-    /// The noise at each receiver, whose `travel` times from the source are given \[s\], at any `rate` \[1/s\] from the trigger on
-    /// \[Pa\].
+    /// The noise at each receiver, whose `travel` times from the source are given \[s\], at any `rate` \[1/s\] from the
+    /// trigger on \[Pa\].
     pub(crate) fn noise(
         &self,
         travel: &[f64],

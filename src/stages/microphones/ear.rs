@@ -12,7 +12,7 @@ impl MicrophoneArray {
     ///
     /// # Errors
     /// Pressures that are not finite.
-    pub(super) fn at_ear(&self, sources: &[&AtMicrophones]) -> Result<EarReport, Error> {
+    pub(super) fn at_ear(&self, sources: &[AtMicrophones]) -> Result<EarReport, Error> {
         let ears = || {
             sources
                 .iter()
@@ -29,7 +29,7 @@ impl MicrophoneArray {
         }
         let peak_db = peak_level(&signal, 1.0 / f64::from(SAMPLE_RATE), Weighting::C)?;
         // The peak of a pulse needs the phases of the full range.
-        let lacking = |source: &&AtMicrophones| {
+        let lacking = |source: &AtMicrophones| {
             let [low, high] = self.range_hz;
             match source.phases_to_hz {
                 known if known >= high * (1.0 - 1e-9) => None,

@@ -5,6 +5,7 @@ mod completion;
 mod continuation;
 mod ear;
 pub(crate) mod noise;
+mod received;
 mod sources;
 
 use nailnoise_acoustics::Air;
@@ -13,12 +14,15 @@ use nailnoise_acoustics::sound::{Iso3744Box, background_correction, environmenta
 use nalgebra::Point3;
 use serde::{Deserialize, Serialize};
 
+use super::sound::SoundSource;
 use crate::error::Error;
-use crate::result::{ArrayMeasurement, EarReport, MicrophoneBand, MicrophoneLevel, MicrophoneReport, ReceivedSource};
+use crate::result::{
+    ArrayMeasurement, EarReport, MicrophoneBand, MicrophoneLevel, MicrophoneReport, ReceivedSource, TOTAL,
+};
 use bands::{Integration, Spectra, bands, density, integrals, within};
 pub(crate) use continuation::Continuation;
+use received::{Part, Received};
 pub use sources::{JetOutlet, ToolSphere};
-use sources::{Part, Received};
 
 /// Reference exposure (20 uPa)² s \[Pa² s\] over reference energy 1 pW s and reference area 1 m²: 400 Pa s/m, which
 /// replaces the impedance of air in L_W = L_p + 10 lg S.
@@ -27,14 +31,12 @@ const REFERENCE: f64 = 400.0;
 /// Sampling rate of the sound files \[1/s\].
 pub(crate) const SAMPLE_RATE: u32 = 48_000;
 
-/// Length of a sound file after the end of the shot \[s\], for the travel time and for ringing at the ends of the range.
+/// Length of a sound file after the end of the shot \[s\], for the travel time and for ringing at the ends of the
+/// range.
 const TAIL: f64 = 0.05;
 
 /// Longest sound file \[s\].
 const LONGEST: f64 = 2.0;
-
-/// Name of the sum of all sources.
-const TOTAL: &str = "total";
 
 /// The microphones around a device above a reflecting plane.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -65,8 +67,8 @@ pub struct Room {
 /// Sound of a source, or of a part of one, at the microphones and then at the operator's ear. The energies of a part
 /// may have either sign.
 ///
-/// Stages that make sources give it as far as its pressures are known; [`MicrophoneArray::complete`] continues it to the top of the
-/// range of comparison.
+/// Stages that make sources give it as far as its pressures are known; [`MicrophoneArray::complete`] continues it to
+/// the top of the range of comparison.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct AtMicrophones {
     /// Name of the source.
@@ -79,12 +81,22 @@ pub struct AtMicrophones {
     pub phases_to_hz: f64,
     /// Error of interpolated pressures over frequency, see [`ReceivedSource`].
     pub interpolation_error: Option<f64>,
-    /// A-weighted and unweighted exposure at each receiver in each one-third-octave band of the range of comparison \[Pa² s\].
+    /// A-weighted and unweighted exposure at each receiver in each one-third-octave band of the range of comparison
+    /// \[Pa² s\].
     pub exposures: Vec<Vec<[f64; 2]>>,
     /// A-weighted and unweighted energy radiated over `range_hz` in each of these bands \[J\].
     pub radiated: Vec<[f64; 2]>,
     /// Its pressure at 48 kHz from the trigger on, receiver by receiver \[Pa\].
     pub signals: Vec<Vec<f64>>,
+}
+
+/// A source, or a part of one, with its sound at the microphones.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub struct Heard {
+    /// Its energy over frequency and time.
+    pub source: SoundSource,
+    /// Its sound at the microphones.
+    pub received: AtMicrophones,
 }
 
 /// A-weighted and unweighted sum over bands.
@@ -103,8 +115,8 @@ impl AtMicrophones {
         self.exposures.len() - 1
     }
 
-    /// Energies by the microphones, the mean exposure over a surface of this area as the power that an impedance of 400 Pa s/m
-    /// makes of it, A-weighted and unweighted in each band \[J\].
+    /// Energies by the microphones, the mean exposure over a surface of this area as the power that an impedance of 400
+    /// Pa s/m makes of it, A-weighted and unweighted in each band \[J\].
     fn measured(&self, area: f64) -> Vec<[f64; 2]> {
         let scale = area / (REFERENCE * self.microphones() as f64);
         let mean = |band: usize| {
@@ -257,10 +269,10 @@ impl MicrophoneArray {
     ///
     /// # Errors
     /// Those of the standard's corrections; signals that are not finite.
-    pub fn measurement(&self, room: &Room, all: [&AtMicrophones; 3]) -> Result<Microphones, Error> {
+    pub fn measurement(&self, room: &Room, all: &[AtMicrophones]) -> Result<Microphones, Error> {
         let surface = self.surface();
         let positions = surface.positions();
-        let ear = self.at_ear(&all)?;
+        let ear = self.at_ear(all)?;
         let mut total: Vec<Vec<f64>> = Vec::new();
         for source in all {
             total.resize(positions.len(), Vec::new());
@@ -272,7 +284,7 @@ impl MicrophoneArray {
         let bands = bands(self.range_hz);
         let sources: Vec<ReceivedSource> = all.iter().map(|source| source.levels(&bands, surface.area())).collect();
         let levels = together(&total, &bands);
-        let measured = by_iso_3744(room, &self.air, &surface, &all, levels)?;
+        let measured = by_iso_3744(room, &self.air, &surface, all, levels)?;
         let own = all.iter().map(|source| {
             let signals = source.signals[..positions.len()].to_vec();
             (source.source.clone(), signals)
@@ -317,7 +329,7 @@ fn by_iso_3744(
     room: &Room,
     air: &Air,
     surface: &Iso3744Box,
-    sources: &[&AtMicrophones],
+    sources: &[AtMicrophones],
     levels: Vec<MicrophoneLevel>,
 ) -> Result<ArrayMeasurement, Error> {
     // Those of the levels that the result gives of each source.

@@ -12,8 +12,8 @@ pub(crate) fn normal(seed: u64, first: u64, second: u64) -> f64 {
     (-2.0 * (1.0 - u).ln()).sqrt() * (TAU * v).cos()
 }
 
-/// Noise whose expected energy has the one-sided density `density(hz)` \[unit2 s/Hz\], under an `envelope` of power over time
-/// (one value a sample, its scale does not matter) at `rate` \[1/s\]; silent where the envelope is.
+/// Noise whose expected energy has the one-sided density `density(hz)` \[unit2 s/Hz\], under an `envelope` of power
+/// over time (one value a sample, its scale does not matter) at `rate` \[1/s\]; silent where the envelope is.
 pub(crate) fn under_envelope(
     envelope: &[f64],
     rate: f64,

@@ -13,6 +13,7 @@ use nalgebra::{Complex, DMatrix, Point3, Vector3};
 use rayon::prelude::*;
 use serde::Serialize;
 
+use super::received::{Part, Received};
 use super::{AtMicrophones, LONGEST, MicrophoneArray, SAMPLE_RATE, TAIL};
 use crate::error::Error;
 use crate::stages::sound::Sound;
@@ -38,34 +39,9 @@ pub struct ToolSphere {
     pub volume: f64,
 }
 
-/// A part of a source with a separate frequency grid.
-pub(super) struct Part {
-    /// \[Hz\].
-    pub(super) frequency: Vec<f64>,
-    /// Density of the sound exposure, receivers x frequencies, the ear after the microphones \[Pa² s/Hz\].
-    pub(super) exposure: DMatrix<f64>,
-}
-
-/// A source at the microphones.
-pub(super) struct Received<'a> {
-    /// The source with its radiated energy.
-    pub(super) radiated: &'a SourceSpectrum,
-    /// Method by which its sound is propagated to a microphone.
-    pub(super) how: &'static str,
-    /// Range over which the sound at the microphones is given \[Hz\].
-    pub(super) range: [f64; 2],
-    /// Frequency up to which the signals follow the phases of the source \[Hz\].
-    pub(super) phases_to_hz: f64,
-    /// Error of interpolated pressures over frequency, relative to the loudest mode at any microphone.
-    pub(super) interpolation_error: Option<f64>,
-    pub(super) parts: Vec<Part>,
-    /// Pressure at [`SAMPLE_RATE`] from the trigger on, receiver by receiver \[Pa\].
-    pub(super) signals: Vec<Vec<f64>>,
-}
-
 impl MicrophoneArray {
-    /// Sound of a source from its pressures at the microphones, or at the microphones and their images; `end` is that of all
-    /// records \[s\].
+    /// Sound of a source from its pressures at the microphones, or at the microphones and their images; `end` is that
+    /// of all records \[s\].
     ///
     /// # Errors
     /// Those of the levels.
@@ -92,7 +68,8 @@ impl MicrophoneArray {
         self.of_pressures(part, exposure, radiated, end)
     }
 
-    /// Pressures at the microphones with those reflected from the plane, which are the pressures at the microphones' images.
+    /// Pressures at the microphones with those reflected from the plane, which are the pressures at the microphones'
+    /// images.
     fn reflected(&self, found: &Pressures) -> DMatrix<Complex<f64>> {
         let (values, places) = (&found.values, self.receivers().len());
         if values.nrows() == 2 * places {
@@ -154,8 +131,8 @@ impl MicrophoneArray {
         }))
     }
 
-    /// Sound of the tool as an oscillating sphere, the vibration of its housing omnidirectional; `end` is that of all records
-    /// \[s\].
+    /// Sound of the tool as an oscillating sphere, the vibration of its housing omnidirectional; `end` is that of all
+    /// records \[s\].
     ///
     /// # Errors
     /// A microphone inside the sphere; those of the transform and levels.
@@ -209,8 +186,8 @@ impl MicrophoneArray {
         }))
     }
 
-    /// Sound of the exhaust's openings, numbered from `first` on: jets in all directions around the tool's top, and the point
-    /// source of the outflow; `end` is that of all records \[s\], `noise_seed` that of the jets' noise.
+    /// Sound of the exhaust's openings, numbered from `first` on: jets in all directions around the tool's top, and the
+    /// point source of the outflow; `end` is that of all records \[s\], `noise_seed` that of the jets' noise.
     ///
     /// # Errors
     /// A microphone at the outlet; those of the levels.

@@ -18,12 +18,12 @@ pub(super) const LOWEST_SAMPLE: f64 = 40.0;
 /// A mode that radiates less than this share of the best radiator is interpolated as accurately as that share requires.
 const FLOOR: f64 = 1e-2;
 
-/// Most frequencies of one range. A narrow resonance, such as those of the air between a table and the floor, takes about
-/// fifty.
+/// Most frequencies of one range. A narrow resonance, such as those of the air between a table and the floor, takes
+/// about fifty.
 const MOST_SAMPLES: usize = 400;
 
-/// Most panels of a user's mesh that is made finer at the rims of thin gaps; beyond them panels at the rims are wider. A
-/// compressed matrix of so many panels takes about a minute a frequency.
+/// Most panels of a user's mesh that is made finer at the rims of thin gaps; beyond them panels at the rims are wider.
+/// A compressed matrix of so many panels takes about a minute a frequency.
 pub(super) const MOST_AT_GAPS: usize = 20_000;
 
 /// How finely boundary elements resolve space and frequency.
@@ -243,7 +243,8 @@ impl MeshRanges {
             None => String::new(),
         };
         progress.note(&format!(
-            "{body}: boundary elements up to {:.0} Hz and in the mean up to {:.0} Hz, computed once for these bodies, about \
+            "{body}: boundary elements up to {:.0} Hz and in the mean up to {:.0} Hz, computed once for these bodies, \
+             about \
              {:.0} s of processor time and {:.1} GB in all; finest mesh: {}{mean}",
             finest.top_hz,
             bands.upper_hz(),

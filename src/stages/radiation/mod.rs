@@ -5,6 +5,7 @@
 //! same shape ([`ShapeMatrix`]). [`WorkpieceRadiator`] and [`ToolRadiator`] take it over to the ambient air.
 
 mod boundary_elements;
+mod covered;
 mod flush;
 mod matrices;
 mod radiators;
@@ -15,6 +16,7 @@ mod workpiece;
 
 pub(crate) use boundary_elements::describe_gap;
 pub use boundary_elements::{Places, Resolution, Solution};
+pub use covered::{CoveredFaces, OpenFaces};
 pub use flush::{FlushTop, top_of};
 pub use matrices::{
     FlushMatrix, MatrixWithMicrophones, PressureAtMicrophones, PressureOnSurface, RadiationMatrix, ToolCapSolution,
@@ -24,7 +26,7 @@ pub use radiators::{FluidLoadings, ToolRadiator, WorkpieceMethod, WorkpieceRadia
 pub use shape::{Fitted, RadiatingShape, ShapeFit, ShapeMatrix, ShapePressures, Standard};
 pub use surface_modes::SurfaceModes;
 pub use tool::{CapSurface, ToolRadiation};
-pub use workpiece::{Covered, WorkpieceBoundaryElements, WorkpieceRadiation};
+pub use workpiece::{WorkpieceBoundaryElements, WorkpieceRadiation};
 
 use super::{Code, code};
 

@@ -9,9 +9,9 @@ use nailnoise_acoustics::{AcousticsError, Air};
 use serde::Serialize;
 
 use super::CODE;
+use super::covered::CoveredFaces;
 use super::flush::{FlushTop, top_of};
 use super::matrices::FlushMatrix;
-use super::workpiece::Covered;
 use crate::error::Error;
 use crate::stages::bodies::Body;
 use crate::stages::{Code, Input, Postcard, Progress, Stage, Stored, Uncached, all};
@@ -22,7 +22,7 @@ pub enum WorkpieceMethod {
     /// By boundary elements.
     BoundaryElements(Stored<ModalBem>),
     /// By the equivalent radiated power of each body.
-    Erp(Covered),
+    Erp(CoveredFaces),
     /// By Rayleigh's integral over the block's top, flush with the sand.
     Rayleigh(FlushTop, Stored<FlushSound>),
 }

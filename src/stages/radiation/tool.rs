@@ -1,7 +1,8 @@
 //! Radiation of the tool's body by boundary elements: the faces of its housing in the open air, above a rigid floor.
 //!
-//! The workpiece is not part of the problem: it neither reflects the tool's sound nor shades it, except in sand, where its
-//! top is flush with the plane that reflects. It closes the nose everywhere. The body is taken at its place before the shot.
+//! The workpiece is not part of the problem: it neither reflects the tool's sound nor shades it, except in sand, where
+//! its top is flush with the plane that reflects. It closes the nose everywhere. The body is taken at its place before
+//! the shot.
 //!
 //! If the housing is symmetric, as the parametric one is about y = 0, the part on one side is solved, for even and for
 //! odd motions ([`SymmetricPart`]).
@@ -288,8 +289,8 @@ impl ToolRadiation {
         Ok(self.resolution.range(boundary, patterns, top_hz, air)?)
     }
 
-    /// The meshes of the means above the highest single frequency, with the motions of further bodies as the finest mesh below has
-    /// them.
+    /// The meshes of the means above the highest single frequency, with the motions of further bodies as the finest
+    /// mesh below has them.
     fn mean_ranges(&self, housing: &Housing, finest: &MeshRange, air: &Air) -> Result<MeanRanges, Error> {
         self.resolution.mean_ranges(finest.top_hz, |hz| {
             let mut finer = self.of_finer_mesh(housing, hz, air)?;
@@ -363,8 +364,8 @@ fn of_panels(boundary: &Boundary, part: impl Fn(usize) -> bool) -> Vec<bool> {
     boundary.original().iter().map(|&panel| part(panel)).collect()
 }
 
-/// Refuses an outline that contains walls of enclosed air. A cavity with a slit to the outside is a Helmholtz resonator: it
-/// multiplies the radiation of all modes near its resonance. The cavities of a tool are closed.
+/// Refuses an outline that contains walls of enclosed air. A cavity with a slit to the outside is a Helmholtz
+/// resonator: it multiplies the radiation of all modes near its resonance. The cavities of a tool are closed.
 fn refuse_open_cavities(outline: &BoundaryMesh) -> Result<(), Error> {
     let name = |panel: &Panel| outline.patches[panel.patch].as_str();
     match outline.panels.iter().map(name).find(|name| ENCLOSED.contains(name)) {

@@ -11,11 +11,12 @@ use nailnoise_acoustics::bem::{
 };
 use nailnoise_acoustics::radiation::{Erp, RadiatingSurface};
 use nailnoise_acoustics::{AcousticsError, Air};
-use nailnoise_meshes::{JOINT, Surface, open_faces};
-use nalgebra::{DMatrix, Point3};
+use nailnoise_meshes::{Surface, open_faces};
+use nalgebra::DMatrix;
 use serde::Serialize;
 
 use super::boundary_elements::{LOWEST_SAMPLE, MOST_AT_GAPS, MeshRanges, Places, Resolution, Solution};
+use super::covered::{CoveredFaces, OpenFaces, WORKPIECE, WORKTABLE};
 use super::flush::{FlushTop, top_of};
 use crate::error::Error;
 use crate::stages::Progress;
@@ -24,7 +25,8 @@ use crate::stages::bodies::MovingSurface;
 /// Tops of the ranges with separate meshes, over the top of all.
 const RANGES: [f64; 4] = [0.16, 0.4, 0.65, 1.0];
 
-/// Longest side of a panel over the largest extent of the body: at low frequencies the shape requires as much as the wave.
+/// Longest side of a panel over the largest extent of the body: at low frequencies the shape requires as much as the
+/// wave.
 const COARSEST: f64 = 1.0 / 16.0;
 
 /// Frequencies at which a range is sampled on the mesh below it, as counted on the worktables: per wavelength of the
@@ -55,7 +57,7 @@ pub enum WorkpieceRadiation {
     /// By boundary elements on block and table as one surface above the floor, or on a block only.
     BoundaryElements(WorkpieceBoundaryElements),
     /// By the equivalent radiated power of each body.
-    Erp(Covered),
+    Erp(CoveredFaces),
     /// By Rayleigh's integral over the block's top, flush with the sand.
     Rayleigh(FlushTop),
 }
@@ -65,8 +67,8 @@ pub enum WorkpieceRadiation {
 pub struct WorkpieceBoundaryElements {
     /// Resolution.
     pub resolution: Resolution,
-    /// The block (part 0), and where it stands on a table the table's top (part 1) and legs (part 2). Tubes are closed by
-    /// top and floor. The origin is the centre of the block's underside.
+    /// The block (part 0), and where it stands on a table the table's top (part 1) and legs (part 2). Tubes are closed
+    /// by top and floor. The origin is the centre of the block's underside.
     pub boxes: Vec<SolidBox>,
     /// Whether the block stands on a table.
     pub on_table: bool,
@@ -82,7 +84,7 @@ impl WorkpieceRadiation {
     /// As [`WorkpieceBoundaryElements::levels`]; those of the block's top in sand, and of the microphones.
     pub fn check(&self, surfaces: &[Surface], places: &Places) -> Result<(), Error> {
         let still: Vec<DMatrix<f32>> = surfaces.iter().map(|s| DMatrix::zeros(3 * s.points.len(), 0)).collect();
-        let names = ["workpiece", "worktable"].into_iter();
+        let names = [WORKPIECE, WORKTABLE].into_iter();
         let bodies: Vec<MovingSurface<'_>> = names
             .zip(surfaces)
             .zip(&still)
@@ -116,10 +118,11 @@ impl WorkpieceBoundaryElements {
             levels,
             lowest_hz,
         };
-        ranges.note("workpiece", 0.0, progress);
+        ranges.note(WORKPIECE, 0.0, progress);
         if let [only] = &ranges.levels[..] {
             progress.note(&format!(
-                "workpiece: the sides of its mesh are not those of workpiece.length, width and thickness; it radiates from its \
+                "workpiece: the sides of its mesh are not those of workpiece.length, width and thickness; it radiates \
+                 from its \
                  own faces, up to {:.0} Hz; {}",
                 only.top_hz,
                 only.problem.boundary().repairs()
@@ -312,38 +315,20 @@ fn solves(levels: &[MeshRange], low: f64, bands: &MeanBands) -> Vec<f64> {
     solves
 }
 
-/// The faces without sound radiation: those where the bodies touch each other or the floor. The walls of cavities
-/// within a body do not radiate either.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct Covered {
-    /// Half the sides of the block's underside, which covers the table's top \[m\].
-    pub half_sides: [f64; 2],
-    /// Whether the block's underside is clear of the floor; even a narrow gap radiates.
-    pub underside_open: bool,
-}
-
-impl Covered {
-    /// Equivalent radiated power of a body.
+impl CoveredFaces {
+    /// Equivalent radiated power of a body. The walls of cavities within a body do not radiate either.
     ///
     /// # Errors
     /// Those of the surface.
     pub fn erp(&self, body: &MovingSurface<'_>, air: &Air) -> Result<Erp, Error> {
-        let hidden = |patch: &str, p: &Point3<f64>| match patch {
-            "bottom" => body.body != "workpiece" || !self.underside_open,
-            "floor" => true,
-            _ if patch.ends_with("_slave") => true, // tied to another face
-            _ if JOINT.contains(&patch) => true,    // touches the other piece
-            "top" => body.body == "worktable" && p.x.abs() < self.half_sides[0] && p.y.abs() < self.half_sides[1],
-            _ => false,
-        };
         let patches = &body.surface.patches;
-        let shown = |patch: usize, point: &Point3<f64>| !hidden(&patches[patch], point);
         // The support of a body closes the bores and tubes that open downwards.
-        let clear = body.body == "workpiece" && self.underside_open;
+        let clear = body.body == WORKPIECE && self.workpiece == OpenFaces::All;
         let lowest = body.surface.points.iter().map(|p| p.z).fold(f64::INFINITY, f64::min);
         let open = open_faces(body.surface, (!clear).then_some(lowest))?;
         let surface = RadiatingSurface::of_faces(body.surface, body.modes.as_view(), |point| {
-            open[point.face] && shown(body.surface.faces[point.face].patch, &point.position)
+            let patch = &patches[body.surface.faces[point.face].patch];
+            open[point.face] && !self.covers(body.body, patch, &point.position)
         })?;
         Ok(Erp::new(&surface, air))
     }
@@ -359,13 +344,14 @@ mod tests {
     use nailnoise_acoustics::bem::TwoEvaluations;
     use nailnoise_acoustics::radiation::ModalRadiation;
     use nailnoise_meshes::{FaceKind, Grid};
-    use nalgebra::Vector3;
+    use nalgebra::{Point3, Vector3};
 
     use super::*;
     use crate::chain::BodyStages;
     use crate::design::Design;
-    use crate::design::inputs::radiation::{FARTHEST_FLOOR, workpiece_boundary_elements as boundary_elements};
+    use crate::design::inputs::radiation::workpiece_boundary_elements as boundary_elements;
     use crate::graph::Graph;
+    use crate::model::supports::support::FARTHEST_FLOOR;
     use crate::stages::bodies::{Body, BodyKind};
 
     /// The coarse design with boundary elements to 400 Hz and something changed.
@@ -386,7 +372,8 @@ mod tests {
         ]
         .join("\n");
         format!(
-            "support.kind = \"springs\"\nsupport.clearance = {clearance}\n[springs.strap]\nbody = \"workpiece\"\n{zero}\n\
+            "support.kind = \"springs\"\nsupport.clearance = {clearance}\n[springs.strap]\nbody \
+             = \"workpiece\"\n{zero}\n\
              damping_y = 0\ndamping_z = 20\nradius = 0.02\nstiffness_z = 2500"
         )
     }
@@ -438,12 +425,15 @@ mod tests {
             );
             let surface = Surface::of(&mesh);
             let modes = DMatrix::from_fn(3 * surface.points.len(), 1, |dof, _| f32::from(u8::from(dof % 3 == 2)));
-            let covered = Covered {
+            let covered = CoveredFaces {
+                workpiece: match clear {
+                    true => OpenFaces::All,
+                    false => OpenFaces::AboveUnderside,
+                },
                 half_sides: [1.5; 2],
-                underside_open: clear,
             };
             let body = MovingSurface {
-                body: "workpiece",
+                body: WORKPIECE,
                 surface: &surface,
                 modes: &modes,
             };

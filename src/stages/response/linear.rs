@@ -28,8 +28,8 @@ const BLOCK: usize = 32;
 /// Largest residual of the equations of motion in the lines of the correction, over the largest force.
 const RESIDUAL_LIMIT: f64 = 1e-6;
 
-/// Largest imbalance over time, as a share of the energy exchanged between structure and air beyond the frozen impedance: a
-/// hundredth of a change of some tenths of a decibel.
+/// Largest imbalance over time, as a share of the energy exchanged between structure and air beyond the frozen
+/// impedance: a hundredth of a change of some tenths of a decibel.
 const ENERGY_LIMIT: f64 = 0.01;
 
 /// A linear response with the complete impedance in place of the frozen one.
@@ -181,7 +181,8 @@ impl<R: Radiator + 'static> LinearResponse<R> {
         Ok(modes)
     }
 
-    /// Energy that the balance over time misses, relative to the energy exchanged with the air beyond the frozen impedance.
+    /// Energy that the balance over time misses, relative to the energy exchanged with the air beyond the frozen
+    /// impedance.
     ///
     /// Let u and f_0 be the motion and the support forces of the frozen response, which has a separate balance. Let d
     /// be the added motion, x = P^T d, f_x = k x + c x', and r the force of the air beyond the frozen one. The

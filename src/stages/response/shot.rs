@@ -16,7 +16,8 @@ const GAP: f64 = 1e-6;
 /// Inputs of a response, except the bodies and the cycle.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Shot {
-    /// Parameters of the cycle. One way, they give gravity, the nail's length and the penetration resistance over depth.
+    /// Parameters of the cycle. One way, they give gravity, the nail's length and the penetration resistance over
+    /// depth.
     pub parameters: Parameters,
     /// Share of the penetration resistance at full depth that is friction along the shank.
     pub friction_share: f64,
@@ -127,7 +128,8 @@ impl Shot {
 
     /// Loads of the shot: the nail's stations, nose with guard spring, gravity.
     ///
-    /// After the record the tool is off the wood and the nail at rest: the forces of the shot go to zero, gravity stays.
+    /// After the record the tool is off the wood and the nail at rest: the forces of the shot go to zero, gravity
+    /// stays.
     fn loads(&self, record: &CycleRecord, force_scale: f64) -> Loads {
         let nail = nail_force::forces(&self.parameters, self.friction_share, record);
         let mut history = DMatrix::zeros(COUPLED_LOADS, record.len());

@@ -18,8 +18,8 @@
 //! without moving the tool: p_1 and p_2 on the bore on both sides of the piston, p_ext within the handle and around the
 //! cylinder above the check-ring holes, p_r around it below them, and the plenum's pressure in the cap.
 //!
-//! The head valve leaves a stiff cap or seat within less than a sampling interval. The impulse of the contact follows from the
-//! valve's velocity; their means around each sample take the place of the samples ([`impulse_correction`]).
+//! The head valve leaves a stiff cap or seat within less than a sampling interval. The impulse of the contact follows
+//! from the valve's velocity; their means around each sample take the place of the samples ([`impulse_correction`]).
 
 use nailnoise_dynamics::{CycleRecord, Form, Geometry, Parameters, Volume};
 use nailnoise_meshes::{Mesh, MeshError};

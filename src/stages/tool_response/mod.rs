@@ -143,8 +143,8 @@ const FORCE_LIMIT: f64 = 1e-9;
 /// of a mesh's approximate cylinders.
 const STRAY_LIMIT: f64 = 1e-4;
 
-/// Largest deviation of the body's velocity from the cycle's, over its largest: forces of piston, nose and hand that jump between two
-/// samples.
+/// Largest deviation of the body's velocity from the cycle's, over its largest: forces of piston, nose and hand that
+/// jump between two samples.
 const VELOCITY_LIMIT: f64 = 5e-3;
 
 impl ToolShot {

@@ -9,7 +9,7 @@ use crate::measurement::arrangement::Part;
 use crate::measurement::error::MeasurementError;
 use crate::measurement::repeats::RepeatedLevel;
 use crate::measurement::result::{MeasurementResult, SCHEMA};
-use crate::measurement::wrapping::Configuration;
+use crate::measurement::wrapping::{Configuration, Role};
 use crate::shipped;
 
 /// The largest file that is read \[byte\].
@@ -149,8 +149,8 @@ impl MeasuredQuantity {
 }
 
 impl Measurements {
-    /// Reads a file of published measurements, or the result of `nailnoise measure`. Where there is no such file, a name may be that
-    /// of [measurements](shipped::measured) that come with the program.
+    /// Reads a file of published measurements, or the result of `nailnoise measure`. Where there is no such file, a
+    /// name may be that of [measurements](shipped::measured) that come with the program.
     ///
     /// # Errors
     /// [`MeasurementError::Unreadable`] for a file that cannot be read or holds no measurements, with the reason.
@@ -160,7 +160,8 @@ impl Measurements {
             channel: None,
             cause,
             help: format!(
-                "give measurement.json of `nailnoise measure`, or a JSON file of layout {LAYOUT}, as designs/measured/n80cb.json; \
+                "give measurement.json of `nailnoise measure`, or a JSON file of layout {LAYOUT}, as \
+                 designs/measured/n80cb.json; \
                  docs/measurement.md describes both"
             ),
         };
@@ -227,8 +228,8 @@ impl Measurements {
         }
     }
 
-    /// Quantities of an own test: levels with their expanded uncertainty, the closure as it is, the block's RMS acceleration
-    /// with its scatter.
+    /// Quantities of an own test: levels with their expanded uncertainty, the closure as it is, the block's RMS
+    /// acceleration with its scatter.
     fn own(result: &MeasurementResult) -> Self {
         let setup = result.setup.as_str();
         let quantity = |id: String, words: &str, unit: &str, ends: [f64; 2], note: String| MeasuredQuantity {
@@ -254,11 +255,11 @@ impl Measurements {
             .configurations
             .iter()
             .find(|own| own.configuration == Configuration::Total);
-        let source = |name: &str| {
+        let source = |role: Role| {
             result
                 .sources
                 .iter()
-                .find(|own| own.source == name)
+                .find(|own| own.source == role.name())
                 .and_then(|own| own.level)
         };
         // The block moves alike in all configurations: their means show the scatter.
@@ -282,17 +283,17 @@ impl Measurements {
             level(
                 format!("exhaust, corrected, {setup}"),
                 "exhaust less residual",
-                source("exhaust"),
+                source(Role::Exhaust),
             ),
             level(
                 format!("body, corrected, {setup}"),
                 "body less residual",
-                source("body"),
+                source(Role::Body),
             ),
             level(
                 format!("workpiece as measured directly (X5), {setup}"),
                 "workpiece less residual",
-                source("workpiece"),
+                source(Role::Workpiece),
             ),
             result.closure_db.map(|closure| {
                 let words = "closure: total less the sum of the three sources";
@@ -337,7 +338,8 @@ mod tests {
         let path = std::env::temp_dir().join(format!("nailnoise-measurement-{}.json", std::process::id()));
         let result = r#"{"schema": "nailnoise-measurement/1", "manifest": "m.toml", "setup": "sandbox", "area_m2": 13.4, "k2_db": 0,
             "range_hz": [50, 10000], "processing": {"reading": "margin", "paired": false, "total_less_residual": false},
-            "configurations": [], "sources": [], "closure_db": 1.5, "notes": [], "bound": {"by_energy_db": null, "bands": [],
+            "configurations": [], "sources": [], "closure_db": 1.5, "notes": [],
+                "bound": {"by_energy_db": null, "bands": [],
             "negative_bands": 0, "level": {"db": 100, "repeats": 5, "standard_db": 0.1, "half_width_db": 0.3, "expanded_db": 3}}}"#;
         std::fs::write(&path, result).unwrap();
         let own = Measurements::read(&path).unwrap_or_else(|error| panic!("{error}"));

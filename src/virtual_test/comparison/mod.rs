@@ -1,8 +1,8 @@
 //! Measured beside predicted, like with like.
 //!
-//! A wrapping test does not measure the sound power of a source, but what its microphones, wraps and subtraction make of it. The
-//! prediction goes through the same steps in energies ([`exact`](super::virtual_test::exact)), over draws of the design's
-//! ranges and of the wraps; the verdict is the distance of the two intervals.
+//! A wrapping test does not measure the sound power of a source, but what its microphones, wraps and subtraction make
+//! of it. The prediction goes through the same steps in energies ([`exact`](super::virtual_test::exact)), over draws of
+//! the design's ranges and of the wraps; the verdict is the distance of the two intervals.
 
 mod measurements;
 mod predicted;
@@ -67,8 +67,8 @@ pub struct ComparedQuantity {
     pub predicted: f64,
     /// 5 and 95 % of the draws; none where nothing was drawn.
     pub interval: Option<[f64; 2]>,
-    /// Distance of the intervals, 0 where they overlap, positive where the prediction is higher: in dB for levels, in the unit for
-    /// others.
+    /// Distance of the intervals, 0 where they overlap, positive where the prediction is higher: in dB for levels, in
+    /// the unit for others.
     pub distance: f64,
     /// Where the measurement was published, or the manifest of its recordings.
     pub source: String,

@@ -7,8 +7,9 @@ use crate::design::{Design, Value};
 use crate::error::Error;
 use crate::measurement::arrangement::Part;
 use crate::measurement::manifest::Setup;
-use crate::measurement::wrapping::{Wrapping, configurations, separated};
-use crate::stages::levels::Levels;
+use crate::measurement::wrapping::{Role, Wrapping, configurations, separated};
+use crate::model::sources::by_name;
+use crate::stages::levels::{Levels, SourceLevels};
 use crate::study::{Draw, Draws};
 use crate::virtual_test::exact::{ExactTest, exact};
 use crate::virtual_test::{BareShot, VirtualTest, wrapping};
@@ -84,8 +85,8 @@ pub enum Quantity {
     Workpiece(Setup),
     /// The total.
     Total(Setup),
-    /// A source less residual, by its place in the sources.
-    Source(Setup, usize),
+    /// A source less residual.
+    Source(Setup, Role),
     /// The three sources less residual together.
     Sum(Setup),
     /// Exhaust and body less residual together.
@@ -109,7 +110,7 @@ impl Quantity {
         match entry.id.as_str() {
             "lwa_workpiece_worktable" => vec![Self::Bound(Worktable), Self::Workpiece(Worktable)],
             "lwa_workpiece_sandbox" => vec![Self::Bound(Sandbox), Self::Workpiece(Sandbox)],
-            "lwa_exhaust_sandbox" | "exhaust, corrected, sandbox" => vec![Self::Source(Sandbox, 1)],
+            "lwa_exhaust_sandbox" | "exhaust, corrected, sandbox" => vec![Self::Source(Sandbox, Role::Exhaust)],
             "lwa_total_fall" => vec![Self::Fall],
             "closure_worktable" => vec![Self::Closure(Worktable)],
             "closure_sandbox" => vec![Self::Closure(Sandbox)],
@@ -120,11 +121,11 @@ impl Quantity {
             "total, worktable" => vec![Self::Total(Worktable)],
             "total, sandbox" => vec![Self::Total(Sandbox)],
             "exhaust and body together, corrected, worktable" => vec![Self::Others(Worktable)],
-            "exhaust, corrected, worktable" => vec![Self::Source(Worktable, 1)],
-            "body, corrected, worktable" => vec![Self::Source(Worktable, 2)],
-            "body, corrected, sandbox" => vec![Self::Source(Sandbox, 2)],
-            "workpiece as measured directly (X5), worktable" => vec![Self::Source(Worktable, 0)],
-            "workpiece as measured directly (X5), sandbox" => vec![Self::Source(Sandbox, 0)],
+            "exhaust, corrected, worktable" => vec![Self::Source(Worktable, Role::Exhaust)],
+            "body, corrected, worktable" => vec![Self::Source(Worktable, Role::Body)],
+            "body, corrected, sandbox" => vec![Self::Source(Sandbox, Role::Body)],
+            "workpiece as measured directly (X5), worktable" => vec![Self::Source(Worktable, Role::Workpiece)],
+            "workpiece as measured directly (X5), sandbox" => vec![Self::Source(Sandbox, Role::Workpiece)],
             "sum of the three corrected sources, worktable" => vec![Self::Sum(Worktable)],
             _ => Vec::new(),
         }
@@ -178,7 +179,7 @@ impl Quantity {
             Self::Bound(setup) => levels(setup, &|own| own.bound),
             Self::Workpiece(setup) => levels(setup, &|own| own.workpiece),
             Self::Total(setup) => levels(setup, &|own| own.total),
-            Self::Source(setup, place) => levels(setup, &|own| own.separated[place]),
+            Self::Source(setup, role) => levels(setup, &|own| own.separated[role as usize]),
             Self::Sum(setup) => levels(setup, &|own| sum(&own.separated)),
             Self::Others(setup) => levels(setup, &|own| sum(&own.separated[1..])),
             Self::Closure(setup) => levels(setup, &|own| own.closure),
@@ -227,11 +228,11 @@ fn found(own: f64, drawn: Vec<f64>) -> Option<Found> {
     Some(Found { own, interval })
 }
 
-/// Predicts the wrapping test of a design. `shot` is its own shot; `drawn` are draws of its ranges, with the levels of the design
-/// itself. Draws of the wraps follow from `seed`.
+/// Predicts the wrapping test of a design. `shot` is its own shot; `drawn` are draws of its ranges, with the levels of
+/// the design itself. Draws of the wraps follow from `seed`.
 ///
-/// A draw changes each band of a source by as much as it changes the band's radiated level: the directivity at the microphones is
-/// that of the design itself.
+/// A draw changes each band of a source by as much as it changes the band's radiated level: the directivity at the
+/// microphones is that of the design itself.
 ///
 /// # Errors
 /// Those of the energies.
@@ -286,16 +287,21 @@ pub fn predict(
     })
 }
 
-/// Change of a band of a source in a draw against the design itself \[dB\].
-fn change(nominal: &Levels, draw: &Draw, source: usize, hz: f64) -> f64 {
-    let name = crate::measurement::wrapping::SOURCES[source];
-    let band = |levels: &Levels| {
-        let own = levels.sources.iter().find(|own| own.source == name)?;
-        own.bands.iter().find(|(band, _)| (band / hz - 1.0).abs() < 1e-6)?.1
+/// Change of a band of a source of the test in a draw against the design itself \[dB\].
+fn change(nominal: &Levels, draw: &Draw, role: usize, hz: f64) -> f64 {
+    let plays = |name: &str| by_name(name).is_some_and(|source| source.role() as usize == role);
+    let band = |levels: &Levels, errors: &[f64]| {
+        let sources = levels.sources.iter().zip(errors).filter(|(own, _)| plays(&own.source));
+        let energy = |(own, error): (&SourceLevels, &f64)| {
+            let level = own.bands.iter().find(|(band, _)| (band / hz - 1.0).abs() < 1e-6)?.1?;
+            Some(10f64.powf(0.1 * (level + error)))
+        };
+        let energy: f64 = sources.filter_map(energy).sum();
+        (energy > 0.0).then(|| 10.0 * energy.log10())
     };
-    // Sources of a draw come in the order workpiece, exhaust, body, as the errors of their methods.
-    match (band(nominal), band(&draw.levels)) {
-        (Some(before), Some(after)) => after - before + draw.method_db[source],
+    let without_error = vec![0.0; nominal.sources.len()];
+    match (band(nominal, &without_error), band(&draw.levels, &draw.method_db)) {
+        (Some(before), Some(after)) => after - before,
         _ => 0.0,
     }
 }
@@ -319,7 +325,8 @@ fn drawn_wraps(design: &Design, seed: u64, draw: u64) -> Wrapping {
     wrapping(&drawn)
 }
 
-/// Levels of a test whose sources are those of `own`, band by band louder by `change(source, hz)` \[dB\], behind these wraps.
+/// Levels of a test whose sources are those of `own`, band by band louder by `change(source, hz)` \[dB\], behind these
+/// wraps.
 fn levels_of(own: &ExactTest, wraps: &Wrapping, change: impl Fn(usize, f64) -> f64) -> TestLevels {
     let energy = |level: Option<f64>| level.map_or(0.0, |level| 10f64.powf(0.1 * level));
     let mut total = [0.0; 5];

@@ -17,6 +17,7 @@
 mod clusters;
 mod cross;
 mod distant;
+mod equations;
 mod kernel;
 mod krylov;
 mod near;
@@ -26,12 +27,11 @@ mod schwarz;
 
 use crate::bem::error::BemError;
 use crate::bem::mesh::boundary::Boundary;
-use crate::bem::mesh::symmetry::{Image, Parity};
+use crate::bem::mesh::symmetry::Parity;
 use crate::bem::operators::blocks::Block;
-use crate::bem::operators::near::NearField;
-use crate::bem::operators::wave::Wave;
 use clusters::{ClusterTree, Partition};
 use distant::DistantBlocks;
+pub(crate) use equations::Equations;
 use faer::Mat;
 use kernel::{Images, Kernels};
 use krylov::Krylov;
@@ -58,17 +58,6 @@ pub(crate) struct CompressedSurface {
     distant: DistantBlocks,
     /// First corner value of each panel of the mesh.
     first_value: Vec<usize>,
-}
-
-/// The equations of one frequency.
-pub(crate) struct Equations<'a> {
-    pub(crate) boundary: &'a Boundary,
-    pub(crate) images: &'a [Image],
-    pub(crate) blocks: &'a [Block],
-    pub(crate) near: &'a NearField,
-    /// Integrals of phi_i phi_j over every panel.
-    pub(crate) masses: &'a [[[f64; 4]; 4]],
-    pub(crate) wave: Wave,
 }
 
 impl CompressedSurface {

@@ -34,7 +34,8 @@ pub(super) struct NearPairs {
 /// Marks distant leaves.
 const NONE: u32 = u32::MAX;
 
-/// The near blocks of one parity, and their share of the right-hand sides: unknowns x patterns, real and imaginary part.
+/// The near blocks of one parity, and their share of the right-hand sides: unknowns x patterns, real and imaginary
+/// part.
 pub(super) struct NearSums {
     pub(super) blocks: Vec<Mat<Complex<f32>>>,
     pub(super) right: [Mat<f64>; 2],

@@ -86,8 +86,8 @@ pub(super) fn by_columns(
     product
 }
 
-/// Applies `each` to all items; the results are in the order of the items. In parallel, or in turn on a thread of a pool
-/// that is working on several frequencies already: waiting there for a part of one frequency would begin further
+/// Applies `each` to all items; the results are in the order of the items. In parallel, or in turn on a thread of a
+/// pool that is working on several frequencies already: waiting there for a part of one frequency would begin further
 /// frequencies, each with its own matrix.
 pub(super) fn map_in_parallel<T: Send, R: Send>(items: Vec<T>, each: impl Fn(T) -> R + Sync + Send) -> Vec<R> {
     if rayon::current_thread_index().is_some() {

@@ -68,8 +68,8 @@ impl Boundary {
         Self::checked(mesh, [mirrors[0], mirrors[1], floor], true)
     }
 
-    /// A flat surface with free edges, the midplane of a thin plate, for a [`Plate`](crate::bem::Plate). Its normals point
-    /// to one side; about `mirrors` as in [`Boundary::symmetric`].
+    /// A flat surface with free edges, the midplane of a thin plate, for a [`Plate`](crate::bem::Plate). Its normals
+    /// point to one side; about `mirrors` as in [`Boundary::symmetric`].
     ///
     /// # Errors
     /// Those of [`Boundary::symmetric`], and [`BemError::NotFlat`].

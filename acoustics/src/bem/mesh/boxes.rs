@@ -51,8 +51,8 @@ impl BoundaryMesh {
         Self::of_boxes_fine_at(boxes, planes, (edge, &[]), patches, patch)
     }
 
-    /// As [`BoundaryMesh::of_boxes`], with grid lines that get closer towards the `rims` of gaps: the first rectangle there
-    /// is half as wide as the gap is high, and each next one twice as wide.
+    /// As [`BoundaryMesh::of_boxes`], with grid lines that get closer towards the `rims` of gaps: the first rectangle
+    /// there is half as wide as the gap is high, and each next one twice as wide.
     ///
     /// # Errors
     /// As [`BoundaryMesh::of_boxes`].
@@ -169,8 +169,8 @@ fn width_at(rims: &[Rim], axis: usize, at: f64, tolerance: f64) -> f64 {
     widths.fold(f64::INFINITY, f64::min)
 }
 
-/// Adds the grid lines of a stretch: rectangles of the widths `first` at its ends, each twice as wide as the one before,
-/// and others of at most `edge` \[m\].
+/// Adds the grid lines of a stretch: rectangles of the widths `first` at its ends, each twice as wide as the one
+/// before, and others of at most `edge` \[m\].
 fn stretch(line: &mut Vec<f64>, [from, to]: [f64; 2], edge: f64, first: [f64; 2]) -> Result<(), MeshError> {
     let graded = first.iter().filter(|width| **width < edge).count();
     let room = (to - from) / graded.max(1) as f64;

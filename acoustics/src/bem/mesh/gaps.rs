@@ -27,8 +27,8 @@ pub(crate) const GROWTH: f64 = 1.0;
 /// viscosity, do not merit finer panels.
 pub(crate) const LEAST_HEIGHT: f64 = 1e-3;
 
-/// Largest height of a thin gap over its area per length of rim: a strip is at least four times as wide as high, a square eight
-/// times. At the edges of higher gaps panels need not be finer than at other edges.
+/// Largest height of a thin gap over its area per length of rim: a strip is at least four times as wide as high, a
+/// square eight times. At the edges of higher gaps panels need not be finer than at other edges.
 const THIN: f64 = 0.5;
 
 /// Tolerance factor: rounding must not make panels of exactly the wanted width too wide.
@@ -52,8 +52,8 @@ const BAND_ERROR: [f64; 2] = [1.0, 1.5];
 /// Error of the power in wide bands over w P/A. In such bands, shifts of resonances cancel.
 const LEVEL_ERROR: f64 = 0.5;
 
-/// A thin gap: a connected part of the surface that is closer to the floor than half its area divided by the length of its
-/// rim.
+/// A thin gap: a connected part of the surface that is closer to the floor than half its area divided by the length of
+/// its rim.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Gap {
     /// Smallest height \[m\].
@@ -67,7 +67,8 @@ pub struct Gap {
 impl Gap {
     /// Bound of the relative error of the mass of the air in the gap, and of the power below its resonances.
     ///
-    /// Measured on a block that heaves 2 to 20 mm above a floor with panels of 0.25 to 7.5 heights; `docs/verification.md`.
+    /// Measured on a block that heaves 2 to 20 mm above a floor with panels of 0.25 to 7.5 heights;
+    /// `docs/verification.md`.
     pub fn mass_error(&self) -> f64 {
         MASS_ERROR * self.panel_width / self.extent
     }
@@ -116,15 +117,16 @@ impl Rim {
     }
 }
 
-/// Largest length that the side of a panel between two points may have by all `rims` \[m\], with panels of `width` heights
-/// at them.
+/// Largest length that the side of a panel between two points may have by all `rims` \[m\], with panels of `width`
+/// heights at them.
 pub(crate) fn longest_side(rims: &[Rim], ends: [Point3<f64>; 2], width: f64) -> f64 {
     let sides = rims.iter().map(|rim| rim.side(ends, width));
     sides.fold(f64::INFINITY, f64::min)
 }
 
-/// All thin gaps between a surface and the floor, and their rims: edges at which it turns by more than 30 degrees. Gaps between
-/// two parts of a surface are not among them, because bounds are not known there, and neither are those that open along a fillet.
+/// All thin gaps between a surface and the floor, and their rims: edges at which it turns by more than 30 degrees. Gaps
+/// between two parts of a surface are not among them, because bounds are not known there, and neither are those that
+/// open along a fillet.
 #[derive(Clone, Debug, Default)]
 pub struct Gaps {
     all: Vec<(Gap, Vec<Rim>)>,
@@ -267,8 +269,8 @@ fn longest(mesh: &BoundaryMesh, panel: usize) -> f64 {
     (0..c.len()).map(side).fold(0.0, f64::max)
 }
 
-/// Distance from the middle of every panel along its normal to the floor \[m\]; none where the floor is not below it, is
-/// farther away than half the extent of the body, or is hidden by another panel.
+/// Distance from the middle of every panel along its normal to the floor \[m\]; none where the floor is not below it,
+/// is farther away than half the extent of the body, or is hidden by another panel.
 fn heights(boundary: &Boundary) -> Vec<Option<f64>> {
     let mesh = boundary.mesh();
     let farthest = 0.5 * boundary.extents().max();

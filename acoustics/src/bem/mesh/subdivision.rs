@@ -59,11 +59,11 @@ impl BoundaryMesh {
         Ok(self.bisected(&|_| square))
     }
 
-    /// As [`BoundaryMesh::subdivided`], and with sides of at most half the height of a gap at its `rims`, which grow with the
-    /// distance from them.
+    /// As [`BoundaryMesh::subdivided`], and with sides of at most half the height of a gap at its `rims`, which grow
+    /// with the distance from them.
     ///
-    /// If there would be more panels than `most`, those at the rims are wider, by powers of two; panels may be more than
-    /// `most` because of `edge`.
+    /// If there would be more panels than `most`, those at the rims are wider, by powers of two; panels may be more
+    /// than `most` because of `edge`.
     ///
     /// # Errors
     /// A length that is not positive.

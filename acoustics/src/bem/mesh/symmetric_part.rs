@@ -7,7 +7,8 @@ use nalgebra::{DMatrix, Point3};
 use rayon::prelude::*;
 use std::collections::{HashMap, HashSet};
 
-/// Distance along an axis within which a point and the image of another are one, relative to the surface's largest extent.
+/// Distance along an axis within which a point and the image of another are one, relative to the surface's largest
+/// extent.
 const SAME_POINT: f64 = 1e-8;
 
 /// A surface, or the part of it above its symmetry planes of constant x and y.
@@ -22,8 +23,8 @@ pub struct SymmetricPart {
 }
 
 impl SymmetricPart {
-    /// The part of a surface whose points and panels are their own images in planes through its middle. A surface without such
-    /// a plane stays whole.
+    /// The part of a surface whose points and panels are their own images in planes through its middle. A surface
+    /// without such a plane stays whole.
     pub fn of(mesh: BoundaryMesh) -> Self {
         let mut part = Self {
             mesh,
@@ -50,8 +51,9 @@ impl SymmetricPart {
         self.mirrors
     }
 
-    /// Divides the displacements of the part's points, (3 x points) x modes, into those of every parity, whose sum they are. With
-    /// the displacement u' of the image point and the reflection S, the even part is (u + S u')/2 and the odd part (u - S u')/2.
+    /// Divides the displacements of the part's points, (3 x points) x modes, into those of every parity, whose sum they
+    /// are. With the displacement u' of the image point and the reflection S, the even part is (u + S u')/2 and the odd
+    /// part (u - S u')/2.
     pub fn by_parity(&self, displacements: DMatrix<f64>) -> Vec<(Parity, DMatrix<f64>)> {
         let mut parts = vec![(Parity::default(), displacements)];
         for axis in (0..2).filter(|&axis| self.mirrors[axis].is_some()) {
@@ -76,8 +78,8 @@ impl SymmetricPart {
     }
 }
 
-/// The plane across an axis in the middle of the panels, and the image of every point in it; none where the panels are not
-/// their own images, or lie on both sides of the plane.
+/// The plane across an axis in the middle of the panels, and the image of every point in it; none where the panels are
+/// not their own images, or lie on both sides of the plane.
 fn mirror(mesh: &BoundaryMesh, axis: usize) -> Option<(f64, Vec<usize>)> {
     let used: HashSet<usize> = mesh.panels.iter().flat_map(|panel| panel.nodes()).copied().collect();
     let bounds = |axis: usize| {

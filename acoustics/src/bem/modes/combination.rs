@@ -4,8 +4,8 @@ use serde::{Deserialize, Serialize};
 
 /// Matrix T of a parity: amplitudes of the independent modes with known radiation, for the amplitudes of all modes.
 ///
-/// Of the same body the column of an independent mode is a unit vector, and most other modes have another parity, so that
-/// few columns have more than one entry. The modes of another body on the same surface are all combinations.
+/// Of the same body the column of an independent mode is a unit vector, and most other modes have another parity, so
+/// that few columns have more than one entry. The modes of another body on the same surface are all combinations.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Combination {
     /// Numbers of the independent modes among all modes; none where they belong to another body.
@@ -34,8 +34,8 @@ impl Combination {
         }
     }
 
-    /// Combinations of another set of independent modes: one column of `of_combined` for each mode in `combined`, nothing
-    /// for the others of `modes`.
+    /// Combinations of another set of independent modes: one column of `of_combined` for each mode in `combined`,
+    /// nothing for the others of `modes`.
     pub(crate) fn of_others(modes: usize, combined: Vec<usize>, of_combined: DMatrix<f64>) -> Self {
         Self::new(modes, Vec::new(), combined, of_combined)
     }

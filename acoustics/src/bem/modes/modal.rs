@@ -31,8 +31,8 @@ const REST: &str = "far field less surface";
 /// Name of all patches of the surface together.
 const SURFACE: &str = "surface";
 
-/// Samples that a mesh adds at a time to correct a coarser one that does not resolve the same frequencies. These samples are the
-/// most expensive ones.
+/// Samples that a mesh adds at a time to correct a coarser one that does not resolve the same frequencies. These
+/// samples are the most expensive ones.
 const CORRECTIONS: usize = 3;
 
 /// The same where the coarser mesh resolves them, so that the difference is smooth.
@@ -128,7 +128,8 @@ impl ModalBem {
     /// `progress` is called after each frequency solved.
     ///
     /// # Errors
-    /// [`BemError::TooCoarse`](crate::bem::BemError), [`SamplingError::Unresolved`](crate::SamplingError), lengths that do not fit, no level.
+    /// [`BemError::TooCoarse`](crate::bem::BemError), [`SamplingError::Unresolved`](crate::SamplingError), lengths that
+    /// do not fit, no level.
     pub fn new(
         levels: Vec<MeshRange>,
         sampling: &Sampling,
@@ -196,8 +197,8 @@ impl ModalBem {
         let counts: Vec<usize> = chosen.iter().map(|pick| pick.modes.len()).collect();
         let tops: Vec<f64> = levels.iter().map(|level| level.top_hz).collect();
         let resolved: Vec<f64> = levels.iter().map(MeshRange::resolved_hz).collect();
-        // Whether the mesh before resolves a range as well as the range's own, so that the results differ only by the shape,
-        // smoothly over frequency.
+        // Whether the mesh before resolves a range as well as the range's own, so that the results differ only by the
+        // shape, smoothly over frequency.
         let is_resolved_before = |number: usize| number > 0 && resolved[number - 1] >= tops[number] * (1.0 - 1e-9);
         let prepare = |(number, level): (usize, MeshRange)| {
             // The solver also predicts the next range, and the last one solves the averages.
@@ -317,7 +318,8 @@ impl ModalBem {
         self.pressures.receivers()
     }
 
-    /// Interpolation error of the pressures at the receivers over frequency, relative to the loudest mode at any of them.
+    /// Interpolation error of the pressures at the receivers over frequency, relative to the loudest mode at any of
+    /// them.
     pub fn pressure_error(&self) -> f64 {
         self.pressures.error()
     }
@@ -377,7 +379,8 @@ impl ModalBem {
         }
     }
 
-    /// A column of the mass of air that moves along, relative to modal masses of 1, X(omega)/omega at the frequency `hz`.
+    /// A column of the mass of air that moves along, relative to modal masses of 1, X(omega)/omega at the frequency
+    /// `hz`.
     pub fn added_mass(&self, column: usize, hz: f64) -> DVector<f64> {
         let hz = self.air.computed(hz);
         let mut mass = DMatrix::zeros(self.modes, 1);

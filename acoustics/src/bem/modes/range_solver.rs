@@ -280,8 +280,8 @@ impl<'a> RangeSolver<'a> {
     }
 }
 
-/// Treats an even number of frequencies in parallel, each by one thread, because all take equally long; two threads share
-/// the last of an odd number. The error is that of the first frequency that has one.
+/// Treats an even number of frequencies in parallel, each by one thread, because all take equally long; two threads
+/// share the last of an odd number. The error is that of the first frequency that has one.
 fn solve_each<T: Sync, R: Send>(
     frequencies: &[T],
     one: impl Fn(&T, Threads) -> Result<R, AcousticsError> + Sync,

@@ -2,8 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
-/// Identifies a solution by a hash of its frequencies and velocities: another computation of the same body may give modes of
-/// other signs.
+/// Identifies a solution by a hash of its frequencies and velocities: another computation of the same body may give
+/// modes of other signs.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) struct SolutionId(u64);
 

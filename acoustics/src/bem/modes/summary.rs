@@ -11,7 +11,7 @@ pub struct Summary {
     pub difference_db: f64,
     /// Largest asymmetry of R, relative to its largest entry.
     pub asymmetry: f64,
-    /// Bound of the error of the level by panels at the rims of thin gaps, see [`Gap`](crate::bem::Gap) \[dB\]; zero without
-    /// gaps.
+    /// Bound of the error of the level by panels at the rims of thin gaps, see [`Gap`](crate::bem::Gap) \[dB\]; zero
+    /// without gaps.
     pub gap_error_db: f64,
 }

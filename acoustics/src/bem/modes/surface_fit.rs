@@ -43,8 +43,8 @@ pub struct SurfaceFit {
 }
 
 impl SurfaceFit {
-    /// Fits the modes of `body` by those of `known`, both on the finest mesh; none if the surfaces differ. If only their
-    /// meshes of triangles differ, the velocities of `body` are interpolated on the mesh of `known`
+    /// Fits the modes of `body` by those of `known`, both on the finest mesh; none if the surfaces differ. If only
+    /// their meshes of triangles differ, the velocities of `body` are interpolated on the mesh of `known`
     /// ([`Boundary::interpolate_from`]), and what changes on the way there and back counts as part of the rest.
     pub fn new(known: &MeshRange, body: &MeshRange) -> Option<Self> {
         let boundary = known.problem.boundary();

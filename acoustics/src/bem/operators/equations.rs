@@ -8,7 +8,8 @@ use faer::traits::ComplexField;
 use faer::{Conj, Mat, MatMut, Par};
 use nalgebra::{Complex, DMatrix};
 
-/// Largest residual relative to the right-hand side, 1e-4 dB: the kernels' own error in single precision is a tenth of it.
+/// Largest residual relative to the right-hand side, 1e-4 dB: the kernels' own error in single precision is a tenth of
+/// it.
 const RESIDUAL: f64 = 1e-5;
 
 /// Sums of the tiles of one frequency.
@@ -31,8 +32,8 @@ impl Sums {
         }
     }
 
-    /// `factor` times the matrix and the right-hand sides as one array, column by column, real before imaginary part of each
-    /// value; after [`Sums::joined`].
+    /// `factor` times the matrix and the right-hand sides as one array, column by column, real before imaginary part of
+    /// each value; after [`Sums::joined`].
     pub(crate) fn flat(&self, factor: Complex<f64>) -> Vec<f32> {
         let [re, im] = &self.right;
         let (n, patterns) = re.shape();
@@ -123,8 +124,8 @@ impl Sums {
 
     /// `factor` times the inverse of the matrix times the right-hand sides, unknowns x patterns.
     ///
-    /// After [`Sums::joined`]. In single precision; if the residual of a mixture of all patterns exceeds [`RESIDUAL`], in
-    /// double precision.
+    /// After [`Sums::joined`]. In single precision; if the residual of a mixture of all patterns exceeds [`RESIDUAL`],
+    /// in double precision.
     pub(crate) fn solve(self, factor: Complex<f64>) -> DMatrix<Complex<f64>> {
         let [re, im] = &self.right;
         let (n, patterns) = re.shape();

@@ -8,8 +8,8 @@ use std::f32::consts::TAU;
 const TAU_REST: f32 = -1.748_455_5e-7;
 /// Adding and subtracting 1.5 x 2^23 rounds to the nearest integer.
 const ROUND: f32 = 12_582_912.0;
-/// sin t = t + t³ S(t²) and cos t = 1 + t² C(t²) on |t| <= pi with the least largest error, 1e-9 and 1e-8; highest power
-/// first.
+/// sin t = t + t³ S(t²) and cos t = 1 + t² C(t²) on |t| <= pi with the least largest error, 1e-9 and 1e-8; highest
+/// power first.
 const SINE: [f32; 6] = [
     1.353_119_1e-10,
     -2.470_400_2e-8,

@@ -1,4 +1,5 @@
-//! The boundary operators: panels in blocks, the rule for distant panels, rules for close ones, and the equations they form.
+//! The boundary operators: panels in blocks, the rule for distant panels, rules for close ones, and the equations they
+//! form.
 
 pub(crate) mod blocks;
 pub(crate) mod equations;

@@ -59,8 +59,8 @@ impl PatternsOnBlocks {
 #[derive(Debug)]
 pub(crate) struct RightHandSide<'a> {
     patterns: &'a PatternsOnBlocks,
-    /// (S + alpha K') v at the nodes of each block, patterns x nodes, real parts before imaginary parts. Blocks add up their
-    /// own nodes, so that matrix products accumulate in place.
+    /// (S + alpha K') v at the nodes of each block, patterns x nodes, real parts before imaginary parts. Blocks add up
+    /// their own nodes, so that matrix products accumulate in place.
     sums: Vec<Mat<f32>>,
 }
 

@@ -63,8 +63,8 @@ impl Exterior {
         Ok(all.pop().unwrap_or_default())
     }
 
-    /// The same for several solutions at one frequency, whose waves are evaluated once, with the velocities at the points of
-    /// all blocks, see [`at_points`].
+    /// The same for several solutions at one frequency, whose waves are evaluated once, with the velocities at the
+    /// points of all blocks, see [`at_points`].
     pub(crate) fn far_field_resistances(
         &self,
         all: &[(&Mat<f32>, &SurfacePressure)],
@@ -136,8 +136,8 @@ impl Exterior {
         }
     }
 
-    /// Far field F of every pattern of several parities in some directions, for each parity directions x patterns
-    /// \[Pa s for velocities in m/s\]: p -> e^{-jkr}/(4 pi r) F, r the distance to the origin of [`Exterior::quadrature`].
+    /// Far field F of every pattern of several parities in some directions, for each parity directions x patterns \[Pa
+    /// s for velocities in m/s\]: p -> e^{-jkr}/(4 pi r) F, r the distance to the origin of [`Exterior::quadrature`].
     pub(crate) fn far_fields(&self, all: &[Radiated<'_>], directions: &[Vector3<f64>]) -> Vec<Mat<Complex<f64>>> {
         let hz = all.first().map_or(0.0, |(_, solution)| solution.hz);
         let k = 2.0 * PI * hz / self.air().sound_speed;
@@ -208,7 +208,8 @@ impl Exterior {
 }
 
 /// The far field of the patterns of one parity. With both mirrors and a floor, waves are real up to a power of j, and
-/// only their real or imaginary part is stored. Products are in single precision; their error is below that of the equations.
+/// only their real or imaginary part is stored. Products are in single precision; their error is below that of the
+/// equations.
 struct Radiating<'a> {
     /// Real and imaginary part of the pressure side by side, unknowns x 2 patterns.
     pressure: Mat<f32>,
@@ -336,8 +337,8 @@ fn powers_of_j(odd: [bool; 3]) -> usize {
 
 /// Evaluates e^{jk d.y} and its images at the points of a block for a chunk of directions and all parities.
 ///
-/// In single precision. The phase at the middle of the block is reduced in double precision, so that the error does not grow
-/// with the distance from the origin, only with that from the middle.
+/// In single precision. The phase at the middle of the block is reduced in double precision, so that the error does not
+/// grow with the distance from the origin, only with that from the middle.
 struct Waves<'a, 'b> {
     block: &'a Block,
     /// Number of its first point.
@@ -604,8 +605,9 @@ mod tests {
         sum
     }
 
-    /// A box 1.2 m long in free space, on a floor, and between mirrors on a floor, at wavenumbers up to 60/m. The largest
-    /// error is 1.6e-6 of the largest far field; velocities and pressures are noise, whose contributions mostly cancel.
+    /// A box 1.2 m long in free space, on a floor, and between mirrors on a floor, at wavenumbers up to 60/m. The
+    /// largest error is 1.6e-6 of the largest far field; velocities and pressures are noise, whose contributions mostly
+    /// cancel.
     #[test]
     fn the_far_field_in_single_precision_equals_its_definition() {
         let air = Air::default();

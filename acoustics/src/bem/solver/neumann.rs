@@ -39,7 +39,8 @@ pub(crate) struct NeumannData {
 }
 
 impl NeumannData {
-    /// From patterns that have the surface's number of velocity values, and the integrals of phi_i phi_j over every panel.
+    /// From patterns that have the surface's number of velocity values, and the integrals of phi_i phi_j over every
+    /// panel.
     pub(crate) fn new(boundary: &Boundary, blocks: &[Block], masses: &[[[f64; 4]; 4]], patterns: Patterns) -> Self {
         let velocities = &patterns.velocities;
         let on_blocks: Vec<Mat<f32>> = blocks.iter().map(|b| b.patterns(velocities)).collect();

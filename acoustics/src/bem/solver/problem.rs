@@ -86,7 +86,8 @@ impl EquationSolver {
     }
 }
 
-/// How many threads may work on one frequency. With two the kernels are summed in two halves: the equations differ by rounding.
+/// How many threads may work on one frequency. With two the kernels are summed in two halves: the equations differ by
+/// rounding.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Threads {
     /// Where every thread solves a different frequency. A thread that waited for a part of one would begin another one,

@@ -20,8 +20,8 @@ pub struct TwoEvaluations {
     pub patches: Vec<DMatrix<f64>>,
     /// Added mass X / omega of the whole surface \[kg for velocities in m/s\]; symmetric part.
     pub added_mass: DMatrix<f64>,
-    /// Largest |R_ij - R_ji| of the surface's evaluation, relative to the largest entry of R. Reciprocity makes it zero;
-    /// the discretisation does not.
+    /// Largest |R_ij - R_ji| of the surface's evaluation, relative to the largest entry of R. Reciprocity makes it
+    /// zero; the discretisation does not.
     pub asymmetry: f64,
     /// Largest difference of a pattern's power between the two \[dB\], among patterns within 30 dB of the loudest.
     pub difference_db: f64,
@@ -96,7 +96,8 @@ impl std::fmt::Display for Estimate {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         write!(
             f,
-            "{} panels, {} unknowns{}: about {:.1} s (with a hundred modes) and {:.0} MB a frequency, {:.0} MB for all; \
+            "{} panels, {} unknowns{}: about {:.1} s (with a hundred modes) and {:.0} MB a frequency, {:.0} MB for \
+             all; \
              resolved up to {:.0} Hz; irregular frequencies of the inside from about {:.0} Hz (coupled formulation)",
             self.panels,
             self.unknowns,
@@ -111,7 +112,8 @@ impl std::fmt::Display for Estimate {
 }
 
 impl Exterior {
-    /// Radiation resistance for `velocities` (corner values x patterns) at `hz`, from the surface and from the far field.
+    /// Radiation resistance for `velocities` (corner values x patterns) at `hz`, from the surface and from the far
+    /// field.
     ///
     /// # Errors
     /// See [`Exterior::solve`].

@@ -1,9 +1,9 @@
 //! Interpolation over frequency: the equations are assembled at some frequencies and interpolated at the others.
 //!
-//! The operators are integrals of e^{-jkr} times polynomials of k, with r from 0 to the largest distance D of two points,
-//! images among them. Divided by the common phase e^{-jkD/2}, e^{-jkr} has an n-th derivative of at most (D/2)^n. The
-//! polynomial through n wavenumbers k_i therefore differs from it by at most (Davis, Interpolation and Approximation, 1963,
-//! section 3.1)
+//! The operators are integrals of e^{-jkr} times polynomials of k, with r from 0 to the largest distance D of two
+//! points, images among them. Divided by the common phase e^{-jkD/2}, e^{-jkr} has an n-th derivative of at most
+//! (D/2)^n. The polynomial through n wavenumbers k_i therefore differs from it by at most (Davis, Interpolation and
+//! Approximation, 1963, section 3.1)
 //!
 //! ```text
 //! prod_i |k - k_i| (D/2)^n / n!
@@ -67,8 +67,8 @@ impl EquationSweep {
         }
     }
 
-    /// How to find the equations of some frequencies: the frequency with the largest estimated error is assembled first, until
-    /// all others can be interpolated.
+    /// How to find the equations of some frequencies: the frequency with the largest estimated error is assembled
+    /// first, until all others can be interpolated.
     pub(crate) fn plan(&mut self, problem: &Exterior, hz: &[f64], data: &[NeumannData]) -> Vec<Origin> {
         let n = problem.boundary().nodes();
         let bytes: usize = data.iter().map(|data| 8 * n * (n + data.count())).sum();
@@ -184,7 +184,8 @@ impl EquationSweep {
     }
 }
 
-/// Sums of arrays times their weights from a number on; inlined, so that it is compiled for the instructions of the processor.
+/// Sums of arrays times their weights from a number on; inlined, so that it is compiled for the instructions of the
+/// processor.
 #[inline(always)]
 fn combine(known: &[(&[f32], f32)], start: usize, to: &mut [f32]) {
     to.fill(0.0);
@@ -258,8 +259,8 @@ mod tests {
         pairs.map(|(pair, m)| of_pattern(pair, m)).fold(0.0, f64::max)
     }
 
-    /// Solves 20 frequencies of a range, interpolating where possible; returns the number of frequencies assembled and the
-    /// largest difference of the others from their own equations.
+    /// Solves 20 frequencies of a range, interpolating where possible; returns the number of frequencies assembled and
+    /// the largest difference of the others from their own equations.
     fn interpolated(thickness: f64, range: impl Fn(f64) -> [f64; 2]) -> (usize, f64) {
         let (problem, data) = problem(thickness);
         let mut sweep = EquationSweep::new(&problem);

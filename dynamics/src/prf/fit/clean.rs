@@ -1,8 +1,8 @@
 //! From a recorded drive to its points: zero, start, bins, speed.
 //!
-//! Only the fit through repeats is published (Nili Ahmadabadi 2016, ch. 2), neither sampling rate, filter nor rule of the
-//! start; the steps here are our own. At high speed the cell sees less than the wood, because it accelerates with the
-//! projectile: F_r = F_cell M_1/(M - m_f), M_1 = M + M_n, m_f the mass ahead of the cell.
+//! Only the fit through repeats is published (Nili Ahmadabadi 2016, ch. 2), neither sampling rate, filter nor rule of
+//! the start; the steps here are our own. At high speed the cell sees less than the wood, because it accelerates with
+//! the projectile: F_r = F_cell M_1/(M - m_f), M_1 = M + M_n, m_f the mass ahead of the cell.
 
 use thiserror::Error;
 
@@ -36,8 +36,8 @@ pub struct Trace {
 /// Where the tip meets the wood.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Start {
-    /// Drives at constant speed: where the line through 2 to 10 % of the largest force, on the tip, meets zero. Drives by
-    /// a projectile: depth 0 of the recording.
+    /// Drives at constant speed: where the line through 2 to 10 % of the largest force, on the tip, meets zero. Drives
+    /// by a projectile: depth 0 of the recording.
     Automatic,
     /// Where the force first exceeds this \[N\].
     Force(f64),
@@ -107,7 +107,8 @@ pub enum Flag {
     },
     /// Force and motion that disagree.
     #[error(
-        "the forces take {impulse:.4} N s and the motion loses {loss:.4} N s ({:+.1} % of the momentum): check masses, speed of \
+        "the forces take {impulse:.4} N s and the motion loses {loss:.4} N s ({:+.1} % of the momentum): check \
+         masses, speed of \
          impact and cell",
         100.0 * share
     )]
@@ -121,7 +122,8 @@ pub enum Flag {
     },
 }
 
-/// Greatest time \[s\], depth \[m\] and force \[N\] of a recording: a week of creep, the longest pile, what crushes its shank.
+/// Greatest time \[s\], depth \[m\] and force \[N\] of a recording: a week of creep, the longest pile, what crushes its
+/// shank.
 const LIMITS: [(&str, f64, &str); 3] = [("time", 1e6, "s"), ("depth", 10.0, "m"), ("force", 1e7, "N")];
 
 /// Why a recording cannot be used.
@@ -190,7 +192,8 @@ pub enum CleanError {
     },
     /// A force below zero by more than its noise.
     #[error(
-        "the mean force is {force:.1} N at a depth of {:.2} mm, below zero by more than three standard errors of {error:.1} N",
+        "the mean force is {force:.1} N at a depth of {:.2} mm, below zero by more than three standard errors of \
+         {error:.1} N",
         1e3 * depth
     )]
     Negative {

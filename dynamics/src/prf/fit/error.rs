@@ -58,7 +58,8 @@ pub enum FitError {
         terms: usize,
     },
     /// The data cannot separate a term from others.
-    #[error("the data do not tell the term {term} from {}", if partners.is_empty() { "0".to_owned() } else { partners.join(", ") })]
+    #[error("the data do not tell the term {term} from {}", if partners.is_empty() { "0".to_owned() }
+        else { partners.join(", ") })]
     NotIdentifiable {
         /// The term.
         term: String,

@@ -136,9 +136,9 @@ pub struct FitFile {
     pub terms: Vec<TermFit>,
 }
 
-/// Largest |C m| of a term, largest |s| of the law, and largest deviation of s, in the range of the data \[-\]. A nail of
-/// steel yields at s below 1; but the data of several variables seldom fill all corners of their ranges, where terms of
-/// opposite sign may leave more. Terms above the first limit cancel to few digits.
+/// Largest |C m| of a term, largest |s| of the law, and largest deviation of s, in the range of the data \[-\]. A nail
+/// of steel yields at s below 1; but the data of several variables seldom fill all corners of their ranges, where terms
+/// of opposite sign may leave more. Terms above the first limit cancel to few digits.
 const LARGEST_TERM: f64 = 1e6;
 const LARGEST_ROOT: f64 = 1e3;
 const LARGEST_DEVIATION: f64 = 100.0;
@@ -146,8 +146,8 @@ const LARGEST_DEVIATION: f64 = 100.0;
 /// Depths of the range of the data at which s is looked at.
 const DEPTHS: usize = 100;
 
-/// Domains of the variables in the order of [`Variable::ALL`], and of a speed \[m/s\]; the groups are those of any drive
-/// that `prf fit` reads.
+/// Domains of the variables in the order of [`Variable::ALL`], and of a speed \[m/s\]; the groups are those of any
+/// drive that `prf fit` reads.
 const DOMAINS: [f64; VARIABLES] = [10.0, 1e6, 1.0, 1e6, 10.0, 1e9];
 const HIGHEST_SPEED: f64 = 1e3;
 

@@ -230,9 +230,9 @@ impl FittedLaw {
         [root - half, root + half].map(|root| conditions.force_scale() * root.max(0.0).powi(2))
     }
 
-    /// Work over the nail's length at constant speed and its standard error \[J\]: W = H_M NL^2 C^T G C with
-    /// G_jk = int m_j m_k dx, var W = h^T V h, h = 2 H_M NL^2 G C. None for a law with `decay`, whose work depends on the
-    /// drive, and where s falls below 0, where the force is cut off.
+    /// Work over the nail's length at constant speed and its standard error \[J\]: W = H_M NL^2 C^T G C with G_jk = int
+    /// m_j m_k dx, var W = h^T V h, h = 2 H_M NL^2 G C. None for a law with `decay`, whose work depends on the drive,
+    /// and where s falls below 0, where the force is cut off.
     pub fn work(&self, conditions: &Conditions, speed: f64) -> Option<[f64; 2]> {
         let length = conditions.specimen.length;
         if self.form.uses(Variable::Decay)

@@ -29,8 +29,9 @@ pub enum Method {
 }
 
 impl Method {
-    /// The method that a form and its data need. How deep a projectile drives a nail, and how fast, depends on the specimen:
-    /// least squares over all points would take the soft specimens that reach far for an effect of depth or speed.
+    /// The method that a form and its data need. How deep a projectile drives a nail, and how fast, depends on the
+    /// specimen: least squares over all points would take the soft specimens that reach far for an effect of depth or
+    /// speed.
     pub fn of(form: &Form, drives: &[Drive]) -> Self {
         if form.uses(Variable::Decay) || drives.iter().any(|drive| !drive.conditions.driving.is_constant()) {
             Self::WithinBetween

@@ -125,8 +125,8 @@ impl Kernel {
         }
     }
 
-    /// Sets `sums` to the kernel between some places and each of the points with the coordinates `points`, summed over the
-    /// places.
+    /// Sets `sums` to the kernel between some places and each of the points with the coordinates `points`, summed over
+    /// the places.
     pub(super) fn between(&self, places: &[Vector3<f64>], points: [&[f64]; 3], sums: &mut [f64]) {
         sums.fill(0.0);
         let mut steps = vec![0.0; sums.len()];
@@ -142,8 +142,8 @@ impl Kernel {
     }
 }
 
-/// Adds the kernel between a place and each point to `sums`; `steps` is work space for the distances over the step of the
-/// table.
+/// Adds the kernel between a place and each point to `sums`; `steps` is work space for the distances over the step of
+/// the table.
 struct FromPlace<'a> {
     kernel: &'a Kernel,
     place: &'a Vector3<f64>,

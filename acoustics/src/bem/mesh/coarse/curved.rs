@@ -61,8 +61,8 @@ impl Curved {
         t[0].cross(&t[1]).normalize()
     }
 
-    /// How far it may lie off the triangle with straight sides: sum 4 L_a L_b d_ab <= 4/3 max d, with d the middles of its
-    /// sides off their chords.
+    /// How far it may lie off the triangle with straight sides: sum 4 L_a L_b d_ab <= 4/3 max d, with d the middles of
+    /// its sides off their chords.
     fn bulge(&self) -> f64 {
         let off = |k: usize| (self.nodes[3 + k] - 0.5 * (self.nodes[k] + self.nodes[(k + 1) % 3])).norm();
         4.0 / 3.0 * (0..3).map(off).fold(0.0, f64::max)

@@ -19,8 +19,8 @@ pub(super) const ALIKE: f64 = 0.5;
 type Given = (usize, [[f64; 4]; 3]);
 
 impl Boundary {
-    /// Normal velocities of the surface `finer` (corner values of its panels x patterns, see [`Boundary::project`]) on this
-    /// one of triangles, see [`Boundary::coarsened`].
+    /// Normal velocities of the surface `finer` (corner values of its panels x patterns, see [`Boundary::project`]) on
+    /// this one of triangles, see [`Boundary::coarsened`].
     ///
     /// Each point x of the finer surface contributes its volume flow v dS to the nearest point xi of the nearest panel
     /// with a similar normal. On every panel the velocity is linear and has the moments of these contributions,

@@ -9,8 +9,8 @@ use nailnoise_meshes::FaceKind;
 use nalgebra::{Point3, Vector3};
 use std::collections::{BTreeMap, BTreeSet};
 
-/// How far the middle of a side may lie off its chord, over the chord's length; that of 70 degrees of a circle lies 0.16
-/// off.
+/// How far the middle of a side may lie off its chord, over the chord's length; that of 70 degrees of a circle lies
+/// 0.16 off.
 const BULGE: f64 = 0.25;
 
 /// The same below which a side is straight.

@@ -13,20 +13,39 @@ use nailnoise_meshes::open_faces;
 use nalgebra::Complex;
 use serde::Serialize;
 
-use super::{CODE, SurfaceSource};
 use crate::error::Error;
 use crate::result::{CrossCheck, Uncertainty};
+use crate::stages::apart::{Apart, Moved, PartError};
 use crate::stages::bodies::Body;
-use crate::stages::convention::MovedPart;
 use crate::stages::intervals::EventEdges;
-use crate::stages::microphones::{MicrophoneArray, ToolSphere};
+use crate::stages::microphones::{Heard, MicrophoneArray, ToolSphere};
 use crate::stages::sound::{Sound, SoundSource};
+use crate::stages::sources::{Emission, SourceSound};
 use crate::stages::spectra::BodyMotion;
 use crate::stages::truncation::{Part, truncations};
-use crate::stages::{Code, Input, Postcard, Progress, Stage, Stored};
+use crate::stages::{Code, Input, Postcard, Progress, Stage, Stored, code};
 
 /// Name of the source.
-const NAME: &str = "body";
+pub(crate) const NAME: &str = "body";
+
+/// Code that the stages of this module call.
+pub(crate) const CODE: Code = code!(
+    dynamics,
+    meshes,
+    fem,
+    acoustics,
+    model_sources_housing,
+    stages_bodies,
+    stages_apart,
+    stages_intervals,
+    stages_microphones,
+    stages_radiation,
+    stages_response,
+    stages_sound,
+    stages_sources,
+    stages_spectra,
+    stages_truncation
+);
 
 /// Name of the part of the source that counts to the exhaust by the convention of wrapping.
 const CAP: &str = "cap";
@@ -36,67 +55,62 @@ const VIBRATION: &str = "housing";
 
 /// Inputs of the sound of the tool's body.
 #[derive(Clone, Serialize)]
-pub struct BodySound {
+pub(crate) struct HousingSound {
     /// Its elastic housing; none for a rigid body.
-    pub housing: Option<Housing>,
+    pub(crate) elastic: Option<Elastic>,
     /// Its volume \[m³\].
-    pub volume: f64,
+    pub(crate) volume: f64,
     /// The ambient air.
-    pub air: Air,
+    pub(crate) air: Air,
     /// Range over which sources are compared \[Hz\].
-    pub range_hz: [f64; 2],
+    pub(crate) range_hz: [f64; 2],
     /// The cycle.
-    pub cycle: Stored<CycleRecord>,
+    pub(crate) cycle: Stored<CycleRecord>,
 }
 
 /// A housing as a radiator with pressures at the microphones.
 #[derive(Clone, Serialize)]
-pub struct HousingAtMicrophones {
+pub(crate) struct HousingAtMicrophones {
     /// The whole.
-    pub whole: Stored<ModalBem>,
+    pub(crate) whole: Stored<ModalBem>,
     /// Matrix with only the cap in motion, after each mode of the full body, if the cap counts to another source.
-    pub cap: Option<Stored<ModalBem>>,
+    pub(crate) cap: Option<Stored<ModalBem>>,
 }
 
 /// An elastic housing in motion.
 #[derive(Clone, Serialize)]
-pub struct Housing {
+pub(crate) struct Elastic {
     /// The body.
-    pub body: Stored<Body>,
+    pub(crate) body: Stored<Body>,
     /// Frequency up to which the result includes its motion \[Hz\].
-    pub top_hz: f64,
+    pub(crate) top_hz: f64,
     /// Its motion.
-    pub motion: Stored<BodyMotion>,
+    pub(crate) motion: Stored<BodyMotion>,
     /// Its radiation by boundary elements, if the design requests them.
-    pub radiator: Option<Stored<ModalBem>>,
+    pub(crate) radiator: Option<Stored<ModalBem>>,
     /// Fluid loads of the air on its modes, if boundary elements yield them.
-    pub loads: Option<Stored<Vec<FluidLoads>>>,
+    pub(crate) loads: Option<Stored<Vec<FluidLoads>>>,
     /// Fluid loads that act on its motion.
-    pub acts: Loading,
+    pub(crate) acts: Loading,
     /// Loss factor of its modes \[-\].
-    pub loss_factor: f64,
-    /// Its radiation with only the cap in motion, after each mode of the full body, if the cap counts to another
-    /// source.
-    pub cap: Option<Stored<ModalBem>>,
+    pub(crate) loss_factor: f64,
+    /// Its cap, if that counts to another source.
+    pub(crate) cap: Option<Cap>,
 }
 
-impl BodySound {
-    /// The inputs that it reads in every case.
-    pub(in crate::stages) fn inputs(&self) -> Vec<&dyn Input> {
-        let mut inputs: Vec<&dyn Input> = vec![&self.cycle];
-        if let Some(housing) = &self.housing {
-            inputs.extend([&housing.body as &dyn Input, &housing.motion]);
-            inputs.extend(housing.radiator.iter().map(|radiator| radiator as &dyn Input));
-            inputs.extend(housing.loads.iter().map(|loads| loads as &dyn Input));
-            inputs.extend(housing.cap.iter().map(|cap| cap as &dyn Input));
-        }
-        inputs
-    }
+/// The outer side of the cap, which counts to another source.
+#[derive(Clone, Serialize)]
+pub(crate) struct Cap {
+    /// Radiation of the housing with only the cap in motion, after each mode of the full body.
+    pub(crate) radiator: Stored<ModalBem>,
+    /// Name of the source to which it counts.
+    pub(crate) counts_to: &'static str,
+}
 
-    /// Its sound.
-    pub(in crate::stages) fn sound(&self, detail: Detail) -> Result<Sound, Error> {
+impl HousingSound {
+    fn sound(&self, detail: Detail) -> Result<Sound, Error> {
         let record = self.cycle.get()?;
-        let Some(housing) = &self.housing else {
+        let Some(housing) = &self.elastic else {
             return Ok(self.rigid(&record).sound_with_check(NAME)?.into());
         };
         let (body, motion) = (housing.body.get()?, housing.motion.get()?);
@@ -118,29 +132,29 @@ impl BodySound {
         }
     }
 
-    /// Energy and signals of its cap, if that counts to another source.
-    pub(in crate::stages) fn cap(&self) -> Result<Option<PartOfSurface>, Error> {
-        let housing = self.housing.as_ref();
+    /// Energy and signals of its cap, if that counts to another source, and the name of that source.
+    fn cap(&self) -> Result<Option<(PartOfSurface, &'static str)>, Error> {
+        let housing = self.elastic.as_ref();
         let Some((housing, cap)) = housing.and_then(|housing| Some((housing, housing.cap.as_ref()?))) else {
             return Ok(None);
         };
         let motion = housing.motion.get()?;
-        Ok(Some(PartOfSurface::new(CAP, &*cap.get()?, &motion.spectra)?))
+        let part = PartOfSurface::new(CAP, &*cap.radiator.get()?, &motion.spectra)?;
+        Ok(Some((part, cap.counts_to)))
     }
 
     /// The source without its cap, and the cap, analysed between the events.
-    pub(in crate::stages) fn analysed(
-        &self,
-        sound: Sound,
-        edges: &EventEdges,
-    ) -> Result<(SoundSource, Option<SoundSource>), Error> {
+    fn without_cap(&self, sound: Sound, edges: &EventEdges) -> Result<Apart<SoundSource>, Error> {
         let uncertainty = sound.uncertainty.clone();
         let whole = SoundSource::new(sound, edges, self.range_hz);
-        let Some(cap) = self.cap()? else {
-            return Ok((whole, None));
+        let Some((cap, counts_to)) = self.cap()? else {
+            return Ok(Apart::whole(whole));
         };
         let cap = SoundSource::of_part(cap, uncertainty, edges, self.range_hz);
-        Ok((whole.without(&cap).map_err(AcousticsError::from)?, Some(cap)))
+        Ok(Apart {
+            own: whole.without(&cap).map_err(AcousticsError::from)?,
+            moved: Some(moved(cap, counts_to)),
+        })
     }
 
     fn rigid<'a>(&'a self, record: &'a CycleRecord) -> RigidSphere<'a> {
@@ -197,8 +211,8 @@ impl BodySound {
         Ok(SourceSpectrum::sum(NAME, "as a sphere", &[rigid, housing]))
     }
 
-    /// Rigid motion as that of the sphere of its volume, elastic modes by their ERP into the open air times the radiation
-    /// efficiency of that sphere.
+    /// Rigid motion as that of the sphere of its volume, elastic modes by their ERP into the open air times the
+    /// radiation efficiency of that sphere.
     fn as_sphere(&self, body: &Body, spectra: &ModalSpectra, record: &CycleRecord) -> Result<Sound, Error> {
         let mut sound = Sound::from(self.rigid(record).sound(NAME)?);
         sound.spectrum.source = "rigid motion".to_owned();
@@ -232,7 +246,8 @@ impl BodySound {
         sound.uncertainty = Uncertainty {
             minus: None,
             plus: (here > 0.0).then(|| 10.0 * (above / here).log10()),
-            basis: "radiation efficiency of the housing's vibration: that of an oscillating sphere of the tool's volume is \
+            basis: "radiation efficiency of the housing's vibration: that of an oscillating sphere of the tool's \
+                volume is \
                     taken; up to 1"
                 .to_owned(),
         };
@@ -249,6 +264,45 @@ impl BodySound {
     }
 }
 
+/// The cap as a part that counts to a source: the error of the housing may be all in its cap.
+fn moved<T>(part: T, counts_to: &'static str) -> Moved<T> {
+    Moved {
+        to: counts_to.into(),
+        error: PartError::OfWhole,
+        part,
+    }
+}
+
+impl Emission for HousingSound {
+    const CODE: Code = CODE;
+
+    fn inputs(&self) -> Vec<&dyn Input> {
+        let mut inputs: Vec<&dyn Input> = vec![&self.cycle];
+        if let Some(housing) = &self.elastic {
+            inputs.extend([&housing.body as &dyn Input, &housing.motion]);
+            inputs.extend(housing.radiator.iter().map(|radiator| radiator as &dyn Input));
+            inputs.extend(housing.loads.iter().map(|loads| loads as &dyn Input));
+            inputs.extend(housing.cap.iter().map(|cap| &cap.radiator as &dyn Input));
+        }
+        inputs
+    }
+
+    fn energy(&self) -> Result<Apart<SourceSpectrum>, Error> {
+        let whole = self.sound(Detail::Levels)?.spectrum;
+        let Some((cap, counts_to)) = self.cap()? else {
+            return Ok(Apart::whole(whole));
+        };
+        Ok(Apart {
+            own: whole.without(&cap.spectrum).map_err(AcousticsError::from)?,
+            moved: Some(moved(cap.spectrum, counts_to)),
+        })
+    }
+
+    fn analysed(&self, edges: &EventEdges, _: [f64; 2]) -> Result<Apart<SoundSource>, Error> {
+        self.without_cap(self.sound(Detail::Levels)?, edges)
+    }
+}
+
 /// How many modes are rigid: those of a free body, whose frequencies rise, come first.
 fn rigid_modes(body: &Body) -> usize {
     body.omega.iter().take_while(|&&omega| omega == 0.0).count()
@@ -256,21 +310,21 @@ fn rigid_modes(body: &Body) -> usize {
 
 /// Sound of the tool's body.
 #[derive(Serialize)]
-pub struct BodySource {
+pub(crate) struct HousingSource {
     /// Inputs of the sound.
-    pub sound: BodySound,
+    pub(crate) sound: HousingSound,
     /// Its housing as a radiator with pressures at the microphones, if it is elastic and solved by boundary elements.
-    pub at_microphones: Option<HousingAtMicrophones>,
+    pub(crate) at_microphones: Option<HousingAtMicrophones>,
     /// End of all records \[s\].
-    pub end: Stored<f64>,
+    pub(crate) end: Stored<f64>,
     /// The microphones.
-    pub microphones: MicrophoneArray,
+    pub(crate) microphones: MicrophoneArray,
     /// The tool as the sphere of its volume.
-    pub sphere: ToolSphere,
+    pub(crate) sphere: ToolSphere,
 }
 
-impl Stage for BodySource {
-    type Output = SurfaceSource;
+impl Stage for HousingSource {
+    type Output = SourceSound;
     type Codec = Postcard;
     const NAME: &'static str = "sound of the tool's body";
     const CODE: Code = CODE;
@@ -285,10 +339,10 @@ impl Stage for BodySource {
         inputs
     }
 
-    fn compute(&self, _: &Progress) -> Result<SurfaceSource, Error> {
+    fn compute(&self, _: &Progress) -> Result<SourceSound, Error> {
         let sound = self.sound.sound(Detail::Report)?;
         let (record, end) = (self.sound.cycle.get()?, *self.end.get()?);
-        let housing = self.sound.housing.as_ref();
+        let housing = self.sound.elastic.as_ref();
         let by_pressures = self.at_microphones.as_ref().zip(housing);
         let pressures = match by_pressures {
             Some((at, housing)) => Radiator::pressures(&*at.whole.get()?, &[&housing.motion.get()?.spectra])?,
@@ -307,57 +361,41 @@ impl Stage for BodySource {
         });
         let range = self.microphones.range_hz;
         let truncations = truncations((NAME, &sound.spectrum), range, parts);
-        let (source, cap) = self.sound.analysed(sound, &EventEdges::new(&record.events, end))?;
-        let moving = by_pressures.and_then(|(at, housing)| Some((at.cap.as_ref()?, &housing.motion)));
-        let moved = match (cap, moving, pressures) {
-            (Some(source), Some((bem, motion)), Some(whole)) => {
+        let edges = EventEdges::new(&record.events, end);
+        let Apart { own: source, moved } = self.sound.without_cap(sound, &edges)?;
+        let cap = by_pressures.and_then(|(at, housing)| Some((at.cap.as_ref()?, &housing.motion)));
+        let moved = match (moved, cap, pressures) {
+            (Some(moved), Some((bem, motion)), Some(whole)) => {
                 let motion = motion.get()?;
                 let still = ModalSpectra {
                     accelerations: &motion.spectra.accelerations * Complex::default(),
                     ..motion.spectra.clone()
                 };
                 let cap = Radiator::pressures(&*bem.get()?, &[&still, &motion.spectra])?;
-                let cap = cap.map(|cap| self.microphones.part(&whole, &cap, &source.spectrum, end));
-                cap.transpose()?.map(|received| MovedPart { source, received })
+                let cap = cap.map(|cap| self.microphones.part(&whole, &cap, &moved.part.spectrum, end));
+                cap.transpose()?.map(|received| {
+                    let Moved {
+                        to,
+                        error,
+                        part: source,
+                    } = moved;
+                    let part = Heard { source, received };
+                    Moved { to, error, part }
+                })
             }
             _ => None,
         };
         if let Some(cap) = &moved {
-            received = received.with(&cap.received, -1.0);
+            received = received.with(&cap.part.received, -1.0);
         }
-        Ok(SurfaceSource {
-            source,
-            received,
+        Ok(SourceSound {
+            heard: Apart {
+                own: Heard { source, received },
+                moved,
+            },
             truncations,
-            moved,
+            checks: Vec::new(),
+            histories: Vec::new(),
         })
-    }
-}
-
-/// Energy over frequency of the tool's body, and of its cap if that counts to another source.
-#[derive(Serialize)]
-pub struct BodyEnergy {
-    /// Inputs of the sound.
-    pub sound: BodySound,
-}
-
-impl Stage for BodyEnergy {
-    /// The body without its cap, and the cap.
-    type Output = (SourceSpectrum, Option<SourceSpectrum>);
-    type Codec = Postcard;
-    const NAME: &'static str = "energy of the tool's body";
-    const CODE: Code = CODE;
-
-    fn inputs(&self) -> Vec<&dyn Input> {
-        self.sound.inputs()
-    }
-
-    fn compute(&self, _: &Progress) -> Result<(SourceSpectrum, Option<SourceSpectrum>), Error> {
-        let whole = self.sound.sound(Detail::Levels)?.spectrum;
-        let Some(cap) = self.sound.cap()? else {
-            return Ok((whole, None));
-        };
-        let rest = whole.without(&cap.spectrum).map_err(AcousticsError::from)?;
-        Ok((rest, Some(cap.spectrum)))
     }
 }

@@ -13,13 +13,30 @@ use nailnoise_acoustics::muffler::{self, BandLosses, MufflerChain};
 use nailnoise_dynamics::CycleRecord;
 use serde::Serialize;
 
-use super::convention::MovedPart;
-use super::intervals::EventEdges;
-use super::microphones::{AtMicrophones, JetOutlet, MicrophoneArray};
-use super::sound::{Sound, SoundSource, parts_of};
-use super::{Code, Input, Progress, Stage, Stored, Uncached, code};
 use crate::error::Error;
 use crate::result::{Check, CrossCheck, Uncertainty};
+use crate::stages::apart::{Apart, Moved, PartError};
+use crate::stages::intervals::EventEdges;
+use crate::stages::microphones::{Heard, JetOutlet, MicrophoneArray};
+use crate::stages::sound::{Sound, SoundSource, SourceHistory, parts_of};
+use crate::stages::sources::{Emission, SourceSound};
+use crate::stages::{Code, Input, Progress, Stage, Stored, Uncached, code};
+
+/// Name of the source.
+pub(crate) const NAME: &str = "exhaust";
+
+/// Code that the stages of this module call.
+pub(crate) const CODE: Code = code!(
+    dynamics,
+    acoustics,
+    model_sources_exhaust,
+    stages_apart,
+    stages_intervals,
+    stages_microphones,
+    stages_sound,
+    stages_sources,
+    stages_truncation
+);
 
 /// Uncertainty of the exhaust's level \[dB\]: the distance of the jet correlations from a published fit to measured
 /// millimetre jets at 6 atmospheres, the largest up to there.
@@ -33,30 +50,30 @@ const MASS_GAP: f64 = 0.05;
 
 /// The openings through which air leaves, and the range in which their noise is computed.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Openings {
+pub(crate) struct Openings {
     /// The ambient air.
-    pub air: Air,
+    pub(crate) air: Air,
     /// Analysed range \[Hz\].
-    pub range_hz: [f64; 2],
+    pub(crate) range_hz: [f64; 2],
     /// The exhaust holes.
-    pub holes: Opening,
+    pub(crate) holes: Opening,
     /// Resonance of the plenum, where it filters the unsteady outflow.
-    pub plenum: Option<PlenumResonance>,
+    pub(crate) plenum: Option<PlenumResonance>,
     /// Pipe on the holes.
-    pub fitting: Option<PipeFitting>,
+    pub(crate) fitting: Option<PipeFitting>,
     /// What the air passes behind the holes.
-    pub muffler: Option<Muffler>,
+    pub(crate) muffler: Option<Muffler>,
     /// Effective area of the trigger valve's vent, its discharge coefficient included \[m²\].
-    pub vent_area: f64,
-    /// Whether the vent counts to another source.
-    pub vent_apart: bool,
+    pub(crate) vent_area: f64,
+    /// Name of the source to which the vent counts, if not to the exhaust.
+    pub(crate) vent_counts_to: Option<&'static str>,
 }
 
 /// A muffler behind the exhaust holes.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub enum Muffler {
-    /// One of measured insertion loss, its own flow noise included. It applies to the sound of the same shot without the
-    /// muffler.
+pub(crate) enum Muffler {
+    /// One of measured insertion loss, its own flow noise included. It applies to the sound of the same shot without
+    /// the muffler.
     InsertionLoss(BandLosses),
     /// An expansion chamber with a tail pipe.
     Chamber {
@@ -69,28 +86,29 @@ pub enum Muffler {
 
 /// Properties of the exhaust noise that stand beside its energy.
 #[derive(Debug, Clone)]
-pub struct ExhaustDetails {
-    /// Unweighted level of the jets by the efficiencies of IEC 60534-8-3:2010, an independent estimate \[dB re 1 pW s\].
-    pub valve_noise_lw: Option<f64>,
+pub(crate) struct ExhaustDetails {
+    /// Unweighted level of the jets by the efficiencies of IEC 60534-8-3:2010, an independent estimate \[dB re 1 pW
+    /// s\].
+    pub(crate) valve_noise_lw: Option<f64>,
     /// Unweighted level of the jets by the correlations used, over all frequencies \[dB re 1 pW s\].
-    pub jets_lw: Option<f64>,
+    pub(crate) jets_lw: Option<f64>,
     /// Mass that the jets carry over the mass of the cycle's flow, less one \[-\].
-    pub mass_gap: f64,
+    pub(crate) mass_gap: f64,
     /// Share of the mixing energy from jet speeds outside the correlation's range \[-\].
-    pub outside_range: f64,
+    pub(crate) outside_range: f64,
     /// The single jet into which those of neighbouring holes merge, if they do.
-    pub merged: Option<Opening>,
+    pub(crate) merged: Option<Opening>,
     /// Checks of the cycle without a muffler whose insertion loss was measured.
-    pub unmuffled_checks: Vec<Check>,
+    pub(crate) unmuffled_checks: Vec<Check>,
     /// The noise of each opening: holes, muffler's outlet where there is one, trigger vent.
-    pub openings: Vec<ExhaustNoise>,
+    pub(crate) openings: Vec<ExhaustNoise>,
     /// Screech frequency of the holes' jets at every sample of the cycle \[Hz\]; none while they are subsonic.
-    pub screech: Vec<Option<f64>>,
+    pub(crate) screech: Vec<Option<f64>>,
 }
 
 impl ExhaustDetails {
     /// Checks that cycle and acoustics see the same flow, and those of the cycle without the muffler.
-    pub fn checks(&self) -> impl Iterator<Item = Check> {
+    pub(crate) fn checks(&self) -> impl Iterator<Item = Check> {
         let mass = Check::at_most(
             "exhaust: relative difference between the air mass of the jets and that of the cycle",
             self.mass_gap,
@@ -100,144 +118,181 @@ impl ExhaustDetails {
     }
 
     /// How long the holes' jets are choked \[s\], and the lowest screech frequency meanwhile \[Hz\].
-    pub(super) fn choked(&self, sample_interval: f64) -> Option<(f64, f64)> {
+    pub(crate) fn choked(&self, sample_interval: f64) -> Option<(f64, f64)> {
         let choked = || self.screech.iter().flatten();
         let lowest = choked().copied().reduce(f64::min)?;
         Some((choked().count() as f64 * sample_interval, lowest))
     }
 }
 
-/// The exhaust as a source: its energy over frequency and time, and its sound at the microphones.
-///
-/// Its output is not kept: to compute it takes less time than to read it would.
-#[derive(Serialize)]
-pub struct Exhaust {
-    /// The openings.
-    pub openings: Openings,
-    /// Where the jets leave the tool.
-    pub outlet: JetOutlet,
-    /// The microphones.
-    pub microphones: MicrophoneArray,
-    /// The cycles of shot and holes.
-    pub cycles: Cycles,
-    /// End of all records of the shot \[s\].
-    pub end: Stored<f64>,
-    /// Seed of the jets' noise in the signals at the microphones.
-    pub noise_seed: u32,
-}
-
 /// The cycles from whose outflow the exhaust follows.
 #[derive(Clone, Serialize)]
-pub struct Cycles {
+pub(crate) struct Cycles {
     /// That of the shot.
-    pub shot: Stored<CycleRecord>,
+    pub(crate) shot: Stored<CycleRecord>,
     /// That of the same shot without a muffler, where the insertion loss of the muffler was measured.
-    pub unmuffled: Option<Stored<CycleRecord>>,
+    pub(crate) unmuffled: Option<Stored<CycleRecord>>,
 }
 
-impl Cycles {
-    /// The stages that they come from.
-    pub(super) fn inputs(&self) -> impl Iterator<Item = &dyn Input> {
-        let unmuffled = self.unmuffled.iter().map(|cycle| cycle as &dyn Input);
-        std::iter::once(&self.shot as &dyn Input).chain(unmuffled)
+/// Noise of the openings in the outflow of a shot.
+///
+/// Its output is not stored: computing it takes less time than reading it would.
+#[derive(Serialize)]
+pub(crate) struct OutflowNoise {
+    /// The openings.
+    pub(crate) openings: Openings,
+    /// The cycles of shot and holes.
+    pub(crate) cycles: Cycles,
+}
+
+/// Output of [`OutflowNoise`].
+pub(crate) struct Outflow {
+    /// Sound of the source.
+    pub(crate) sound: Sound,
+    /// Sound of the trigger vent, and the source to which it counts, if that is another one.
+    pub(crate) vent: Option<(Sound, &'static str)>,
+    /// Properties in addition to the sound.
+    pub(crate) details: ExhaustDetails,
+}
+
+impl Stage for OutflowNoise {
+    type Output = Outflow;
+    type Codec = Uncached;
+    const NAME: &'static str = "noise of the outflow";
+    const CODE: Code = CODE;
+
+    fn inputs(&self) -> Vec<&dyn Input> {
+        let unmuffled = self.cycles.unmuffled.iter().map(|cycle| cycle as &dyn Input);
+        unmuffled.chain([&self.cycles.shot as &dyn Input]).collect()
     }
 
-    /// Checks of the cycle without the muffler, where there is one.
-    ///
-    /// # Errors
-    /// Those of the cycle.
-    pub fn checks(&self) -> Result<Vec<Check>, Error> {
-        let record = self.unmuffled.as_ref().map(Stored::get).transpose()?;
-        let own = record.iter().flat_map(|record| &record.checks);
-        Ok(own.map(|check| check.clone().of("without the muffler")).collect())
-    }
-
-    /// The noise of the openings from these cycles.
-    ///
-    /// # Errors
-    /// Those of the cycles and of [`noise`].
-    pub(super) fn noise(&self, openings: &Openings) -> Result<(Sound, Option<Sound>, ExhaustDetails), Error> {
-        let shot = self.shot.get()?;
-        match &self.unmuffled {
-            Some(cycle) => noise(openings, &*cycle.get()?, &shot),
-            None => noise(openings, &shot, &shot),
-        }
+    fn compute(&self, _: &Progress) -> Result<Outflow, Error> {
+        let shot = self.cycles.shot.get()?;
+        let Some(unmuffled) = &self.cycles.unmuffled else {
+            return noise(&self.openings, &shot, &shot);
+        };
+        let unmuffled = unmuffled.get()?;
+        let mut outflow = noise(&self.openings, &unmuffled, &shot)?;
+        let checks = unmuffled.checks.iter();
+        outflow.details.unmuffled_checks = checks.map(|check| check.clone().of("without the muffler")).collect();
+        Ok(outflow)
     }
 }
 
-/// Output of [`Exhaust`].
-#[derive(Debug, Clone)]
-pub struct ExhaustSource {
-    /// Its energy over frequency and time.
-    pub source: SoundSource,
-    /// What stands beside it.
-    pub details: ExhaustDetails,
-    /// Its sound at the microphones.
-    pub received: AtMicrophones,
-    /// The trigger vent, where it counts to another source and is no part of this one.
-    pub vent: Option<MovedPart>,
+/// The vent as a part that counts to another source.
+fn moved<T>(part: T, to: &'static str) -> Moved<T> {
+    Moved {
+        to: to.into(),
+        error: PartError::OfPart,
+        part,
+    }
+}
+
+/// Sound of the exhaust.
+#[derive(Clone, Serialize)]
+pub(crate) struct ExhaustSound(pub(crate) Stored<Outflow>);
+
+impl Emission for ExhaustSound {
+    const CODE: Code = CODE;
+
+    fn inputs(&self) -> Vec<&dyn Input> {
+        vec![&self.0]
+    }
+
+    fn energy(&self) -> Result<Apart<SourceSpectrum>, Error> {
+        let outflow = self.0.get()?;
+        let vent = outflow.vent.as_ref();
+        Ok(Apart {
+            own: outflow.sound.spectrum.clone(),
+            moved: vent.map(|(vent, to)| moved(vent.spectrum.clone(), to)),
+        })
+    }
+
+    fn analysed(&self, edges: &EventEdges, range_hz: [f64; 2]) -> Result<Apart<SoundSource>, Error> {
+        let outflow = self.0.get()?;
+        let analysed = |sound: &Sound| SoundSource::new(sound.clone(), edges, range_hz);
+        let vent = outflow.vent.as_ref();
+        Ok(Apart {
+            own: analysed(&outflow.sound),
+            moved: vent.map(|(vent, to)| moved(analysed(vent), to)),
+        })
+    }
+
+    fn checks(&self) -> Result<Vec<Check>, Error> {
+        Ok(self.0.get()?.details.unmuffled_checks.clone())
+    }
+}
+
+/// The exhaust as a source: its energy over frequency and time, and its sound at the microphones.
+#[derive(Serialize)]
+pub(crate) struct Exhaust {
+    /// The noise of its openings.
+    pub(crate) outflow: Stored<Outflow>,
+    /// Where the jets leave the tool.
+    pub(crate) outlet: JetOutlet,
+    /// The microphones.
+    pub(crate) microphones: MicrophoneArray,
+    /// The cycle of the shot, whose events separate the intervals.
+    pub(crate) cycle: Stored<CycleRecord>,
+    /// End of all records of the shot \[s\].
+    pub(crate) end: Stored<f64>,
+    /// Seed of the jets' noise in the signals at the microphones.
+    pub(crate) noise_seed: u32,
 }
 
 impl Stage for Exhaust {
-    type Output = ExhaustSource;
+    type Output = SourceSound;
     type Codec = Uncached;
     const NAME: &'static str = "exhaust";
-    const CODE: Code = code!(
-        dynamics,
-        acoustics,
-        stages_convention,
-        stages_exhaust,
-        stages_intervals,
-        stages_microphones,
-        stages_sound
-    );
+    const CODE: Code = CODE;
 
     fn inputs(&self) -> Vec<&dyn Input> {
-        self.cycles.inputs().chain([&self.end as &dyn Input]).collect()
+        vec![&self.outflow, &self.cycle, &self.end]
     }
 
-    fn compute(&self, _: &Progress) -> Result<ExhaustSource, Error> {
-        let end = *self.end.get()?;
-        let (sound, vent, mut details) = self.cycles.noise(&self.openings)?;
-        details.unmuffled_checks = self.cycles.checks()?;
-        let edges = EventEdges::new(&self.cycles.shot.get()?.events, end);
-        let analysed = |sound: Sound, first: usize, openings: &[ExhaustNoise]| {
-            let source = SoundSource::new(sound, &edges, self.microphones.range_hz);
+    fn compute(&self, _: &Progress) -> Result<SourceSound, Error> {
+        let (end, outflow) = (*self.end.get()?, self.outflow.get()?);
+        let details = &outflow.details;
+        let edges = EventEdges::new(&self.cycle.get()?.events, end);
+        let heard = |sound: &Sound, first: usize, openings: &[ExhaustNoise]| {
+            let source = SoundSource::new(sound.clone(), &edges, self.microphones.range_hz);
             let numbered = (first, openings, self.noise_seed);
             let received = self
                 .microphones
                 .exhaust(&self.outlet, numbered, &source.spectrum, end)?;
-            Ok::<_, Error>(MovedPart { source, received })
+            Ok::<_, Error>(Heard { source, received })
         };
-        let own = details.openings.len() - usize::from(vent.is_some());
-        let MovedPart { source, received } = analysed(sound, 0, &details.openings[..own])?;
-        let vent = vent
-            .map(|vent| analysed(vent, own, &details.openings[own..]))
-            .transpose()?;
-        Ok(ExhaustSource {
-            source,
-            details,
-            received,
-            vent,
+        let vent = outflow.vent.as_ref();
+        let count = details.openings.len() - usize::from(vent.is_some());
+        let own = heard(&outflow.sound, 0, &details.openings[..count])?;
+        let vent = vent.map(|(vent, to)| Ok::<_, Error>(moved(heard(vent, count, &details.openings[count..])?, to)));
+        Ok(SourceSound {
+            heard: Apart {
+                own,
+                moved: vent.transpose()?,
+            },
+            truncations: Vec::new(),
+            checks: details.checks().collect(),
+            histories: vec![SourceHistory {
+                heading: "screech of the exhaust [Hz]".to_owned(),
+                values: details.screech.clone(),
+            }],
         })
     }
 }
 
-/// The noise of exhaust holes, muffler and trigger vent from the cycle's flow, and that of the vent by itself where it is apart.
+/// The noise of exhaust holes, muffler and trigger vent from the cycle's flow, and that of the vent by itself where it
+/// is apart.
 ///
-/// The holes sound in the cycle `through_holes`, the vent in that of the shot; both are the same unless the insertion loss
-/// of a muffler was measured. Such a loss is the level without the muffler less that with it, so that it applies to the
-/// holes that open into the air, in the shot without the muffler's back pressure: what back pressure and gas inside the
-/// muffler do to the jets is in the measured loss. The holes before a chamber blow into it, against its pressure and into
-/// outflow of their own stagnation temperature.
+/// The holes sound in the cycle `through_holes`, the vent in that of the shot; both are the same unless the insertion
+/// loss of a muffler was measured. Such a loss is the level without the muffler less that with it, so that it applies
+/// to the holes that open into the air, in the shot without the muffler's back pressure: what back pressure and gas
+/// inside the muffler do to the jets is in the measured loss. The holes before a chamber blow into it, against its
+/// pressure and into outflow of their own stagnation temperature.
 ///
 /// # Errors
 /// Openings, plenum or muffler that cannot be, air that leaves against a higher pressure.
-pub fn noise(
-    inputs: &Openings,
-    through_holes: &CycleRecord,
-    shot: &CycleRecord,
-) -> Result<(Sound, Option<Sound>, ExhaustDetails), Error> {
+pub(crate) fn noise(inputs: &Openings, through_holes: &CycleRecord, shot: &CycleRecord) -> Result<Outflow, Error> {
     let air = &inputs.air;
     let chamber = matches!(inputs.muffler, Some(Muffler::Chamber { .. }));
     let bare = ExhaustSettings {
@@ -307,14 +362,14 @@ pub fn noise(
     let vent = &shot.vent;
     let vent = through(&vent.pressure, None, &vent.mass_flow, &vent.temperature);
     let vent = exhaust_noise("trigger vent", &vent, &round(inputs.vent_area), air, &bare)?;
-    let vent_alone = inputs.vent_apart.then(|| vent_alone(&vent));
+    let vent_alone = inputs.vent_counts_to.map(|to| (vent_alone(&vent), to));
     if vent_alone.is_none() {
         parts.push(vent.spectrum.clone());
     }
     openings.push(vent);
-    let own = openings.len() - usize::from(inputs.vent_apart);
+    let own = openings.len() - usize::from(inputs.vent_counts_to.is_some());
     let (valve_noise_lw, jets_lw) = (energy_level(valve_noise), energy_level(jets_energy));
-    let spectrum = SourceSpectrum::sum("exhaust", method, &parts);
+    let spectrum = SourceSpectrum::sum(NAME, method, &parts);
     let [minus, plus] = match &inputs.fitting {
         Some(fitting) => amplified_jets(fitting, &openings[0], &spectrum, air)?,
         None => [0.0, 0.0],
@@ -350,7 +405,11 @@ pub fn noise(
         openings,
         screech: screech_track(&flow, &jets, air),
     };
-    Ok((sound, vent_alone, details))
+    Ok(Outflow {
+        sound,
+        vent: vent_alone,
+        details,
+    })
 }
 
 /// The trigger vent as a sound of its own.
@@ -369,8 +428,8 @@ fn vent_alone(vent: &ExhaustNoise) -> Sound {
     }
 }
 
-/// How far the A-weighted level of the exhaust is lower and higher \[dB\] if the resonances of a fitting act on the jets
-/// of the holes as they do on the unsteady outflow. Where in the fitting jets sound, and as what, is not known.
+/// How far the A-weighted level of the exhaust is lower and higher \[dB\] if the resonances of a fitting act on the
+/// jets of the holes as they do on the unsteady outflow. Where in the fitting jets sound, and as what, is not known.
 fn amplified_jets(
     fitting: &PipeFitting,
     holes: &ExhaustNoise,

@@ -4,19 +4,22 @@ use nailnoise_acoustics::AcousticsError;
 use nailnoise_acoustics::exhaust::{Opening, PipeFitting, PlenumResonance};
 use nailnoise_acoustics::muffler::{BandLosses, Lining, MufflerChain, MufflerElement};
 
-use super::air;
-use super::microphones::{on_axis, tool_height};
+use super::super::housing::sound::NAME as HOUSING;
+use super::sound::{Muffler, Openings};
+use crate::design::inputs::air;
+use crate::design::inputs::microphones::{on_axis, tool_height};
 use crate::design::{self, Convention, Design, FittingKind, MufflerKind, VentSource};
 use crate::error::Error;
-use crate::stages::exhaust::{Muffler, Openings};
 use crate::stages::microphones::JetOutlet;
 
 /// The openings of a design.
 ///
 /// # Errors
 /// Air that cannot be, holes whose area is not that of the cycle, a muffler without losses.
-pub(crate) fn openings(design: &Design) -> Result<Openings, Error> {
+pub(super) fn openings(design: &Design) -> Result<Openings, Error> {
     let own = &design.exhaust;
+    let vent_apart =
+        design.sources.convention == Convention::Wrapping && design.sources.trigger_vent == VentSource::Body;
     let holes = Opening {
         count: own.holes as usize,
         diameter: own.hole_diameter,
@@ -40,13 +43,12 @@ pub(crate) fn openings(design: &Design) -> Result<Openings, Error> {
         }),
         muffler: muffler(&own.muffler)?,
         vent_area: design.trigger.vent_area,
-        vent_apart: design.sources.convention == Convention::Wrapping
-            && design.sources.trigger_vent == VentSource::Body,
+        vent_counts_to: vent_apart.then_some(HOUSING),
     })
 }
 
 /// The outlet of the jets: the top of the tool.
-pub(crate) fn outlet(design: &Design) -> JetOutlet {
+pub(super) fn outlet(design: &Design) -> JetOutlet {
     JetOutlet {
         position: on_axis(design, tool_height(design)),
         thrust_share: design.exhaust.thrust_share,
@@ -82,7 +84,8 @@ fn muffler(own: &design::Muffler) -> Result<Option<Muffler>, AcousticsError> {
     })
 }
 
-/// Octaves as third octaves: mid-band frequency \[Hz\] and insertion loss \[dB\], that of an octave in each of its three.
+/// Octaves as third octaves: mid-band frequency \[Hz\] and insertion loss \[dB\], that of an octave in each of its
+/// three.
 fn thirds(octaves: &design::Octaves) -> Vec<(f64, f64)> {
     let losses = [
         octaves.hz_63,

@@ -6,46 +6,58 @@ use nailnoise_acoustics::radiator::{Detail, FluidLoads, Loading, MovingBody, Pre
 use nailnoise_dynamics::CycleRecord;
 use serde::Serialize;
 
-use super::{CODE, SurfaceSource};
 use crate::error::Error;
+use crate::stages::apart::Apart;
 use crate::stages::bodies::Body;
-use crate::stages::microphones::MicrophoneArray;
-use crate::stages::sound::Sound;
+use crate::stages::intervals::EventEdges;
+use crate::stages::microphones::{Heard, MicrophoneArray};
+use crate::stages::sound::{Sound, SoundSource};
+use crate::stages::sources::{Emission, SourceSound};
 use crate::stages::spectra::BodyMotion;
-use crate::stages::truncation::Part;
-use crate::stages::{Code, Input, Postcard, Progress, Stage, Stored, Uncached, all};
+use crate::stages::truncation::{Part, truncations};
+use crate::stages::{Code, Input, Postcard, Progress, Stage, Stored, Uncached, all, code};
 
 /// Name of the source.
-const NAME: &str = "workpiece";
+pub(crate) const NAME: &str = "workpiece";
+
+/// Code that the stages of this module call.
+pub(crate) const CODE: Code = code!(
+    dynamics,
+    meshes,
+    fem,
+    acoustics,
+    model_sources_workpiece,
+    stages_bodies,
+    stages_apart,
+    stages_intervals,
+    stages_microphones,
+    stages_radiation,
+    stages_response,
+    stages_sound,
+    stages_sources,
+    stages_spectra,
+    stages_truncation
+);
 
 /// Inputs of the sound of the workpiece with its support.
 #[derive(Clone, Serialize)]
-pub struct WorkpieceSound {
+pub(crate) struct WorkpieceSound {
     /// How it radiates.
-    pub radiator: Stored<Box<dyn Radiator>>,
+    pub(crate) radiator: Stored<Box<dyn Radiator>>,
     /// The bodies.
-    pub bodies: Vec<Stored<Body>>,
+    pub(crate) bodies: Vec<Stored<Body>>,
     /// Fluid loads of the air on the modes of each body.
-    pub loads: Stored<Vec<FluidLoads>>,
+    pub(crate) loads: Stored<Vec<FluidLoads>>,
     /// Fluid loads that act on their motion.
-    pub acts: Loading,
+    pub(crate) acts: Loading,
     /// Loss factor of the modes of each \[-\].
-    pub loss_factors: Vec<f64>,
+    pub(crate) loss_factors: Vec<f64>,
     /// Motion of each body.
-    pub motions: Vec<Stored<BodyMotion>>,
+    pub(crate) motions: Vec<Stored<BodyMotion>>,
 }
 
 impl WorkpieceSound {
-    /// The inputs that it reads in every case.
-    pub(in crate::stages) fn inputs(&self) -> Vec<&dyn Input> {
-        let bodies = self.bodies.iter().map(|body| body as &dyn Input);
-        let motions = self.motions.iter().map(|motion| motion as &dyn Input);
-        let others: [&dyn Input; 2] = [&self.loads, &self.radiator];
-        bodies.chain(motions).chain(others).collect()
-    }
-
-    /// Its sound.
-    pub(in crate::stages) fn sound(&self, detail: Detail) -> Result<Sound, Error> {
+    fn sound(&self, detail: Detail) -> Result<Sound, Error> {
         let bodies = all(&self.bodies)?;
         let motions = all(&self.motions)?;
         let loads = self.loads.get()?;
@@ -67,18 +79,40 @@ impl WorkpieceSound {
     }
 }
 
+impl Emission for WorkpieceSound {
+    const CODE: Code = CODE;
+
+    fn inputs(&self) -> Vec<&dyn Input> {
+        let bodies = self.bodies.iter().map(|body| body as &dyn Input);
+        let motions = self.motions.iter().map(|motion| motion as &dyn Input);
+        let others: [&dyn Input; 2] = [&self.loads, &self.radiator];
+        bodies.chain(motions).chain(others).collect()
+    }
+
+    fn energy(&self) -> Result<Apart<SourceSpectrum>, Error> {
+        let motions = all(&self.motions)?;
+        let spectra: Vec<&ModalSpectra> = motions.iter().map(|motion| &motion.spectra).collect();
+        Ok(Apart::whole(self.radiator.get()?.energy(NAME, &spectra)?))
+    }
+
+    fn analysed(&self, edges: &EventEdges, range_hz: [f64; 2]) -> Result<Apart<SoundSource>, Error> {
+        let sound = self.sound(Detail::Levels)?;
+        Ok(Apart::whole(SoundSource::new(sound, edges, range_hz)))
+    }
+}
+
 /// Radiation of the workpiece with its support. Separate from [`WorkpieceSource`], because only that one needs the end
 /// of all records. That end may depend on the tool, whose modes take longer to compute.
 #[derive(Serialize)]
-pub struct WorkpieceRadiated {
+pub(crate) struct WorkpieceRadiated {
     /// Inputs of the sound.
-    pub sound: WorkpieceSound,
+    pub(crate) sound: WorkpieceSound,
     /// How it radiates, with pressures at the microphones.
-    pub at_microphones: Stored<Box<dyn Radiator>>,
+    pub(crate) at_microphones: Stored<Box<dyn Radiator>>,
 }
 
 /// Sound over frequency and time, and the pressures at the microphones if the radiator gives them.
-pub struct Radiated {
+pub(crate) struct Radiated {
     sound: Sound,
     pressures: Option<Pressures>,
 }
@@ -109,25 +143,25 @@ impl Stage for WorkpieceRadiated {
 
 /// Sound of the workpiece with its support.
 #[derive(Serialize)]
-pub struct WorkpieceSource {
+pub(crate) struct WorkpieceSource {
     /// Its radiation.
-    pub radiated: Stored<Radiated>,
+    pub(crate) radiated: Stored<Radiated>,
     /// The bodies.
-    pub bodies: Vec<Stored<Body>>,
+    pub(crate) bodies: Vec<Stored<Body>>,
     /// Frequency up to which the result includes the motion of each body \[Hz\].
-    pub top_hz: Vec<f64>,
+    pub(crate) top_hz: Vec<f64>,
     /// The cycle, whose events separate the intervals.
-    pub cycle: Stored<CycleRecord>,
+    pub(crate) cycle: Stored<CycleRecord>,
     /// End of all records \[s\].
-    pub end: Stored<f64>,
+    pub(crate) end: Stored<f64>,
     /// The microphones.
-    pub microphones: MicrophoneArray,
+    pub(crate) microphones: MicrophoneArray,
     /// Middle of the workpiece, the origin of its sound if only its power is known \[m\].
-    pub centre: [f64; 3],
+    pub(crate) centre: [f64; 3],
 }
 
 impl Stage for WorkpieceSource {
-    type Output = SurfaceSource;
+    type Output = SourceSound;
     type Codec = Postcard;
     const NAME: &'static str = "sound of the workpiece";
     const CODE: Code = CODE;
@@ -138,7 +172,7 @@ impl Stage for WorkpieceSource {
         bodies.chain(others).collect()
     }
 
-    fn compute(&self, _: &Progress) -> Result<SurfaceSource, Error> {
+    fn compute(&self, _: &Progress) -> Result<SourceSound, Error> {
         let (radiated, end, bodies) = (self.radiated.get()?, *self.end.get()?, all(&self.bodies)?);
         let Radiated { sound, pressures } = &*radiated;
         let received = match pressures {
@@ -150,41 +184,15 @@ impl Stage for WorkpieceSource {
             contribution: body.name.into(),
             top_hz: *top_hz,
         });
-        let events = &self.cycle.get()?.events;
         let range = self.microphones.range_hz;
-        Ok(SurfaceSource::new(
-            (NAME, sound.clone()),
-            received,
-            parts,
-            (events, end),
-            range,
-        ))
-    }
-}
-
-/// Energy of the workpiece with its support over frequency, without signals.
-#[derive(Serialize)]
-pub struct WorkpieceEnergy {
-    /// How it radiates.
-    pub radiator: Stored<Box<dyn Radiator>>,
-    /// Motion of each body.
-    pub motions: Vec<Stored<BodyMotion>>,
-}
-
-impl Stage for WorkpieceEnergy {
-    type Output = SourceSpectrum;
-    type Codec = Postcard;
-    const NAME: &'static str = "energy of the workpiece";
-    const CODE: Code = CODE;
-
-    fn inputs(&self) -> Vec<&dyn Input> {
-        let motions = self.motions.iter().map(|motion| motion as &dyn Input);
-        motions.chain([&self.radiator as &dyn Input]).collect()
-    }
-
-    fn compute(&self, _: &Progress) -> Result<SourceSpectrum, Error> {
-        let motions = all(&self.motions)?;
-        let spectra: Vec<&ModalSpectra> = motions.iter().map(|motion| &motion.spectra).collect();
-        Ok(self.radiator.get()?.energy(NAME, &spectra)?)
+        let truncations = truncations((NAME, &sound.spectrum), range, parts);
+        let edges = EventEdges::new(&self.cycle.get()?.events, end);
+        let source = SoundSource::new(sound.clone(), &edges, range);
+        Ok(SourceSound {
+            heard: Apart::whole(Heard { source, received }),
+            truncations,
+            checks: Vec::new(),
+            histories: Vec::new(),
+        })
     }
 }

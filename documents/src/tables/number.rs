@@ -1,0 +1,13 @@
+//! Numbers as tables write them.
+
+/// A finite number with a decimal point or comma; `D` marks an exponent too.
+pub fn number(field: &str) -> Option<f64> {
+    let parsed = field.parse::<f64>().or_else(|_| {
+        let mut text = field.replace('\u{2212}', "-").replace(['D', 'd'], "E");
+        if text.matches(',').count() == 1 && !text.contains('.') {
+            text = text.replace(',', ".");
+        }
+        text.parse()
+    });
+    parsed.ok().filter(|number| number.is_finite())
+}

@@ -1,0 +1,118 @@
+//! Files of the fields of a run: rendered from inputs that are stored once for all runs whose bodies move alike.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::{fs, io};
+
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+
+use crate::error::Error;
+use crate::output::{BodyFields, Fields};
+use crate::stages::{Digest, Postcard, Stage, Stored};
+use crate::staging::Staging;
+use crate::store::{Checksum, Key, Store, checksum};
+
+/// Name of the entries in the store with the checksums of the files.
+const CHECKSUMS: &str = "checksums of fields";
+
+/// Paths and checksums of the files of [`Fields`]. They are most of a run's bytes and the same in all runs whose bodies
+/// move alike: their inputs are stored once, and files in place are not touched.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub(super) struct FieldFiles {
+    /// Key of the fields in the store.
+    key: Digest,
+    files: Vec<(PathBuf, Checksum)>,
+}
+
+impl FieldFiles {
+    /// Writes all files.
+    fn write(staging: &Staging, key: Digest, fields: &Fields) -> Result<Self, Error> {
+        let write = |bytes: &mut Vec<u8>, file: usize| {
+            let path = fields.path(file);
+            fields.render(file, bytes)?;
+            staging.write_unsynced(path, bytes)?;
+            Ok((path.to_owned(), checksum(bytes)))
+        };
+        let files = (0..fields.len()).into_par_iter().map_init(Vec::new, write);
+        Ok(Self {
+            key,
+            files: files.collect::<Result<_, Error>>()?,
+        })
+    }
+
+    /// Those that are not in their places under a folder.
+    fn missing(&self, folder: &Path) -> Vec<usize> {
+        let there = |bytes: &mut Vec<u8>, (path, expected): &(PathBuf, Checksum)| {
+            bytes.clear();
+            let read = fs::File::open(folder.join(path)).and_then(|mut file| io::copy(&mut file, bytes));
+            read.is_ok() && checksum(bytes) == *expected
+        };
+        let there: Vec<bool> = self.files.par_iter().map_init(Vec::new, there).collect();
+        (0..there.len()).filter(|&file| !there[file]).collect()
+    }
+
+    /// Those that are not in their places, and their inputs from the store; nothing if it has lost them.
+    pub(super) fn pending(&self, folder: &Path, store: &Store) -> Option<PendingFields> {
+        let missing = self.missing(folder);
+        if missing.is_empty() {
+            store.renew(BodyFields::NAME, &self.key);
+            return Some(PendingFields::default());
+        }
+        let fields = store.load::<Fields, Postcard>(BodyFields::NAME, &self.key)?;
+        Some(PendingFields {
+            missing,
+            fields: Arc::new(fields),
+        })
+    }
+}
+
+/// Files of fields that are to be put in their places.
+#[derive(Default)]
+pub(super) struct PendingFields {
+    missing: Vec<usize>,
+    fields: Arc<Fields>,
+}
+
+impl PendingFields {
+    /// Whether all files are in their places.
+    pub(super) fn is_empty(&self) -> bool {
+        self.missing.is_empty()
+    }
+
+    /// Renders the files.
+    pub(super) fn write(&self, staging: &Staging) -> Result<(), Error> {
+        let write = |bytes: &mut Vec<u8>, &file: &usize| {
+            self.fields.render(file, bytes)?;
+            staging.write_unsynced(self.fields.path(file), bytes)
+        };
+        let written = self.missing.par_iter().map_init(Vec::new, write);
+        written.collect()
+    }
+}
+
+/// Paths and checksums of the files of fields, and those that are to be rendered. Files that are not in the store are
+/// rendered at once.
+pub(super) fn field_files(
+    fields: &Stored<Fields>,
+    folder: &Path,
+    staging: &Staging,
+    store: &Store,
+) -> Result<(FieldFiles, PendingFields), Error> {
+    let key = fields.key();
+    // Its layout is of this file, which is not in the key of the fields.
+    let of_checksums = Key::new().with(key).digest();
+    if let Some(files) = store.load::<FieldFiles, Postcard>(CHECKSUMS, &of_checksums) {
+        let missing = files.missing(folder);
+        let fields = if missing.is_empty() {
+            store.renew(BodyFields::NAME, key);
+            Arc::default()
+        } else {
+            fields.get()?
+        };
+        return Ok((files, PendingFields { missing, fields }));
+    }
+    let files = FieldFiles::write(staging, *key, &*fields.get()?)?;
+    store.save::<_, Postcard>(CHECKSUMS, &of_checksums, &files);
+    Ok((files, PendingFields::default()))
+}

@@ -1,0 +1,91 @@
+//! A run with the inputs of its report.
+
+use std::sync::Arc;
+
+use crate::chain::{Chain, Options};
+use crate::design::Design;
+use crate::design::inputs::{self, located};
+use crate::error::Error;
+use crate::graph::Graph;
+use crate::output::{self, Exports, RunView};
+use crate::report::{self, BodyPictures, Pictures, Recording};
+use crate::run::Run;
+use crate::stages::Stored;
+use crate::study::StudySource;
+
+/// The microphone whose sound the report contains, counted from 0: in front of the device, half way up.
+const IN_THE_REPORT: usize = 0;
+
+/// A run with the inputs of its report.
+pub struct ReportedRun {
+    /// The run.
+    pub run: Run,
+    pictures: Arc<Pictures>,
+    recordings: Vec<Recording>,
+}
+
+impl ReportedRun {
+    /// Runs a design and writes no file. The result states what the source of its study knows.
+    ///
+    /// # Errors
+    /// Those of [`Chain::run`].
+    pub fn new(graph: &Graph, design: &Design, study: &StudySource) -> Result<Self, Error> {
+        let made = || {
+            let (chain, pictures) = with_pictures(graph, design)?;
+            let mut outputs = chain.outputs();
+            outputs.push(&pictures);
+            graph.prepare(&outputs)?;
+            let mut own = Self::of(chain.run(design)?, pictures.get()?)?;
+            own.state(design, study);
+            Ok(own)
+        };
+        made().map_err(|error| located(design, error))
+    }
+
+    /// With the sounds of a run.
+    pub(super) fn of(run: Run, pictures: Arc<Pictures>) -> Result<Self, Error> {
+        let sounds = output::sounds(&run, IN_THE_REPORT)?;
+        let named = run.microphones.signals.iter().zip(sounds);
+        let recordings = named.map(|((source, _), file)| Recording {
+            name: source.clone(),
+            wav: file.content,
+        });
+        Ok(Self {
+            recordings: recordings.rev().collect(),
+            pictures,
+            run,
+        })
+    }
+
+    /// States in the result what the source of its study knows.
+    pub fn state(&mut self, design: &Design, study: &StudySource) {
+        let study = study.of_run(design, &self.run.result);
+        self.run.result.state_study(study);
+    }
+
+    /// The report, by the current state of the result.
+    pub fn page(&self, design: &Design) -> String {
+        report::run(design, &self.run, &self.pictures, &self.recordings)
+    }
+
+    /// Lets outputs see the run.
+    pub(super) fn show<T>(&self, design: &Design, exports: Exports, outputs: impl FnOnce(&RunView<'_>) -> T) -> T {
+        outputs(&RunView {
+            design,
+            run: &self.run,
+            exports,
+            report: &|| self.page(design),
+        })
+    }
+}
+
+/// The chain of a design whose bodies a run can use, and the pictures of its report.
+pub(super) fn with_pictures(graph: &Graph, design: &Design) -> Result<(Chain, Stored<Pictures>), Error> {
+    let chain = Chain::new(graph, design, Options::default())?;
+    let pictures = graph.add(BodyPictures {
+        moving: chain.moving.clone(),
+        surroundings: inputs::exports::surroundings(design)?,
+    });
+    chain.check_bodies()?;
+    Ok((chain, pictures))
+}

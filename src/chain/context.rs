@@ -1,0 +1,20 @@
+//! What the stages of a design's shot are added with.
+
+use nailnoise_acoustics::Air;
+
+use super::shape::SharedShapes;
+use crate::design::Design;
+use crate::graph::Graph;
+
+/// A design whose stages are added to a graph.
+#[derive(Clone, Copy)]
+pub(crate) struct Context<'a> {
+    /// The graph.
+    pub(crate) graph: &'a Graph,
+    /// The design.
+    pub(crate) design: &'a Design,
+    /// The ambient air.
+    pub(crate) air: Air,
+    /// Shapes that other designs share.
+    pub(crate) shared: SharedShapes,
+}

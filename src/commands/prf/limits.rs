@@ -1,0 +1,18 @@
+//! Quantities of options with their limits.
+
+use nailnoise_quantities::{Dimension, measure};
+
+/// Reads a quantity of an option within limits \[SI\].
+///
+/// # Errors
+/// The fault of the text, or the limits.
+pub(super) fn within(text: &str, dimension: Dimension, [low, high]: [f64; 2]) -> Result<f64, String> {
+    let value = measure(text, dimension)?;
+    if (low..=high).contains(&value) {
+        return Ok(value);
+    }
+    Err(format!(
+        "{value:?} {0} is outside {low:?} to {high:?} {0}",
+        dimension.unit()
+    ))
+}

@@ -1,0 +1,73 @@
+//! What a reader of the levels of the exhaust should know.
+
+use nailnoise_acoustics::exhaust::ValveNoise;
+use nailnoise_dynamics::CycleRecord;
+
+use super::sound::{ExhaustDetails, Muffler, Openings};
+
+/// Notes on the methods of the exhaust, whose levels end at `range_high` \[Hz\].
+pub(super) fn methods(
+    range_high: f64,
+    record: &CycleRecord,
+    openings: &Openings,
+    exhaust: &ExhaustDetails,
+) -> Vec<String> {
+    let mut notes = Vec::new();
+    if let (Some(jets), Some(valve)) = (exhaust.jets_lw, exhaust.valve_noise_lw) {
+        notes.push(format!(
+            "exhaust jets, unweighted and over all frequencies: {jets:.1} dB, by {} as plates with drilled holes \
+             {valve:.1} \
+             dB. Their difference is the check; the level in the ranking is lower, because it ends at {range_high:.0} \
+             Hz and is \
+             that behind the muffler, where there is one; {:.0} % of the mixing noise is from jet speeds outside the \
+             range of \
+             its correlation",
+            ValveNoise::STANDARD,
+            100.0 * exhaust.outside_range
+        ));
+    }
+    if let Some((duration, hz)) = exhaust.choked(record.sample_interval) {
+        notes.push(format!(
+            "exhaust: the holes are choked for {:.1} ms; a screech tone, if there is one, is above {:.1} kHz; its \
+             level is not \
+             predicted",
+            1e3 * duration,
+            1e-3 * hz
+        ));
+    }
+    if let Some(jet) = exhaust.merged {
+        notes.push(format!(
+            "exhaust: {} holes {:.1} mm apart, at most 3 diameters: their jets merge and sound as one of {:.1} mm",
+            openings.holes.count,
+            1e3 * openings.holes.pitch.unwrap_or_default(),
+            1e3 * jet.diameter
+        ));
+    }
+    if let Some(fitting) = &openings.fitting {
+        notes.push(format!(
+            "exhaust fitting: plane waves up to {:.0} Hz in air at rest, between choked holes and an open end that \
+             its jet \
+             damps; above, the outflow radiates as if there were no fitting. The jets of the holes are not filtered; \
+             the uncertainty of the \
+             level holds the case that they are",
+            fitting.plane_wave_limit(&openings.air)
+        ));
+    }
+    match openings.muffler {
+        None => {}
+        Some(Muffler::InsertionLoss(_)) => notes.push(
+            "muffler: its measured insertion loss is subtracted from the sound of the same shot without it; its back \
+             pressure slows the cycle"
+                .to_owned(),
+        ),
+        Some(Muffler::Chamber { .. }) => notes.push(
+            "muffler: plane waves between a source of given volume flow and free space, damped by the jet at its \
+             outlet; \
+             the jets of the holes blow into the chamber, filled with outflow at its stagnation temperature; the \
+             noise of \
+             the jet at the outlet is counted, unmuffled"
+                .to_owned(),
+        ),
+    }
+    notes
+}

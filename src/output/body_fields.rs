@@ -1,0 +1,78 @@
+//! `modes.csv` and `fields/*`: the bodies in motion, for ParaView.
+
+use nailnoise_dynamics::{CycleRecord, Events};
+use nailnoise_meshes::vtu::{Frames, Grid};
+use serde::Serialize;
+
+use super::film::Fields;
+use super::{Output, fields, modes, shot};
+use crate::error::Error;
+use crate::stages::spectra::{Driven, MovingBody};
+use crate::stages::{Code, Input, Postcard, Progress, Stage, Stored, code};
+
+/// Table of the modes of the bodies.
+pub(super) const MODES: Output = Output::of_bodies("modes.csv");
+
+/// Vibration of the bodies, with films on request.
+pub(super) const FIELDS: Output = Output::of_bodies("fields/*");
+
+/// Files of the bodies of a shot: `modes.csv`, and for ParaView `fields/*`, with the films on request.
+///
+/// # Errors
+/// Those of the bodies' response.
+fn made(moving: &[Driven], events: &Events, films: bool) -> Result<Fields, Error> {
+    let mut made = Fields::default();
+    made.text("modes.csv", modes::modes(moving)?);
+    for driven in moving {
+        made.show(Frames::of(&Grid::of_surface(&driven.body.surface))?);
+        fields::add(&mut made, driven, films);
+        if films {
+            shot::add(&mut made, driven, events)?;
+        }
+    }
+    Ok(made)
+}
+
+/// Makes the files of the bodies in motion: their modes, and their vibration for ParaView.
+#[derive(Serialize)]
+pub struct BodyFields {
+    /// The bodies.
+    pub moving: Vec<MovingBody>,
+    /// The cycle, whose events the films show.
+    pub cycle: Stored<CycleRecord>,
+    /// Whether films of the shot and series over the bands are among the files.
+    pub films: bool,
+}
+
+impl Stage for BodyFields {
+    type Output = Fields;
+    type Codec = Postcard;
+    const NAME: &'static str = "fields of the bodies";
+    const CODE: Code = code!(
+        dynamics,
+        meshes,
+        fem,
+        acoustics,
+        stages_apart,
+        stages_bodies,
+        stages_intervals,
+        stages_microphones,
+        stages_radiation,
+        stages_response,
+        stages_sensors,
+        stages_sound,
+        stages_sound_fields,
+        stages_spectra,
+        output
+    );
+
+    fn inputs(&self) -> Vec<&dyn Input> {
+        let moving = self.moving.iter().flat_map(MovingBody::inputs);
+        moving.chain([&self.cycle as &dyn Input]).collect()
+    }
+
+    fn compute(&self, _: &Progress) -> Result<Fields, Error> {
+        let moving: Vec<Driven> = self.moving.iter().map(MovingBody::get).collect::<Result<_, _>>()?;
+        made(&moving, &self.cycle.get()?.events, self.films)
+    }
+}

@@ -1,0 +1,27 @@
+//! Files in the folder of a run.
+
+use std::path::PathBuf;
+
+use serde::{Deserialize, Serialize};
+
+/// The folder of the fields in that of a run.
+pub(super) const FIELDS: &str = "fields";
+
+/// A file by its path in the folder of a run.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct File {
+    /// The path.
+    pub path: PathBuf,
+    /// The bytes of the file.
+    #[serde(with = "serde_bytes")]
+    pub content: Vec<u8>,
+}
+
+impl File {
+    pub(crate) fn new(path: impl Into<PathBuf>, content: impl Into<Vec<u8>>) -> Self {
+        Self {
+            path: path.into(),
+            content: content.into(),
+        }
+    }
+}

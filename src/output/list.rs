@@ -1,0 +1,77 @@
+//! The outputs of a run.
+
+use nailnoise_dynamics::CycleRecord;
+use rayon::prelude::*;
+
+use super::{Exports, File, Output, RunView, Writer};
+use super::{body_fields, paraview, transducers};
+use super::{
+    events, figures, histories, intervals, levels, log, microphones, power, radiation, ranking, result, sensors,
+};
+use crate::error::Error;
+
+/// Every output of a run.
+pub const OUTPUTS: [Output; 23] = [
+    result::RESULT,
+    result::REPORT,
+    ranking::RANKING,
+    levels::LEVELS,
+    intervals::INTERVALS,
+    power::POWER,
+    events::EVENTS,
+    log::LOG,
+    histories::HISTORIES,
+    body_fields::MODES,
+    body_fields::FIELDS,
+    paraview::SCRIPT,
+    radiation::TABLES,
+    sensors::HISTORIES,
+    sensors::SPECTRA,
+    sensors::UNIVERSAL,
+    transducers::HISTORIES,
+    transducers::UNIVERSAL,
+    microphones::LEVELS,
+    microphones::BANDS,
+    microphones::NOTE,
+    microphones::SOUNDS,
+    figures::FIGURES,
+];
+
+/// Files of a cycle, which need no source.
+///
+/// # Errors
+/// [`Error::Table`] where a table is not rectangular.
+pub fn of_cycle(record: &CycleRecord, exports: Exports) -> Result<Vec<File>, Error> {
+    let files = OUTPUTS.par_iter().filter_map(|output| match output.writer {
+        Writer::Cycle(write) => Some(write(record, exports).map(|bytes| File::new(output.name, bytes))),
+        _ => None,
+    });
+    files.collect()
+}
+
+/// Files of a run that no study changes, other than those of its cycle and its bodies.
+///
+/// # Errors
+/// Those of the sensors' spectra and of sound files.
+pub fn of_run(view: &RunView<'_>) -> Result<Vec<File>, Error> {
+    let own = |output: &&Output| (output.condition)(view);
+    let files = OUTPUTS.par_iter().filter(own).map(|output| match output.writer {
+        Writer::Run(write) => Ok(vec![File::new(output.name, write(view)?)]),
+        Writer::Files(write) => write(view),
+        Writer::Cycle(_) | Writer::Study(_) | Writer::Bodies => Ok(Vec::new()),
+    });
+    Ok(files.collect::<Result<Vec<_>, _>>()?.concat())
+}
+
+/// Files of a run that show its study.
+///
+/// # Errors
+/// [`Error::Json`], [`Error::Table`].
+pub fn of_study(view: &RunView<'_>) -> Result<Vec<File>, Error> {
+    let own = |output: &&Output| (output.condition)(view);
+    let files = OUTPUTS.par_iter().filter(own).filter_map(|output| match output.writer {
+        Writer::Study(write) => Some(write(view).map(|bytes| File::new(output.name, bytes))),
+        _ => None,
+    });
+    files.collect()
+}

@@ -1,0 +1,160 @@
+//! What the draws of a study say about the levels of a run.
+
+use nailnoise_quantities::Check;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use super::design_id::DesignId;
+
+/// Levels of a run over the draws of a study that serves its design, or why there are none.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(tag = "state", rename_all = "snake_case")]
+pub enum RunStudy {
+    /// A study serves the design.
+    Known(Box<StudySummary>),
+    /// No interval, no P(first) and no K are stated.
+    Absent(NoStudy),
+}
+
+/// Why a run states no intervals.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct NoStudy {
+    /// The reason.
+    pub reason: String,
+    /// Outcomes that a study of the design counts, if the shot of the design has another one; null otherwise.
+    pub unmet: Option<String>,
+}
+
+/// A study as far as it concerns the levels of a run.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct StudySummary {
+    /// The design whose study it is: that of the run, or one whose draws also serve it.
+    pub design: DesignId,
+    /// Number of draws. Weighted draws count as many as they are worth.
+    pub draws: usize,
+    /// Meaning of the ends of the intervals.
+    pub ends: Ends,
+    /// Number of structures that were drawn; 0 for those of the design.
+    pub structures: usize,
+    /// Outcomes that count; all count if it is empty.
+    pub require: Vec<String>,
+    /// The command that made a study that comes with the program; null for a study from the cache.
+    pub provided: Option<Provided>,
+    /// How draws of another study are weighted; null for draws of this design.
+    pub weighting: Option<Weighting>,
+    /// Levels of each source, loudest median first.
+    pub sources: Vec<LevelSpread>,
+    /// Level of all sources together.
+    pub total: LevelSpread,
+    /// Sources, and the total, whose level in the run lies outside their interval: the values of the design and its
+    /// ranges contradict each other. No P(first), no order, no K and no deciding inputs are then stated.
+    pub outside: Vec<String>,
+    /// Orders of the sources, the most frequent first.
+    pub orders: Vec<OrderShare>,
+    /// The inputs that explain most of the variance of the total; empty with too few draws.
+    pub deciding: Vec<DecidingInput>,
+}
+
+/// Meaning of the ends of intervals.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Ends {
+    /// 5th and 95th percentile of the draws.
+    Percentiles,
+    /// The lowest and the highest level of the draws and of the run: there are too few draws for percentiles.
+    Extremes,
+}
+
+/// Levels of a source, or of all together, over the draws \[dB re 1 pW s\]; null for silence.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct LevelSpread {
+    /// The source, or `total`.
+    pub source: String,
+    /// Lower end of the interval.
+    pub low_db: Option<f64>,
+    /// Median of the draws; null with too few of them, too.
+    pub median_db: Option<f64>,
+    /// Upper end of the interval.
+    pub high_db: Option<f64>,
+    /// Share of the draws in which it is the loudest source, an estimate of P(first); null for the total, or where it
+    /// is not stated.
+    pub first: Option<f64>,
+}
+
+/// An order of the sources.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct OrderShare {
+    /// Sources, loudest first.
+    pub order: Vec<String>,
+    /// Share of the draws with this order.
+    pub share: f64,
+}
+
+/// An input that decides the total.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct DecidingInput {
+    /// The variable.
+    pub variable: String,
+    /// Part of the variance that it explains alone \[-\].
+    pub first_order: f64,
+    /// Half of the 90 % interval of this part over resampled draws; null if it is not known.
+    pub half_width: Option<f64>,
+}
+
+/// Origin of a study that comes with the program.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct Provided {
+    /// The command that made it.
+    pub command: String,
+    /// Version of the program that made it.
+    pub version: String,
+    /// Whether the code of the levels has not changed since.
+    pub current: bool,
+}
+
+/// How the draws of another study are weighted.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct Weighting {
+    /// Draws of the study.
+    pub draws: usize,
+    /// Number of draws without weights that they are worth.
+    pub effective: f64,
+    /// The quantities whose distributions differ.
+    pub keys: Vec<String>,
+}
+
+impl RunStudy {
+    /// Without a study, for this reason.
+    pub fn absent(reason: impl Into<String>) -> Self {
+        Self::Absent(NoStudy {
+            reason: reason.into(),
+            unmet: None,
+        })
+    }
+
+    /// The study, if there is one.
+    pub fn known(&self) -> Option<&StudySummary> {
+        match self {
+            Self::Known(summary) => Some(summary),
+            Self::Absent(_) => None,
+        }
+    }
+
+    /// The check that fails where the design contradicts its draws.
+    pub fn contradiction(&self) -> Option<Check> {
+        let name = match self {
+            Self::Known(summary) if summary.outside.is_empty() => return None,
+            Self::Known(summary) => format!("level of {} within its interval of draws", summary.outside.join(", ")),
+            Self::Absent(none) => format!("the shot ends as `study.require` says ({})", none.unmet.as_ref()?),
+        };
+        Some(Check::at_most(name, 1.0, 0.0))
+    }
+}
+
+impl StudySummary {
+    /// Levels of a source, or of the total for another name.
+    pub fn spread(&self, source: &str) -> &LevelSpread {
+        let own = self.sources.iter().find(|own| own.source == source);
+        own.unwrap_or(&self.total)
+    }
+}

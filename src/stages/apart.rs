@@ -1,0 +1,59 @@
+//! A source without the part of it that counts to another source, as the convention of selective wrapping has it.
+
+use std::borrow::Cow;
+
+use serde::{Deserialize, Serialize};
+
+/// A source, and the part of it that counts to another source.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Apart<T> {
+    /// The source without that part.
+    pub own: T,
+    /// The part.
+    pub moved: Option<Moved<T>>,
+}
+
+/// A part that counts to another source than the one that makes it; its energies may have either sign.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Moved<T> {
+    /// Name of the source to which it counts.
+    pub to: Cow<'static, str>,
+    /// Error of its energy.
+    pub error: PartError,
+    /// The part.
+    pub part: T,
+}
+
+/// Error of the energy of a part that counts to another source.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub enum PartError {
+    /// That of the part itself.
+    OfPart,
+    /// That of the source with the part: all of the error may be in the part, or all in the rest.
+    OfWhole,
+}
+
+impl<T> Apart<T> {
+    /// A source of which no part counts to another one.
+    pub fn whole(own: T) -> Self {
+        Self { own, moved: None }
+    }
+
+    /// The source, then its part.
+    pub fn parts(&self) -> Vec<&T> {
+        let moved = self.moved.iter().map(|moved| &moved.part);
+        std::iter::once(&self.own).chain(moved).collect()
+    }
+
+    /// The same with a function of the source, then of its part.
+    pub fn map<'a, U>(&'a self, mut of: impl FnMut(&'a T) -> U) -> Apart<U> {
+        Apart {
+            own: of(&self.own),
+            moved: self.moved.as_ref().map(|moved| Moved {
+                to: moved.to.clone(),
+                error: moved.error,
+                part: of(&moved.part),
+            }),
+        }
+    }
+}
