@@ -68,7 +68,8 @@ impl Delivery<'_> {
     ///
     /// # Errors
     /// [`Problem::TooCostly`](crate::design::Problem::TooCostly) before anything is computed that needs more than the
-    /// memory. Those of [`Chain::run`], and [`Error::Write`] with the file that could not be written.
+    /// memory. Those of [`Chain::run`](crate::chain::Chain::run), and [`Error::Write`] with the file that could not be
+    /// written.
     pub fn deliver(&self) -> Result<Delivered, Error> {
         let Self {
             design,

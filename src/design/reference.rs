@@ -33,7 +33,7 @@ pub fn reference() -> String {
 }
 
 fn section(text: &mut String, path: &str, group: &GroupSpec) {
-    let _ = writeln!(text, "\n## `[{path}]`\n\n{}\n", group.description());
+    let _ = writeln!(text, "\n## `[{path}]`\n\n{}\n", filled(&group.description()));
     if group.keys().next().is_some() {
         text.push_str("| key | holds | symbol | description |\n|---|---|---|---|\n");
     }
@@ -53,6 +53,22 @@ fn section(text: &mut String, path: &str, group: &GroupSpec) {
     for (name, member) in group.lists {
         section(text, &dotted(&dotted(path, name), MEMBER), member);
     }
+}
+
+/// A paragraph in lines of at most 120 columns.
+fn filled(paragraph: &str) -> String {
+    let mut lines = vec![String::new()];
+    for word in paragraph.split_whitespace() {
+        match lines.last_mut() {
+            Some(line) if line.is_empty() => line.push_str(word),
+            Some(line) if line.chars().count() + 1 + word.chars().count() <= 120 => {
+                line.push(' ');
+                line.push_str(word);
+            }
+            _ => lines.push(word.to_owned()),
+        }
+    }
+    lines.join("\n")
 }
 
 fn holds(kind: Kind, key: &str) -> String {
@@ -83,10 +99,9 @@ const INTRODUCTION: &str = include_str!("reference.md");
 const DERIVED_INTRODUCTION: &str = "
 ## Derived quantities
 
-These are computed and never given twice; `exhaust.area` may have a range for studies. A file that gives one which \
-differs by more than 0.1 % from the computed value
-is refused, with both numbers and the primary quantities to change; one that agrees is accepted with a warning that it
-has no effect.
+These are computed and never given twice; `exhaust.area` may have a range for studies. A file that gives one which
+differs by more than 0.1 % from the computed value is refused, with both numbers and the primary quantities to change.
+One that agrees is accepted with a warning that it has no effect.
 
 | quantity | unit | symbol | description | computed from |
 |---|---|---|---|---|

@@ -1,7 +1,7 @@
 //! Measured beside predicted, like with like.
 //!
 //! A wrapping test does not measure the sound power of a source, but what its microphones, wraps and subtraction make
-//! of it. The prediction goes through the same steps in energies ([`exact`](super::virtual_test::exact)), over draws of
+//! of it. The prediction goes through the same steps in energies ([`exact`](super::exact)), over draws of
 //! the design's ranges and of the wraps; the verdict is the distance of the two intervals.
 
 mod measurements;
