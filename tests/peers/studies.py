@@ -44,7 +44,7 @@ def table(study):
     return "\n".join(lines) + "\n"
 
 
-def wrapped(text, width=125):
+def wrapped(text, width=120):
     lines, line = [], ""
     for word in text.split():
         if line and len(line) + 1 + len(word) > width:
