@@ -23,9 +23,10 @@ from ._design import Design, load
 from ._draws import shots, study, study_task, sweep
 from ._measure import Measurement, WrappingTest, measure, test_energies
 from ._native import NailnoiseError, __version__
-from ._optimise import Optimisation, Proposal, optimise
+from ._optimise import Optimisation, optimise
 from ._penetration import Penetration, PenetrationFit, fit_penetration, penetration, penetration_names
 from ._results import Comparison, Cycle, Modes, Run, Shots, Study, Sweep
+from ._trial import Proposal
 from ._work import compare, cycle, modes, run
 
 __all__ = [

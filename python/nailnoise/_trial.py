@@ -61,13 +61,13 @@ class Constraint:
             return cls(text, figure, 0.0, 0.0, value.replace(" ", "_"))
         if relation not in (">=", "<="):
             raise ValueError(f"`{text}`: a figure is held by >= or <=")
-        number, unit = number(value)
+        limit, unit = number(value)
         if unit not in UNITS:
             raise ValueError(f"`{unit}` is no unit of a constraint; units are {', '.join(filter(None, UNITS))}")
         expected = _unit_of(figure)
         if {"mm": "m", "kN": "N", "g": "kg", "ms": "s"}.get(unit, unit) != expected:
             raise ValueError(f"`{text}`: the unit of {figure} is {expected or 'none'}")
-        return cls(text, figure, 1.0 if relation == "<=" else -1.0, number * UNITS[unit])
+        return cls(text, figure, 1.0 if relation == "<=" else -1.0, limit * UNITS[unit])
 
     def excess(self, figures: Mapping[str, Any]) -> float:
         """How far a shot is beyond the limit, in parts of it; at most 0 where the constraint is met."""
@@ -111,7 +111,7 @@ class Proposal:
     refused: str = ""
 
     @property
-    def haslevels_of(self) -> bool:
+    def has_levels(self) -> bool:
         """Whether its sound was computed: its shot meets the constraints."""
         return "total" in self.figures
 
