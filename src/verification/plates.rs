@@ -28,7 +28,7 @@ const R0016: Case = Case {
 };
 const FORCED: Case = Case {
     name: "NAFEMS R0016 test 13, forced",
-    source: "closed form of the first mode, which gives the printed values (quoted from memory)",
+    source: "closed form of the first mode; not compared with the printed report",
 };
 const SERIES: Case = Case {
     name: "simply supported thin plate",

@@ -12,15 +12,15 @@ use crate::error::Error;
 
 const WEIGHTINGS: Case = Case {
     name: "IEC 61672-1, table 3",
-    source: "IEC 61672-1:2013; agrees with open-source transcriptions",
+    source: "IEC 61672-1:2013; as transcribed in open-source libraries",
 };
 const BURSTS: Case = Case {
     name: "IEC 61672-1, table 4",
-    source: "IEC 61672-1:2013; quoted from memory",
+    source: "IEC 61672-1:2013; not compared with the printed table",
 };
 const PEAKS: Case = Case {
     name: "IEC 61672-1, table 5",
-    source: "IEC 61672-1:2013; quoted from memory",
+    source: "IEC 61672-1:2013; not compared with the printed table",
 };
 const REFERENCE: Case = Case {
     name: "ISO 1683",
@@ -36,15 +36,15 @@ const EDGES: Case = Case {
 };
 const MASK: Case = Case {
     name: "IEC 61260-1, table 1, class 1",
-    source: "IEC 61260-1:2014; agrees with open-source transcriptions",
+    source: "IEC 61260-1:2014; as transcribed in open-source libraries",
 };
 const BREAKPOINTS: Case = Case {
     name: "IEC 61260-1, table F.1",
-    source: "IEC 61260-1:2014; agrees with open-source transcriptions",
+    source: "IEC 61260-1:2014; as transcribed in open-source libraries",
 };
 const BANDWIDTH: Case = Case {
     name: "IEC 61260-1, 5.12, class 1",
-    source: "IEC 61260-1:2014; limit quoted from memory",
+    source: "IEC 61260-1:2014; not compared with the printed limit",
 };
 
 const INF: f64 = f64::INFINITY;
