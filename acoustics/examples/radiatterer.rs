@@ -11,7 +11,7 @@ use nailnoise_meshes::FaceKind;
 use nalgebra::Point3;
 use std::collections::HashMap;
 
-/// Side of a panel \[m\], of which all dimensions are multiples.
+/// Side of a panel \[m\]. All dimensions are multiples of it.
 const SIDE: f64 = 0.1;
 
 /// Sides of the brick along x, y, z.

@@ -62,8 +62,8 @@ impl Delivery<'_> {
     /// Runs the design and leaves its files in the folder, those of the exports among them: all of them, or the
     /// folder as it was. Nothing is computed if the store contains the output of this very design and of its study.
     ///
-    /// All files are of one result, whose intervals are decided before the first is written. If they need a screening,
-    /// the files first state that it has not ended, so that an interrupted command leaves a complete result. Those that
+    /// The intervals are part of the result before the first file is written. If they need a screening, the files first
+    /// state that the screening has not ended, so that an interrupted command leaves a complete result. The files that
     /// show intervals are then rendered again.
     ///
     /// # Errors
@@ -152,8 +152,8 @@ impl Delivery<'_> {
         })
     }
 
-    /// Makes the screening of a run whose files are in their places, and the files that show it again; returns why
-    /// these could not be put in their places.
+    /// Makes the screening of a run whose files have been written, and renders the files that show it again. Returns
+    /// the error if these cannot be written.
     fn complete(
         &self,
         artifacts: &mut RunArtifacts,

@@ -5,7 +5,7 @@ use super::rules::Class;
 use crate::design::length_in_words;
 use crate::wording::trimmed;
 
-/// Rated gauge pressures of the tools of all classes, those of the N80CB: 70 to 120 psig \[Pa\].
+/// Rated gauge pressures of all classes of tools \[Pa\]: 70 to 120 psig, as for the N80CB.
 pub const RATED: [f64; 2] = [70.0 * PSI, 120.0 * PSI];
 
 /// Pound-force per square inch \[Pa\].

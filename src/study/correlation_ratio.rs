@@ -2,7 +2,8 @@
 //!
 //! S_i = Var E[Y|X_i]/Var Y. The draws are put into bins of equal counts along an input; the variance between the bins'
 //! means estimates Var E[Y|X_i]. Means of finite bins scatter even where the input does nothing, by (M - 1)/(n - 1) of
-//! the variance in the mean, which is taken off (Kelley, "An unbiased correlation ratio measure", PNAS 21, 554 (1935)).
+//! the variance in the mean. This part is subtracted (Kelley, "An unbiased correlation ratio measure", PNAS 21, 554
+//! (1935)).
 //!
 //! Shots on one structure share its inputs. Such an input has only as many independent values as there are structures:
 //! its bins contain structures, n is their number, and the variance that it can explain is that between them.

@@ -47,8 +47,8 @@ pub struct Measured {
     pub transducers: Vec<String>,
 }
 
-/// Processes the recordings that a manifest names. `read` is called with the number of shots read and their total;
-/// `keep` takes the corrected signals of each shot of a source.
+/// Processes the recordings that a manifest names. `read` is called after each shot with the number of shots read and
+/// the number of all. `keep` is called with the corrected signals of each shot of a source.
 ///
 /// # Errors
 /// Those of the recordings and of `keep`; as [`process`].

@@ -54,8 +54,8 @@ pub(super) struct ProcessedShot {
     pub(super) accelerations: Vec<(f64, f64)>,
     /// Time from the record's start to the trigger \[s\].
     pub(super) lead: f64,
-    /// Instant at which the burst of t12 leaves the device's centre by the microphones, from the trigger on \[s\]; none
-    /// where the body is wrapped or t12 is missing.
+    /// Time after the trigger at which the microphones place the burst of t12 at the device's centre \[s\]; none where
+    /// the body is wrapped or t12 is missing.
     pub(super) arrival: Option<f64>,
 }
 

@@ -62,8 +62,8 @@ impl BoundaryMesh {
     /// As [`BoundaryMesh::subdivided`], and with sides of at most half the height of a gap at its `rims`, which grow
     /// with the distance from them.
     ///
-    /// If there would be more panels than `most`, those at the rims are wider, by powers of two; panels may be more
-    /// than `most` because of `edge`.
+    /// If the `rims` need more panels than `most`, the panels at the rims are made wider by powers of two. `edge` alone
+    /// may still give more panels than `most`.
     ///
     /// # Errors
     /// A length that is not positive.
