@@ -707,9 +707,9 @@ pub enum Error {
     },
     /// A name for a list that is always printed in full.
     #[error("{list} are listed as a whole")]
-    #[diagnostic(help("leave the name out: `nailnoise list tables`; `nailnoise list woods NAME` prints one wood"))]
+    #[diagnostic(help("leave the name out: `nailnoise list designs`; `nailnoise list woods NAME` prints one wood"))]
     ListName {
-        /// The lists.
+        /// The list.
         list: &'static str,
     },
     /// No design of another tool can be made.

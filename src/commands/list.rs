@@ -7,19 +7,16 @@ use serde::Serialize;
 
 use super::table::{fixed, table};
 use super::{print, print_json};
-use crate::design::{self, Design, Entry, Named, NamedValue, Provenance, Value, WorktablePreset, nearest_word};
+use crate::design::{self, Design, Named, NamedValue, Provenance, Value, nearest_word};
 use crate::error::Error;
 use crate::shipped;
 use crate::wording::{readable, trimmed};
 
 /// Version of the layout of `list --json`.
-const SCHEMA: &str = "nailnoise-list/1";
+const SCHEMA: &str = "nailnoise-list/2";
 
-/// The design whose worktables are listed.
+/// The design whose steel gives the nails their mass.
 const BASE: &str = "base = \"n80cb.toml\"\n";
-
-/// The group of the worktables' keys.
-const WORKTABLE: &str = "support.worktable.";
 
 #[derive(Args)]
 #[command(after_help = examples!(
@@ -31,7 +28,7 @@ pub(super) struct Arguments {
     /// What to list
     #[arg(value_enum)]
     what: What,
-    /// One wood or nail, with every key that it sets and its source
+    /// One wood, nail or table, with every key that it sets and its source
     #[arg(value_name = "NAME")]
     name: Option<String>,
     /// Print exactly one JSON value instead of tables
@@ -45,7 +42,7 @@ enum What {
     Woods,
     /// Words of `nail.kind`
     Nails,
-    /// Worktables of `support.worktable.preset`, with the values of the base design
+    /// Words of `support.worktable.preset`
     Tables,
     /// Designs that come with the program, for `init --from` and as `base`
     Designs,
@@ -60,17 +57,9 @@ struct Lists {
     #[serde(skip_serializing_if = "Option::is_none")]
     nails: Option<Vec<Named>>,
     #[serde(skip_serializing_if = "Option::is_none")]
-    tables: Option<Vec<Table>>,
+    tables: Option<Vec<Named>>,
     #[serde(skip_serializing_if = "Option::is_none")]
     designs: Option<Vec<ShippedDesign>>,
-}
-
-/// A worktable.
-#[derive(Serialize)]
-struct Table {
-    preset: &'static str,
-    what: &'static str,
-    values: Vec<Entry>,
 }
 
 /// A design of the program.
@@ -99,17 +88,13 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
             lists.nails = Some(nails);
             text
         }
-        What::Tables | What::Designs if name.is_some() => {
-            return Err(Error::ListName {
-                list: "tables and designs",
-            });
-        }
         What::Tables => {
-            let tables = tables()?;
-            let text = of_tables(&tables);
+            let tables = chosen("tables", design::worktables()?, name)?;
+            let text = name.map_or_else(|| of_tables(&tables), |_| of_one(&tables));
             lists.tables = Some(tables);
             text
         }
+        What::Designs if name.is_some() => return Err(Error::ListName { list: "designs" }),
         What::Designs => {
             let designs: Vec<ShippedDesign> = shipped::DESIGNS
                 .iter()
@@ -306,83 +291,29 @@ fn of_one(named: &[Named]) -> String {
     left(["key", "value", "range", "source"], rows.collect())
 }
 
-fn tables() -> Result<Vec<Table>, Error> {
-    let design = Design::parse(BASE, "list.toml")?;
-    let entries = design.entries();
-    let of = |keys: &[&str]| -> Vec<Entry> {
-        let own = keys.iter().filter_map(|key| {
-            let full = format!("{WORKTABLE}{key}");
-            entries.iter().find(|entry| entry.key == full).cloned()
+fn of_tables(tables: &[Named]) -> String {
+    let group = "support.worktable";
+    let rows = tables.iter().map(|own| {
+        let mm = |key: &str| cell(own, &format!("{group}.{key}"), (1e3, 1), key != "leg_wall");
+        let material = value(own, &format!("{group}.material")).map_or_else(String::new, |own| match &own.value {
+            Value::Choice(word) => (*word).to_owned(),
+            _ => String::new(),
         });
-        own.collect()
-    };
-    let shared = ["length", "width", "height"];
-    let steel = [
-        "steel.tube_width",
-        "steel.tube_wall",
-        "steel.loss_factor",
-        "steel.material.young_modulus",
-    ];
-    let of_preset = |preset: &WorktablePreset| {
-        let (what, own): (&str, Vec<&str>) = match preset {
-            WorktablePreset::A => (
-                "plywood top on four legs of solid wood",
-                vec![
-                    "top_thickness",
-                    "leg_width",
-                    "top_density",
-                    "leg_density",
-                    "loss_factor",
-                    "top.e1",
-                ],
-            ),
-            WorktablePreset::B => (
-                "thin steel top on four steel tubes",
-                [&["steel.top_thickness_b"], &steel[..]].concat(),
-            ),
-            WorktablePreset::C => (
-                "thick steel top on four steel tubes",
-                [&["steel.top_thickness_c"], &steel[..]].concat(),
-            ),
-        };
-        Table {
-            preset: preset.as_str(),
-            what,
-            values: of(&[&shared[..], &own].concat()),
-        }
-    };
-    Ok(WorktablePreset::ALL.iter().map(of_preset).collect())
-}
-
-fn of_tables(tables: &[Table]) -> String {
-    let rows = tables.iter().flat_map(|own| {
-        own.values.iter().enumerate().map(move |(place, entry)| {
-            let (unit, scale) = match entry.unit.as_str() {
-                "Pa" => ("GPa", 1e-9),
-                unit => readable(unit),
-            };
-            let x = number(&entry.value).map_or_else(String::new, |x| format!("{} {unit}", trimmed(x * scale, 3)));
-            let range = entry.range.map(|ends| ends.map(|end| trimmed(end * scale, 3)));
-            vec![
-                if place == 0 {
-                    own.preset.to_owned()
-                } else {
-                    String::new()
-                },
-                entry.key.trim_start_matches(WORKTABLE).to_owned(),
-                x.trim_end().to_owned(),
-                range.map_or_else(String::new, |[low, high]| format!("{low} .. {high}")),
-                format!("{}: {}", entry.provenance, entry.source)
-                    .trim_end_matches(": ")
-                    .to_owned(),
-            ]
-        })
+        vec![
+            own.name.to_owned(),
+            material,
+            mm("top_thickness"),
+            mm("leg_width"),
+            mm("leg_wall"),
+            cell(own, &format!("{group}.loss_factor"), (1.0, 3), true),
+        ]
     });
-    let what = tables.iter().map(|own| format!("  {}: {}\n", own.preset, own.what));
+    let headings = ["preset", "material", "top mm", "legs mm", "wall mm", "loss factor -"];
+    let what = tables.iter().map(|own| format!("  {}: {}\n", own.name, own.sort));
     format!(
-        "{}\n{}\n  values of the base design n80cb; keys under [support.worktable]\n",
+        "{}\n{}\n{MARK}\n  a wall of 0 is a solid leg\n  `nailnoise list tables NAME` prints every key with its source\n",
         what.collect::<String>(),
-        left(["preset", "key", "value", "range", "source"], rows.collect())
+        table(&headings, &rows.collect::<Vec<_>>())
     )
 }
 
@@ -440,8 +371,15 @@ mod tests {
     fn no_table_is_wider_than_a_terminal() {
         let woods = design::woods().unwrap();
         let nails = design::nails().unwrap();
-        let mut texts = vec![of_woods(&woods), of_nails(&nails), of_tables(&tables().unwrap())];
-        texts.extend(woods.into_iter().chain(nails).map(|named| of_one(&[named])));
+        let tables = design::worktables().unwrap();
+        let mut texts = vec![of_woods(&woods), of_nails(&nails), of_tables(&tables)];
+        texts.extend(
+            woods
+                .into_iter()
+                .chain(nails)
+                .chain(tables)
+                .map(|named| of_one(&[named])),
+        );
         for line in texts.iter().flat_map(|text| text.lines()) {
             assert!(line.chars().count() <= WIDTH, "{line}");
         }

@@ -13,7 +13,7 @@ pub use nailnoise_fem::Orthotropic;
 use nailnoise_quantities::dimension::*;
 use nailnoise_quantities::{Kind, any, choice, fraction, group, modulus, nonnegative, positive};
 
-use super::catalogue::{NailKind, Species};
+use super::catalogue::{NailKind, Species, WorktablePreset};
 use super::sensors::Sensor;
 use super::springs::Spring;
 use super::surfaces::NamedSurface;
@@ -308,14 +308,12 @@ choice! {
 }
 
 choice! {
-    /// Build of the worktable.
-    WorktablePreset {
-        /// A: a plywood top on four legs of solid wood.
-        A = "A",
-        /// B: a thin steel top on four steel tubes.
-        B = "B",
-        /// C: a thick steel top on the same tubes.
-        C = "C",
+    /// Material of the worktable.
+    TableMaterial {
+        /// Orthotropic wood: the constants of `top` and `legs`.
+        Wood = "wood",
+        /// An isotropic metal for top and legs, the constants of `metal`.
+        Metal = "metal",
     }
 }
 
@@ -339,10 +337,11 @@ group! {
 }
 
 group! {
-    /// Worktable: a plate on four square legs, clamped at the floor or on springs. Preset A takes the plywood top and
-    /// the solid legs given here, B and C the steel of the group below; all take length, width and height.
+    /// Worktable: a plate on four square legs, clamped at the floor or on springs. A preset sets its build, all but
+    /// length, width and height.
     Worktable {
-        /// Build of the table; results are stated with it.
+        /// Build of the table by name; results are stated with it. A name replaces the values of these keys from bases; a
+        /// key given with it wins.
         preset: WorktablePreset = WorktablePreset::KIND, "";
         /// How it stands on the floor.
         foot: TableFoot = TableFoot::KIND, "";
@@ -356,9 +355,13 @@ group! {
         top_thickness: f64 = positive(LENGTH), "";
         /// Side of a leg's square section; the legs stand flush with the top's corners.
         leg_width: f64 = positive(LENGTH), "";
-        /// Density of the top.
+        /// Wall of a leg of square tube; 0 for solid legs.
+        leg_wall: f64 = nonnegative(LENGTH), "";
+        /// Material of top and legs.
+        material: TableMaterial = TableMaterial::KIND, "";
+        /// Density of a wooden top.
         top_density: f64 = positive(DENSITY), "rho";
-        /// Density of the legs.
+        /// Density of wooden legs.
         leg_density: f64 = positive(DENSITY), "rho";
         /// Loss factor of the assembled table's modes.
         loss_factor: f64 = fraction(), "eta";
@@ -377,26 +380,7 @@ group! {
     groups {
         top: Orthotropic,
         legs: Orthotropic,
-        steel: SteelTable,
-    }
-}
-
-group! {
-    /// Worktables B and C: a steel plate, welded on square steel tubes at its corners.
-    SteelTable {
-        /// Thickness of the top of worktable B.
-        top_thickness_b: f64 = positive(LENGTH), "";
-        /// Thickness of the top of worktable C.
-        top_thickness_c: f64 = positive(LENGTH), "";
-        /// Outer side of a leg's square tube.
-        tube_width: f64 = positive(LENGTH), "";
-        /// Wall of the tube.
-        tube_wall: f64 = positive(LENGTH), "";
-        /// Loss factor of the assembled table's modes.
-        loss_factor: f64 = fraction(), "eta";
-    }
-    groups {
-        material: Isotropic,
+        metal: Isotropic,
     }
 }
 
@@ -653,7 +637,7 @@ group! {
         worktable_element: f64 = positive(LENGTH).within(1e-5, 10.0), "";
         /// Largest length of a quadratic element along the worktable's legs.
         worktable_leg_element: f64 = positive(LENGTH).within(1e-5, 10.0), "";
-        /// Largest side of a quadratic element in the walls of the steel tubes of worktables B and C.
+        /// Largest side of a quadratic element in the walls of legs of tube.
         worktable_tube_element: f64 = positive(LENGTH).within(1e-5, 10.0), "";
         /// Largest side of a quadratic tetrahedron of a tool body from a file. For the parametric one it is gmsh's
         /// target, which its sides exceed by half at most; a third of it where nose, arm and handle join.

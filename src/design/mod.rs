@@ -54,7 +54,7 @@ use nailnoise_quantities::Group;
 use sha2::{Digest as _, Sha256};
 
 pub use assignment::{Assignment, AssignmentError};
-pub use catalogue::{NailKind, Named, NamedValue, Species, nails, woods};
+pub use catalogue::{NailKind, Named, NamedValue, Species, WorktablePreset, nails, woods, worktables};
 pub use conflict::Conflict;
 pub use dependencies::dependencies;
 pub use derived::{AGREEMENT, DERIVED, Derived, Solution};

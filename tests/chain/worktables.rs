@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use crate::common::body;
-use nailnoise::design::{Design, WorktablePreset};
+use nailnoise::design::Design;
 use nailnoise::stages::bodies::BodyKind;
 use nailnoise::store::Store;
 use nailnoise_fem::{Constraints, Material, ModalSettings, assemble, modes};
@@ -53,8 +53,8 @@ fn in_one_piece(top: [f64; 3], tube: f64, wall: f64, height: f64, size: [f64; 2]
 
 #[test]
 fn tubes_tied_to_a_plate_vibrate_as_if_welded() {
-    let mut design = Design::load(Path::new("designs/n80cb.toml")).unwrap();
-    design.support.worktable.preset = WorktablePreset::B;
+    let preset = "support.worktable.preset=B".parse().unwrap();
+    let mut design = Design::load_with(Path::new("designs/n80cb.toml"), &[preset]).unwrap();
     design.analysis.worktable_top = 400.0;
     let size = [
         design.analysis.worktable_element,
@@ -65,10 +65,9 @@ fn tubes_tied_to_a_plate_vibrate_as_if_welded() {
         .get()
         .unwrap();
     let table = &design.support.worktable;
-    let steel = &table.steel;
-    let top = [table.length, table.width, steel.top_thickness_b];
-    let mesh = in_one_piece(top, steel.tube_width, steel.tube_wall, table.height, size);
-    let s = &steel.material;
+    let top = [table.length, table.width, table.top_thickness];
+    let mesh = in_one_piece(top, table.leg_width, table.leg_wall, table.height, size);
+    let s = &table.metal;
     let material = Material::isotropic(s.young_modulus, s.poisson_ratio, s.density).unwrap();
     let held = Constraints::clamped(&mesh, "floor").unwrap();
     let system = assemble(&mesh, &[material], &held).unwrap();

@@ -1,7 +1,7 @@
-//! Woods and nails by name: the settings of a name, the keys that win over it, and the keys that it replaces.
+//! Woods, nails and worktables by name: the settings of a name, the keys that win over it, and the keys that it replaces.
 
 use nailnoise::Design;
-use nailnoise::design::{Assignment, DesignError, Entry, NailKind, Problem, Species, Value, nails, woods};
+use nailnoise::design::{Assignment, DesignError, Entry, NailKind, Problem, Species, Value, nails, woods, worktables};
 
 const BASE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/designs/n80cb.toml");
 
@@ -75,7 +75,7 @@ fn the_names_of_the_base_design_change_none_of_its_values() {
         (base.wood.species, base.nail.kind),
         (Species::Pine, NailKind::Smooth12D)
     );
-    let named = over("wood.species = \"pine\"\nnail.kind = \"12d smooth\"").unwrap();
+    let named = over("wood.species = \"pine\"\nnail.kind = \"12d smooth\"\nsupport.worktable.preset = \"A\"").unwrap();
     assert_eq!(base.digest(), named.digest());
 }
 
@@ -126,6 +126,23 @@ fn lumber_is_softer_than_the_dry_wood_of_the_tests_by_the_formula_for_moisture()
     };
     let ratio = hardness("Douglas-fir lumber") / hardness("Douglas-fir");
     assert!((ratio / (at(15.0) / at(5.6)) - 1.0).abs() < 2e-3, "{ratio}");
+}
+
+#[test]
+fn a_worktable_replaces_the_build_of_the_base_and_takes_what_is_given_with_it() {
+    let base = Design::load(BASE).unwrap();
+    let text = "[support.worktable]\npreset = \"C\"\nleg_wall = { value = \"3 mm\", range = \"2 .. 4 mm\" }";
+    let design = over(text).unwrap();
+    let table = &design.support.worktable;
+    close(table.top_thickness, 12.7e-3);
+    close(table.leg_width, 50e-3);
+    close(table.leg_wall, 3e-3);
+    close(table.length, base.support.worktable.length);
+    assert_eq!(entry(&design, "support.worktable.leg_wall").range, Some([2e-3, 4e-3]));
+    assert_eq!(
+        entry(&design, "support.worktable.loss_factor").range,
+        Some([0.005, 0.03])
+    );
 }
 
 #[test]
@@ -195,7 +212,12 @@ fn an_unknown_name_is_refused_with_the_nearest_and_the_list() {
 
 #[test]
 fn every_name_of_the_lists_is_a_design_or_a_conflict_that_points_at_it() {
-    for (key, named) in [("wood.species", woods().unwrap()), ("nail.kind", nails().unwrap())] {
+    let catalogues = [
+        ("wood.species", woods()),
+        ("nail.kind", nails()),
+        ("support.worktable.preset", worktables()),
+    ];
+    for (key, named) in catalogues.map(|(key, named)| (key, named.unwrap())) {
         for own in named {
             match over(&format!("{key} = \"{}\"", own.name)) {
                 Ok(design) => assert_eq!(entry(&design, key).value, Value::Choice(own.name)),

@@ -1,7 +1,7 @@
-//! Woods and nails by name: which keys `wood.species` and `nail.kind` set.
+//! Woods, nails and worktables by name: which keys `wood.species`, `nail.kind` and `support.worktable.preset` set.
 //!
-//! The values are pieces of design files inside the program (`woods.toml`, `nails.toml`), each with range and
-//! provenance. A name replaces the values of these keys from the bases of its file. A key given with the name, in the
+//! The values are pieces of design files inside the program (`woods.toml`, `nails.toml`, `worktables.toml`), each with
+//! range and provenance. An entry may take the values of another (`like`) and give only those that differ. A name replaces the values of these keys from the bases of its file. A key given with the name, in the
 //! same file or on the same command line, wins over it. Wood and shank together choose the penetration law and its
 //! share of friction (`pairs.toml`).
 
@@ -18,11 +18,12 @@ use super::settings::{Given, Layer, Setting};
 use super::source::File;
 use nailnoise_documents::Place;
 
-pub use names::{NailKind, Species};
+pub use names::{NailKind, Species, WorktablePreset};
 
 /// Keys whose value is a name.
 const SPECIES: &str = "wood.species";
 const KIND: &str = "nail.kind";
+const PRESET: &str = "support.worktable.preset";
 
 /// The name of values without a name.
 const OWN: &str = "own";
@@ -47,6 +48,12 @@ const NAILS: Catalogue = Catalogue {
     sort: "shank",
 };
 
+const WORKTABLES: Catalogue = Catalogue {
+    file: "worktables.toml of nailnoise",
+    text: include_str!("worktables.toml"),
+    sort: "what",
+};
+
 const PAIRS: Catalogue = Catalogue {
     file: "pairs.toml of nailnoise",
     text: include_str!("pairs.toml"),
@@ -56,7 +63,7 @@ const PAIRS: Catalogue = Catalogue {
 /// Meaning of a name.
 #[derive(Debug, Default)]
 struct Meaning {
-    /// Class of a wood, shank of a nail.
+    /// Class of a wood, shank of a nail, a worktable in words.
     sort: String,
     /// How a tool feeds a nail; empty for a wood.
     magazine: String,
@@ -76,10 +83,20 @@ impl Catalogue {
             }
         }
         let text = |key: &str| table.get(key).and_then(|value| value.get_ref().as_str());
-        let sets = match table.get("sets").map(|value| value.get_ref()) {
+        let own = match table.get("sets").map(|value| value.get_ref()) {
             Some(DeValue::Table(sets)) => Layer::read(&file, sets, &Values::SPEC)?.settings,
             _ => Vec::new(),
         };
+        let mut sets = match text("like") {
+            Some(other) => self.meaning(&[other])?.sets,
+            None => Vec::new(),
+        };
+        for setting in own {
+            match sets.iter_mut().find(|other| other.key == setting.key) {
+                Some(other) => *other = setting,
+                None => sets.push(setting),
+            }
+        }
         Ok(Meaning {
             sort: text(self.sort).unwrap_or_default().to_owned(),
             magazine: text("magazine").unwrap_or_default().to_owned(),
@@ -114,11 +131,9 @@ impl Names {
     /// # Errors
     /// None with the catalogue of a tested program.
     pub(crate) fn expand(&mut self, settings: &[&Setting]) -> Result<Vec<Setting>, DesignError> {
-        let [species, kind] = [SPECIES, KIND].map(|key| named(settings, key));
         let mut sets = Vec::new();
-        for (name, meaning) in self.meanings([species, kind].map(|name| name.map(|(word, _)| word)))? {
-            let at = if name == KIND { kind } else { species };
-            let Some((_, at)) = at else { continue };
+        for (name, meaning) in self.meanings(|key| named(settings, key).map(|(word, _)| word))? {
+            let Some((_, at)) = named(settings, name) else { continue };
             sets.extend(meaning.into_iter().map(|setting| placed(setting, at)));
         }
         Ok(sets)
@@ -133,7 +148,7 @@ impl Names {
             Some((_, Value::Choice(word))) => Some(*word),
             _ => None,
         };
-        let meanings = self.clone().meanings([SPECIES, KIND].map(word))?;
+        let meanings = self.clone().meanings(word)?;
         let sets = meanings.into_iter().flat_map(|(_, sets)| sets);
         let mut all: Vec<(String, Value)> = sets.filter_map(value_of).map(|own| (own.key, own.value)).collect();
         all.retain(|(key, _)| !values.iter().any(|(own, _)| own == key));
@@ -141,11 +156,13 @@ impl Names {
         Ok(all)
     }
 
-    /// Settings of the words of [`SPECIES`] and [`KIND`], and those of their pair under the last key.
-    fn meanings(
+    /// Settings of the `word` of each key whose value is a name, and those of wood and nail together under the last of
+    /// the two keys.
+    fn meanings<'w>(
         &mut self,
-        [species, kind]: [Option<&str>; 2],
+        word: impl Fn(&str) -> Option<&'w str>,
     ) -> Result<Vec<(&'static str, Vec<Setting>)>, DesignError> {
+        let [species, kind] = [SPECIES, KIND].map(&word);
         let before = (self.class.clone(), self.shank.clone());
         let mut sets = Vec::new();
         if let Some(word) = species {
@@ -163,6 +180,9 @@ impl Names {
         {
             let pair = PAIRS.meaning(&[class, &self.shank])?;
             sets.push((if kind.is_some() { KIND } else { SPECIES }, pair.sets));
+        }
+        if let Some(word) = word(PRESET) {
+            sets.push((PRESET, WORKTABLES.meaning(&[word])?.sets));
         }
         Ok(sets)
     }
@@ -218,7 +238,8 @@ pub struct NamedValue {
 pub struct Named {
     /// The word for the design file.
     pub name: &'static str,
-    /// Class of a wood (`solid`, `plywood`), shank of a nail (`smooth`, `annular`, `helical`, `slender`, `staple`).
+    /// Class of a wood (`solid`, `plywood`), shank of a nail (`smooth`, `annular`, `helical`, `slender`, `staple`), a
+    /// worktable in words.
     pub sort: String,
     /// How a tool feeds a nail: from a `stick`, a `coil`, or either.
     #[serde(skip_serializing_if = "String::is_empty")]
@@ -241,6 +262,14 @@ pub fn woods() -> Result<Vec<Named>, DesignError> {
 /// None with the catalogue of a tested program.
 pub fn nails() -> Result<Vec<Named>, DesignError> {
     listed(&NAILS, NailKind::WORDS)
+}
+
+/// The worktables that `support.worktable.preset` can name.
+///
+/// # Errors
+/// None with the catalogue of a tested program.
+pub fn worktables() -> Result<Vec<Named>, DesignError> {
+    listed(&WORKTABLES, WorktablePreset::WORDS)
 }
 
 fn listed(catalogue: &Catalogue, words: &[&'static str]) -> Result<Vec<Named>, DesignError> {
@@ -303,19 +332,43 @@ mod tests {
     fn every_word_stands_in_the_catalogue_and_every_entry_has_a_word() {
         assert_eq!(tables(&WOODS), sorted(Species::WORDS));
         assert_eq!(tables(&NAILS), sorted(NailKind::WORDS));
+        assert_eq!(tables(&WORKTABLES), sorted(WorktablePreset::WORDS));
     }
 
     #[test]
     fn every_value_has_provenance_and_lies_within_its_range() {
-        for named in woods().unwrap().into_iter().chain(nails().unwrap()) {
+        let all = [woods(), nails(), worktables()].map(Result::unwrap);
+        for named in all.into_iter().flatten() {
             assert!(named.sets.len() >= 4, "{}", named.name);
             for own in &named.sets {
-                assert!(!own.source.is_empty(), "{}: {} has no source", named.name, own.key);
+                let stated = own.provenance == super::super::Provenance::Estimated || !own.source.is_empty();
+                assert!(stated, "{}: {} has no source", named.name, own.key);
                 if let (Value::Number(value), Some([low, high])) = (&own.value, own.range) {
                     assert!(low <= *value && *value <= high, "{}: {}", named.name, own.key);
                 }
             }
         }
+    }
+
+    /// A design that names a table without a base is complete.
+    #[test]
+    fn every_worktable_sets_the_same_keys() {
+        let keys = |named: &Named| -> Vec<String> { named.sets.iter().map(|own| own.key.clone()).collect() };
+        let tables = worktables().unwrap();
+        for table in &tables {
+            assert_eq!(keys(table), keys(&tables[0]), "{}", table.name);
+        }
+    }
+
+    #[test]
+    fn an_entry_like_another_takes_all_values_but_its_own() {
+        let tables = worktables().unwrap();
+        let [b, c] = [1, 2].map(|place: usize| &tables[place]);
+        let differing: Vec<&str> = (b.sets.iter().zip(&c.sets))
+            .filter(|(of_b, of_c)| of_b.value != of_c.value)
+            .map(|(of_b, _)| of_b.key.as_str())
+            .collect();
+        assert_eq!(differing, ["support.worktable.top_thickness"]);
     }
 
     #[test]

@@ -29,6 +29,20 @@ choice! {
 }
 
 choice! {
+    /// Build of the worktable by name; `nailnoise list tables` has the values.
+    WorktablePreset {
+        /// A table without a name: all keys of its build are given.
+        Own = "own",
+        /// A: a plywood top on four legs of solid wood.
+        A = "A",
+        /// B: a thin steel top on four steel tubes.
+        B = "B",
+        /// C: a thick steel top on the same tubes.
+        C = "C",
+    }
+}
+
+choice! {
     /// Nail by size and shank; `nailnoise list nails` has the values.
     NailKind {
         /// A nail without a name: all its dimensions are given.

@@ -13,13 +13,16 @@ use std::sync::OnceLock;
 use nailnoise_meshes::ToolDimensions;
 
 use super::bodies::geometry;
-use crate::design::{Design, Entry, Value};
+use crate::design::{Design, Entry, Value, worktables};
 use crate::error::Error;
 use crate::shipped;
 use crate::stages::bodies::{BodyKind, MeshSource};
 
 /// Name of the shipped design that gives the materials.
 const STANDARD: &str = "n80cb";
+
+/// Name of the worktable in the catalogue that gives the wall of legs of tube.
+const STANDARD_TUBES: &str = "B";
 
 /// Materials of block and table: groups of keys, and keys.
 const MATERIALS: [&str; 7] = [
@@ -29,7 +32,7 @@ const MATERIALS: [&str; 7] = [
     "support.worktable.top_density",
     "support.worktable.legs.",
     "support.worktable.leg_density",
-    "support.worktable.steel.material.",
+    "support.worktable.metal.",
 ];
 
 /// Walls of the tool within its outer surface, and its materials.
@@ -66,6 +69,27 @@ fn shipped_design() -> Option<&'static Design> {
         Design::parse(text, path).ok()
     };
     READ.get_or_init(read).as_ref()
+}
+
+/// Wall of the standard table's legs of tube \[m\], read once; none only if the catalogue has no such table, which a
+/// test excludes.
+fn tube_wall() -> Option<f64> {
+    static READ: OnceLock<Option<f64>> = OnceLock::new();
+    let read = || {
+        let table = worktables()
+            .ok()?
+            .into_iter()
+            .find(|table| table.name == STANDARD_TUBES)?;
+        let wall = table
+            .sets
+            .into_iter()
+            .find(|own| own.key == "support.worktable.leg_wall")?;
+        match wall.value {
+            Value::Number(wall) => Some(wall),
+            _ => None,
+        }
+    };
+    *READ.get_or_init(read)
 }
 
 /// The shipped design with other materials and walls of the tool, each quantity at one of [`RANGE_SHARES`] or
@@ -119,7 +143,10 @@ fn with_materials_of(design: &Design, from: &Design) -> Design {
     let (table, own) = (&mut standard.support.worktable, &from.support.worktable);
     (table.top, table.top_density) = (own.top.clone(), own.top_density);
     (table.legs, table.leg_density) = (own.legs.clone(), own.leg_density);
-    (table.steel.material, table.steel.tube_wall) = (own.steel.material.clone(), own.steel.tube_wall);
+    table.metal = own.metal.clone();
+    if table.leg_wall > 0.0 {
+        table.leg_wall = tube_wall().unwrap_or(table.leg_wall);
+    }
     let (body, own) = (&mut standard.body, &from.body);
     (body.housing, body.nose, body.sleeve) = (own.housing.clone(), own.nose.clone(), own.sleeve.clone());
     let sleeve = 0.5 * design.piston.bore;

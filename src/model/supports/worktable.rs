@@ -9,7 +9,7 @@ use nalgebra::Matrix3;
 use super::floor;
 use super::support::{Contact, Support, Table, carried};
 use crate::design::rules::{at_most, below, elastic, incompressible};
-use crate::design::{Carrier, Conflict, Sprung, TableFoot, Values, WorktablePreset};
+use crate::design::{Carrier, Conflict, Sprung, TableFoot, TableMaterial, Values, WorktablePreset};
 use crate::drawing::{self, Annotation, Part, Side, View, rectangle};
 use crate::error::Error;
 use crate::measurement::manifest::Setup;
@@ -18,79 +18,37 @@ use crate::stages::bodies::{BodyKind, MeshSource};
 /// A workpiece on a worktable.
 pub(super) struct OnWorktable<'a>(pub(super) &'a Values);
 
-/// A length of the table and its key.
-struct Dimension {
-    key: &'static str,
-    /// \[m\]
-    length: f64,
-}
-
-/// Top and legs of the table's build.
-struct Build {
-    /// Thickness of the top.
-    thickness: Dimension,
-    /// Side of a leg's square section.
-    leg: Dimension,
-    /// Wall of a leg of tube; none for solid legs.
-    tube_wall: Option<Dimension>,
-    /// Longest element side along a leg \[m\].
-    leg_element: f64,
-    /// Loss factor of the modes \[-\].
-    loss_factor: f64,
-}
-
 impl OnWorktable<'_> {
-    fn build(&self) -> Build {
-        let (table, analysis) = (&self.0.support.worktable, &self.0.analysis);
-        let steel = &table.steel;
-        let dimension = |key, length| Dimension { key, length };
-        let on_tubes = |thickness| Build {
-            thickness,
-            leg: dimension("support.worktable.steel.tube_width", steel.tube_width),
-            tube_wall: Some(dimension("support.worktable.steel.tube_wall", steel.tube_wall)),
-            leg_element: analysis.worktable_tube_element,
-            loss_factor: steel.loss_factor,
-        };
-        match table.preset {
-            WorktablePreset::A => Build {
-                thickness: dimension("support.worktable.top_thickness", table.top_thickness),
-                leg: dimension("support.worktable.leg_width", table.leg_width),
-                tube_wall: None,
-                leg_element: analysis.worktable_leg_element,
-                loss_factor: table.loss_factor,
-            },
-            WorktablePreset::B => on_tubes(dimension(
-                "support.worktable.steel.top_thickness_b",
-                steel.top_thickness_b,
-            )),
-            WorktablePreset::C => on_tubes(dimension(
-                "support.worktable.steel.top_thickness_c",
-                steel.top_thickness_c,
-            )),
-        }
+    /// Wall of the legs \[m\]; none for solid legs.
+    fn tube_wall(&self) -> Option<f64> {
+        let wall = self.0.support.worktable.leg_wall;
+        (wall > 0.0).then_some(wall)
     }
 
     /// Materials of top and legs.
     fn materials(&self) -> Result<[Material; 2], Error> {
         let table = &self.0.support.worktable;
-        if self.build().tube_wall.is_some() {
-            let steel = &table.steel.material;
-            let material = Material::isotropic(steel.young_modulus, steel.poisson_ratio, steel.density)?;
-            return Ok([material.clone(), material]);
+        match table.material {
+            TableMaterial::Metal => {
+                let metal = &table.metal;
+                let material = Material::isotropic(metal.young_modulus, metal.poisson_ratio, metal.density)?;
+                Ok([material.clone(), material])
+            }
+            TableMaterial::Wood => {
+                // Legs: grain (axis 1) vertical, radial axis 2 along y, tangential axis 3 along x.
+                let upright = Matrix3::new(0.0, 0.0, 1.0, 0.0, 1.0, 0.0, 1.0, 0.0, 0.0);
+                Ok([
+                    Material::orthotropic(&table.top, &Matrix3::identity(), table.top_density)?,
+                    Material::orthotropic(&table.legs, &upright, table.leg_density)?,
+                ])
+            }
         }
-        // Legs: grain (axis 1) vertical, radial axis 2 along y, tangential axis 3 along x.
-        let upright = Matrix3::new(0.0, 0.0, 1.0, 0.0, 1.0, 0.0, 1.0, 0.0, 0.0);
-        Ok([
-            Material::orthotropic(&table.top, &Matrix3::identity(), table.top_density)?,
-            Material::orthotropic(&table.legs, &upright, table.leg_density)?,
-        ])
     }
 }
 
 impl Support for OnWorktable<'_> {
     fn check(&self) -> Result<(), Conflict> {
         let (block, table) = (&self.0.workpiece, &self.0.support.worktable);
-        let steel = &table.steel;
         let (length, width) = (("workpiece.length", block.length), ("workpiece.width", block.width));
         let on_table = "the block lies on the table";
         at_most(length, ("support.worktable.length", table.length), on_table)?;
@@ -103,11 +61,14 @@ impl Support for OnWorktable<'_> {
         let top = ("support.worktable.top_thickness", table.top_thickness);
         let height = ("support.worktable.height", table.height);
         below(top, height, "the top stands on legs")?;
-        let wall = ("support.worktable.steel.tube_wall", steel.tube_wall);
-        let half_tube = ("half of `support.worktable.steel.tube_width`", steel.tube_width / 2.0);
-        below(wall, half_tube, "a tube is hollow")?;
-        let poisson = "support.worktable.steel.material.poisson_ratio";
-        incompressible(poisson, steel.material.poisson_ratio)?;
+        let half_leg = ("half of `support.worktable.leg_width`", table.leg_width / 2.0);
+        below(
+            ("support.worktable.leg_wall", table.leg_wall),
+            half_leg,
+            "a tube is hollow",
+        )?;
+        let poisson = "support.worktable.metal.poisson_ratio";
+        incompressible(poisson, table.metal.poisson_ratio)?;
         elastic("support.worktable.top", &table.top)?;
         elastic("support.worktable.legs", &table.legs)?;
         match table.foot {
@@ -129,22 +90,23 @@ impl Support for OnWorktable<'_> {
     }
 
     fn table(&self) -> Result<Option<Table>, Error> {
-        let (table, analysis, build) = (&self.0.support.worktable, &self.0.analysis, self.build());
+        let (table, analysis, wall) = (&self.0.support.worktable, &self.0.analysis, self.tube_wall());
         let [top, legs] = self.materials()?;
+        let of_leg = [analysis.worktable_leg_element, analysis.worktable_tube_element];
         let spec = Worktable {
             top: [table.length, table.width],
-            thickness: build.thickness.length,
-            leg: [build.leg.length; 2],
+            thickness: table.top_thickness,
+            leg: [table.leg_width; 2],
             height: table.height,
             element_size: analysis.worktable_element,
-            leg_element_size: build.leg_element,
+            leg_element_size: of_leg[usize::from(wall.is_some())],
             top_layers: analysis.worktable_top_layers as usize,
             origin: [-0.5 * table.length, -0.5 * table.width, -table.height],
         };
         Ok(Some(Table {
             materials: vec![("top", top), ("leg", legs.clone()), ("legs", legs)],
-            built_in: MeshSource::Worktable(spec, build.tube_wall.map(|wall| wall.length)),
-            loss_factor: build.loss_factor,
+            built_in: MeshSource::Worktable(spec, wall),
+            loss_factor: table.loss_factor,
             fixed: (table.foot == TableFoot::Clamped).then_some("floor"),
         }))
     }
@@ -158,9 +120,9 @@ impl Support for OnWorktable<'_> {
     }
 
     fn boxes(&self) -> Vec<SolidBox> {
-        let (table, build) = (&self.0.support.worktable, self.build());
-        let (x, y, under) = (0.5 * table.length, 0.5 * table.width, -build.thickness.length);
-        let leg = build.leg.length;
+        let table = &self.0.support.worktable;
+        let (x, y, under) = (0.5 * table.length, 0.5 * table.width, -table.top_thickness);
+        let leg = table.leg_width;
         let top = SolidBox {
             low: [-x, -y, under],
             high: [x, y, 0.0],
@@ -176,8 +138,8 @@ impl Support for OnWorktable<'_> {
     }
 
     fn radiating_area(&self) -> f64 {
-        let (table, leg) = (&self.0.support.worktable, self.build().leg.length);
-        2.0 * table.length * table.width + 16.0 * leg * table.height
+        let table = &self.0.support.worktable;
+        2.0 * table.length * table.width + 16.0 * table.leg_width * table.height
     }
 
     fn carriers(&self) -> &'static [Carrier] {
@@ -189,7 +151,10 @@ impl Support for OnWorktable<'_> {
     }
 
     fn name(&self) -> String {
-        format!("worktable {}", self.0.support.worktable.preset.as_str())
+        match self.0.support.worktable.preset {
+            WorktablePreset::Own => "worktable".to_owned(),
+            preset => format!("worktable {}", preset.as_str()),
+        }
     }
 
     fn in_words(&self) -> String {
@@ -197,12 +162,12 @@ impl Support for OnWorktable<'_> {
     }
 
     fn draw(&self, view: &mut View) {
-        let (table, build) = (&self.0.support.worktable, self.build());
+        let table = &self.0.support.worktable;
         let (half, foot) = (0.5 * table.length, -table.height);
-        let (thickness, leg) = (build.thickness.length, build.leg.length);
-        let [of_legs, of_top] = match build.tube_wall {
-            None => [drawing::Material::Solid, drawing::Material::Plywood],
-            Some(_) => [drawing::Material::Steel; 2],
+        let (thickness, leg) = (table.top_thickness, table.leg_width);
+        let [of_legs, of_top] = match table.material {
+            TableMaterial::Wood => [drawing::Material::Solid, drawing::Material::Plywood],
+            TableMaterial::Metal => [drawing::Material::Steel; 2],
         };
         floor::draw(view, floor::beyond(half), foot);
         let leg_from = |x: f64| rectangle([x, x + leg], [foot, -thickness]);
@@ -218,19 +183,25 @@ impl Support for OnWorktable<'_> {
             Annotation::across(length, Side::Right, [-half, half], foot - 0.06, [foot; 2]),
             Annotation::upright(height, Side::Left, [foot, 0.0], -half - 0.05, [-half; 2]),
             Annotation::upright(
-                build.thickness.key,
+                "support.worktable.top_thickness",
                 Side::Right,
                 [-thickness, 0.0],
                 half + 0.03,
                 [half; 2],
             ),
-            Annotation::across(build.leg.key, Side::Right, [half - leg, half], middle, [middle; 2]),
+            Annotation::across(
+                "support.worktable.leg_width",
+                Side::Right,
+                [half - leg, half],
+                middle,
+                [middle; 2],
+            ),
             Annotation::dot("support.worktable.width", Side::Left, [-0.4 * half, -0.5 * thickness]),
         ]);
-        if let Some(wall) = build.tube_wall {
-            let across = [half - wall.length, half];
+        if let Some(wall) = self.tube_wall() {
+            let across = [half - wall, half];
             let low = 0.8 * foot;
-            let annotation = Annotation::across(wall.key, Side::Right, across, low, [low; 2]);
+            let annotation = Annotation::across("support.worktable.leg_wall", Side::Right, across, low, [low; 2]);
             view.annotations.push(annotation);
         }
     }
