@@ -2,7 +2,7 @@
 //! last rows only.
 #![allow(clippy::unwrap_used, missing_docs)]
 
-#[path = "../tests/bem/common.rs"]
+#[path = "../tests/common/boundary_meshes.rs"]
 mod bem_common;
 
 use nailnoise_acoustics::Air;

@@ -1,7 +1,8 @@
 //! The ranking: levels, bands and intervals of every source over the common range, and its power over time.
 
-use nailnoise_acoustics::levels::{
-    self, BandLevel as Band, Level, PowerHistory, SILENCE, SourceSpectrum, Weighting, energy_level, level_energy,
+use nailnoise_acoustics::signals::levels;
+use nailnoise_acoustics::signals::{
+    BandLevel as Band, Level, PowerHistory, SILENCE, SourceSpectrum, Weighting, energy_level, level_energy,
 };
 
 use super::intervals::Interval;
