@@ -14,13 +14,14 @@ const WORTHWHILE: usize = 3000;
 /// A mirror plane as a permutation with signs: unknown e becomes `sign[e]` times unknown `image[e]`.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Mirror {
-    pub(super) image: Vec<usize>,
-    pub(super) sign: Vec<f64>,
+    pub(crate) image: Vec<usize>,
+    pub(crate) sign: Vec<f64>,
 }
 
 impl Mirror {
     /// The planes through the middle of the mesh and across its axes that map the places of the unknowns onto each
-    /// other; `equation_of` and `dof_of` number them. Whether K and M follow is for [`crate::symmetry::sectors`] to see.
+    /// other; `equation_of` and `dof_of` number them. Whether K and M follow is for
+    /// [`crate::symmetry::sectors`] to see.
     pub(crate) fn candidates(mesh: &Mesh, equation_of: &[Option<usize>], dof_of: &[usize]) -> Vec<Self> {
         let mut nodes: Vec<usize> = dof_of.iter().map(|dof| dof / 3).collect();
         nodes.sort_unstable();
@@ -47,7 +48,7 @@ impl Mirror {
     }
 
     /// S x.
-    pub(super) fn apply(&self, x: &[f64]) -> Vec<f64> {
+    pub(crate) fn apply(&self, x: &[f64]) -> Vec<f64> {
         let mut y = vec![0.0; x.len()];
         for (e, value) in x.iter().enumerate() {
             y[self.image[e]] = self.sign[e] * value;

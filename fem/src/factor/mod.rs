@@ -25,7 +25,7 @@ use crate::random::Random;
 use numeric::{Descendants, Numeric};
 use sparse::product_of_vector;
 use subtrees::{PartRows, Subtrees};
-use supernodal_solve::{self, Panels};
+use supernodal_solve::Panels;
 
 /// Largest residual of a probe; a sound factor stays many orders below.
 const PROBE_LIMIT: f64 = 1e-7;
@@ -112,7 +112,7 @@ impl Symbolic {
         };
         let factorised = numeric.factorise(&self.subtrees, &mut values);
         factorised.map_err(|pivot| FemError::Pivot { shift, pivot })?;
-        let diagonal = panels::pack(&self.supernodal, &mut values);
+        let diagonal = supernodal_solve::pack(&self.supernodal, &mut values);
         let factor = Factor {
             symbolic: self,
             kind: Kind::Symmetric { values, diagonal },

@@ -19,6 +19,7 @@ use faer::{Mat, MatRef};
 use nalgebra_sparse::CscMatrix;
 use rayon::prelude::*;
 
+use crate::assembly::Mirror;
 use crate::factor::order::{Graph, elimination_order};
 use crate::factor::pencil::Pencil;
 use crate::factor::sparse::{product, reordered, subtract};

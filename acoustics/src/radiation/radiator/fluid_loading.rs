@@ -27,7 +27,7 @@ impl Loading {
 }
 
 /// An error if a mass is to act that the method does not model.
-pub(super) fn needs_no_mass(acts: Loading, method: &'static str) -> Result<(), FluidLoadingError> {
+pub(crate) fn needs_no_mass(acts: Loading, method: &'static str) -> Result<(), FluidLoadingError> {
     match acts {
         Loading::Full => Err(FluidLoadingError::NoReactance { method }),
         Loading::None | Loading::Damping => Ok(()),
@@ -49,7 +49,7 @@ pub struct FluidLoads {
 
 impl FluidLoads {
     /// Of a method that gives no reactance.
-    pub(super) fn damping_only(damping: Vec<f64>) -> Self {
+    pub(crate) fn damping_only(damping: Vec<f64>) -> Self {
         Self {
             resistance_ratio: vec![1.0; damping.len()],
             damping,
@@ -60,7 +60,7 @@ impl FluidLoads {
 
     /// From the damping ratios, a diagonal element of X/omega (of a mode's number, a frequency in hertz), and R_jj;
     /// `first` is the number of the body's first mode in `radiation`.
-    pub(super) fn new(
+    pub(crate) fn new(
         damping: Vec<f64>,
         omega: &[f64],
         (first, radiation): (usize, &dyn ModalRadiation),
@@ -97,14 +97,14 @@ impl FluidLoads {
     /// ```text
     /// E = (p/m)² R(w)/(4 zeta w),  m = 1 + M,  w = Omega/sqrt(m)   =>   E/E_dry = m^-3/2 R(w)/R(Omega)
     /// ```
-    pub(super) fn of_mass(&self, mode: usize) -> f64 {
+    pub(crate) fn of_mass(&self, mode: usize) -> f64 {
         let mass = self.mass.as_ref().map_or(0.0, |mass| mass[mode].max(0.0));
         (1.0 + mass).powf(-1.5) * self.resistance_ratio[mode]
     }
 
     /// Radiated energy of a mode without radiation damping over that with it, (zeta + zeta_r)/zeta for the damping
     /// ratio zeta of the structure.
-    pub(super) fn of_damping(&self, mode: usize, zeta: f64) -> f64 {
+    pub(crate) fn of_damping(&self, mode: usize, zeta: f64) -> f64 {
         if zeta > 0.0 {
             1.0 + self.damping[mode] / zeta
         } else {

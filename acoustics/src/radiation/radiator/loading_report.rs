@@ -25,14 +25,14 @@ pub struct FluidLoading {
 }
 
 /// Frequency with an added mass relative to that in vacuum, less one.
-pub(super) fn shift(mass: f64) -> f64 {
+pub(crate) fn shift(mass: f64) -> f64 {
     (1.0 + mass.max(0.0)).sqrt().recip() - 1.0
 }
 
 impl FluidLoading {
     /// From the energies of all modes of all bodies, one after the other. Masses above `top_hz`, which are upper
     /// bounds, are not among the largest. None where a body's loads are not known.
-    pub(super) fn new(bodies: &[MovingBody<'_>], energies: &[f64], top_hz: f64) -> Option<Self> {
+    pub(crate) fn new(bodies: &[MovingBody<'_>], energies: &[f64], top_hz: f64) -> Option<Self> {
         let total: f64 = energies.iter().sum();
         let acts = bodies.first()?.acts;
         let (mut damped, mut loaded) = (0.0, 0.0);

@@ -5,7 +5,7 @@
 //! radiates as the [sphere](RigidSphere) of its volume.
 
 mod boundary_elements;
-mod fluid_loading;
+pub(crate) mod fluid_loading;
 mod loading_report;
 mod moving_body;
 mod report;
@@ -126,7 +126,7 @@ pub fn damping_ratios(radiation: &dyn ModalRadiation, omega: &[f64]) -> Vec<f64>
 
 /// Contribution of each mode to the energy of all bodies, given the energies of all modes; the static corrections of a
 /// body count as one.
-fn mode_shares(bodies: &[MovingBody<'_>], energies: &[f64]) -> Vec<ModeShare> {
+pub(crate) fn mode_shares(bodies: &[MovingBody<'_>], energies: &[f64]) -> Vec<ModeShare> {
     let total: f64 = energies.iter().sum::<f64>().max(f64::MIN_POSITIVE);
     let mut energies = energies.iter();
     let mut shares = Vec::new();

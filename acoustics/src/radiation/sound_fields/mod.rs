@@ -1,8 +1,8 @@
 //! Sound fields of a shot in one-third-octave bands: on surfaces, in planes and on a sphere of directions.
 
 mod boundary_elements;
-mod planes;
-mod sphere;
+pub(crate) mod planes;
+pub(crate) mod sphere;
 mod velocity;
 
 pub use boundary_elements::{SolvedSurface, boundary_element_field};
@@ -73,20 +73,20 @@ pub struct BandField {
 }
 
 /// Complete bands within the frequencies of a spectrum, below a top frequency.
-fn bands(spectra: &ModalSpectra, top: f64) -> Vec<Band> {
+pub(crate) fn bands(spectra: &ModalSpectra, top: f64) -> Vec<Band> {
     let [low, high] = spectra.range_hz;
     let whole = |b: &Band| b.low >= low * (1.0 - 1e-9) && b.high <= high.min(top) * (1.0 + 1e-9);
     third_octaves().into_iter().filter(whole).collect()
 }
 
 /// Energy of a source in each band \[J\].
-fn energies(source: &SourceSpectrum, bands: &[Band]) -> Vec<f64> {
+pub(crate) fn energies(source: &SourceSpectrum, bands: &[Band]) -> Vec<f64> {
     let energy = |band: &Band| source.energy([band.low, band.high], Weighting::Z);
     bands.iter().map(energy).collect()
 }
 
 /// Energy in a field over that of its source, both over all bands \[dB\].
-fn balance(found: &[f64], radiated: &[f64]) -> f64 {
+pub(crate) fn balance(found: &[f64], radiated: &[f64]) -> f64 {
     10.0 * (found.iter().sum::<f64>() / radiated.iter().sum::<f64>()).log10()
 }
 

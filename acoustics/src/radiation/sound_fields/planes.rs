@@ -31,7 +31,7 @@ pub struct Cuts {
 
 impl Cuts {
     /// Two vertical planes through the driving axis, and a horizontal plane above the workpiece.
-    pub(super) fn planes(&self) -> [Plane; 3] {
+    pub(crate) fn planes(&self) -> [Plane; 3] {
         let [x, y] = self.axis;
         let (low, top) = (self.low, self.top);
         let side = 2.0 * HALF_SIDE;
@@ -49,7 +49,7 @@ impl Cuts {
 }
 
 /// Levels of the pressure in planes.
-pub(super) fn in_planes(prefix: &str, planes: &[Plane], found: &BandSound, bands: &[Band]) -> Vec<FieldSeries> {
+pub(crate) fn in_planes(prefix: &str, planes: &[Plane], found: &BandSound, bands: &[Band]) -> Vec<FieldSeries> {
     let mut first = 0;
     let of_plane = |plane: &Plane| {
         let (shape, count) = (plane.shape(), plane.points().count());
@@ -77,7 +77,7 @@ pub(super) fn in_planes(prefix: &str, planes: &[Plane], found: &BandSound, bands
 }
 
 /// A grid of points in a plane; some may be left out.
-pub(super) struct Plane {
+pub(crate) struct Plane {
     name: &'static str,
     /// Columns of the grid, and its points row by row.
     columns: usize,
@@ -104,14 +104,14 @@ impl Plane {
     }
 
     /// Retains the points that pass the test.
-    pub(super) fn keep(&mut self, test: impl Fn(&[Point3<f64>]) -> Vec<bool>) {
+    pub(crate) fn keep(&mut self, test: impl Fn(&[Point3<f64>]) -> Vec<bool>) {
         for (shown, passes) in self.shown.iter_mut().zip(test(&self.grid)) {
             *shown &= passes;
         }
     }
 
     /// The remaining points.
-    pub(super) fn points(&self) -> impl Iterator<Item = Point3<f64>> + '_ {
+    pub(crate) fn points(&self) -> impl Iterator<Item = Point3<f64>> + '_ {
         self.grid
             .iter()
             .zip(&self.shown)

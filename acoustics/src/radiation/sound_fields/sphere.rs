@@ -6,20 +6,20 @@ use crate::signals::Band;
 use nalgebra::Point3;
 
 /// Rings of the half sphere, and directions of each: they integrate the far field of a body of k a = 46.
-pub(super) const SPHERE: [usize; 2] = [24, 96];
+pub(crate) const SPHERE: [usize; 2] = [24, 96];
 
 /// Radius of the plotted half sphere \[m\].
 const DRAWN: f64 = 1.0;
 
 /// Energy over all directions in each band \[J\].
-pub(super) fn sums(found: &BandSound, directions: &Directions) -> Vec<f64> {
+pub(crate) fn sums(found: &BandSound, directions: &Directions) -> Vec<f64> {
     let of_band =
         |column: nalgebra::DVectorView<'_, f64>| column.iter().zip(&directions.weights).map(|(e, w)| e * w).sum();
     found.directivity.column_iter().map(of_band).collect()
 }
 
 /// The sphere of directions or its upper half, around a point.
-pub(super) fn sphere(
+pub(crate) fn sphere(
     prefix: &str,
     directions: &Directions,
     found: &BandSound,
