@@ -32,8 +32,9 @@ const CHUNK: usize = 8;
 /// signal does not precede its cause. L is real on the frequency axis (Hermitian in general) and spreads a signal
 /// symmetrically in time, as do the ends of the range.
 ///
-/// The bins are those of a record padded to at least twice its length ([`TransformSettings`](crate::signals::fourier::TransformSettings)).
-/// Time runs from minus a quarter of the transform's period to three quarters of it.
+/// The bins are those of a record padded to at least twice its length
+/// ([`TransformSettings`](super::fourier::TransformSettings)). Time runs from minus a quarter of the transform's period
+/// to three quarters of it.
 #[derive(Debug, Clone)]
 pub struct PowerSignals {
     frequency: Vec<f64>,

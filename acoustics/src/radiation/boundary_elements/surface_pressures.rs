@@ -99,7 +99,7 @@ struct SolvedRange {
 }
 
 /// Pressures on the surface of a body in the motion of each of its modes, at the samples of its radiation matrix
-/// ([`ModalBem::solve`](crate::radiation::boundary_elements::ModalBem::solve)). Those at receivers follow without another solution.
+/// ([`ModalBem::solve`](super::ModalBem::solve)). Those at receivers follow without another solution.
 #[derive(Debug, Clone, Default, Serialize, Deserialize)]
 pub struct SurfacePressures {
     /// Meshes in the order of the ranges.

@@ -1,9 +1,10 @@
 //! Sound at points around a device: pressures, signals over time, and levels by the procedure of the standard.
 //!
 //! A source with known phases gives the complex pressure at every point: boundary elements with
-//! [`crate::radiation::boundary_elements::Receivers`], a flush surface by [`SoundAbovePlane`] (part of [`FlushSound`]), an oscillating sphere by
-//! [`oscillating_sphere_pressure`]. A source with known energy only is treated as
-//! [omnidirectional](omnidirectional_transfer). [`ChirpTransform`] converts spectra to signals.
+//! [`Receivers`](super::boundary_elements::Receivers), a flush surface by
+//! [`SoundAbovePlane`](super::flush::SoundAbovePlane), an oscillating sphere by [`oscillating_sphere_pressure`]. A
+//! source with known energy only is treated as [omnidirectional](omnidirectional_transfer).
+//! [`ChirpTransform`](crate::signals::ChirpTransform) converts spectra to signals.
 
 mod array;
 mod bands;
