@@ -40,7 +40,7 @@ const CHANGES: [(&str, &str); 17] = [
 ];
 
 /// A muffler by its measured loss; the area of its end acts on the flow, so that it is another shot.
-const MUFFLER: &str = "exhaust.muffler.kind = \"insertion_loss\"\nexhaust.muffler.octaves.hz_4000 = 10";
+const MUFFLER: &str = "exhaust.muffler.kind = \"insertion_loss\"\nexhaust.muffler.octaves.4000 = 10";
 
 fn main() -> Result<(), Box<dyn Error>> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));

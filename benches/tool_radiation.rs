@@ -31,7 +31,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let body = BodyStages::add(&graph, &design, BodyKind::Tool, true)?.body.get()?;
     let elements = ToolRadiation {
         resolution: Resolution {
-            top_hz: design.acoustics.bem_top,
+            top_hz: design.acoustics.bem_max_frequency,
             mean_top_hz: None,
             panels: design.acoustics.bem_panels,
             equations: EquationSolver::Auto,

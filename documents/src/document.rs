@@ -67,6 +67,11 @@ impl Document {
         &self.path
     }
 
+    /// The text, without a byte order mark.
+    pub fn text(&self) -> &str {
+        &self.text
+    }
+
     /// A file relative to the folder of this one.
     pub fn sibling(&self, name: &str) -> PathBuf {
         self.path.with_file_name("").join(name)

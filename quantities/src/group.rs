@@ -37,8 +37,10 @@ pub trait Group: Sized {
     fn key_mut(&mut self, name: &str) -> Option<(&'static KeySpec, &mut dyn Assign)>;
 }
 
-/// The value of the key `name` of the group at `path`, or its full name if there is none of its kind.
-#[doc(hidden)]
+/// The value of the key `name` of the group at `path`.
+///
+/// # Errors
+/// Its full name, if there is no value of its kind.
 pub fn read_key<T: Held>(path: &str, name: &str, found: &Found) -> Result<T, String> {
     let name = dotted(path, name);
     found.get(&name).and_then(T::from_value).ok_or(name)
@@ -144,6 +146,7 @@ macro_rules! group {
                 ],
                 groups: &[$($((stringify!($sub), &<$Sub as $crate::Group>::SPEC)),+)?],
                 lists: &[$($((stringify!($list), &<$Item as $crate::Group>::SPEC)),+)?],
+                is_list: false,
             };
 
             fn build(path: &str, found: &$crate::Found) -> Result<Self, String> {

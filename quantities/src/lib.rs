@@ -12,9 +12,9 @@ mod value;
 
 pub use check::Check;
 pub use dimension::Dimension;
-pub use group::{Found, Group, members};
 #[doc(hidden)]
-pub use group::{read_key, visit_key};
+pub use group::visit_key;
+pub use group::{Found, Group, members, read_key};
 pub use kind::{Kind, Sign, any, component, fraction, gas_pressure, modulus, nonnegative, positive};
 pub use measure::measure;
 pub use spec::{GroupSpec, KeySpec, MEMBER, dotted};

@@ -42,6 +42,8 @@ pub struct GroupSpec {
     pub groups: &'static [(&'static str, &'static GroupSpec)],
     /// Lists within it: groups of one declaration; a design gives any number of them, each with a name.
     pub lists: &'static [(&'static str, &'static GroupSpec)],
+    /// Whether a file may give the keys as a list of values, in their order.
+    pub is_list: bool,
 }
 
 impl GroupSpec {

@@ -526,9 +526,9 @@ mod tests {
         design.body.mesh = path.to_string_lossy().into_owned();
         design.body.mesh_unit = 1.0;
         design.acoustics.body_method = RadiationMethod::Bem;
-        design.acoustics.bem_top = 1500.0;
+        design.acoustics.bem_max_frequency = 1500.0;
         design.acoustics.bem_tolerance = 0.005;
-        design.analysis.body_top = 8000.0;
+        design.analysis.body_max_frequency = 8000.0;
         design.sensors.remove("handle"); // the slab has none
         design
     }
@@ -632,7 +632,7 @@ mod tests {
     fn where_the_standard_tool_lacks_motion_the_modes_of_the_tool_are_solved() {
         let mut design = slab("own");
         // Few modes of the standard, and a mass at the nose as large as the slab's.
-        design.analysis.body_top = 2000.0;
+        design.analysis.body_max_frequency = 2000.0;
         design.body.housing.poisson_ratio = 0.25;
         (design.body.lumped, design.body.lumped_nose, design.body.lumped_magazine) = (true, 0.9, 0.0);
         design.tool.mass = 1810.0 * 0.1 * 0.012 * 0.3 + 1.0;

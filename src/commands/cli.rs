@@ -6,7 +6,7 @@ use clap::{CommandFactory as _, Parser, Subcommand};
 
 use super::{
     cache, check, coloured, compare, compare_measured, completions, cycle, faults, init, list, manual, measure, mesh,
-    modes, optimise, prf, printed, progress, provide, report, run, schema, study, sweep, test, verify, watch,
+    migrate, modes, optimise, prf, printed, progress, provide, report, run, schema, study, sweep, test, verify, watch,
 };
 use crate::error::Error;
 
@@ -78,6 +78,8 @@ enum Command {
     Measure(measure::Arguments),
     /// Compute public benchmarks on this machine beside their references
     Verify(verify::Arguments),
+    /// Rename the keys of earlier versions in a design file
+    Migrate(migrate::Arguments),
     /// Print the woods, nails, worktables and designs that the program knows by name
     List(list::Arguments),
     /// List, verify or clear cached results
@@ -141,6 +143,7 @@ fn execute(cli: &Cli) -> Result<ExitCode, Error> {
         Command::Test(arguments) => test::execute(arguments),
         Command::Measure(arguments) => measure::execute(arguments),
         Command::Verify(arguments) => verify::execute(arguments),
+        Command::Migrate(arguments) => migrate::execute(arguments),
         Command::List(arguments) => list::execute(arguments),
         Command::Cache(arguments) => cache::execute(arguments),
         Command::Schema(arguments) => schema::execute(arguments),

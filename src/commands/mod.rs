@@ -30,6 +30,7 @@ mod list;
 mod manual;
 mod measure;
 mod mesh;
+mod migrate;
 mod modes;
 mod optimise;
 mod prf;

@@ -59,7 +59,7 @@ pub(super) fn modes(design: &Design, kind: BodyKind) -> Result<StageCost, Error>
     let keys: &'static [Remedy] = match kind {
         BodyKind::Workpiece => &[
             ("analysis.workpiece_element", "raise"),
-            ("analysis.workpiece_top", "lower"),
+            ("analysis.workpiece_max_frequency", "lower"),
             ("analysis.mode_margin", "lower"),
         ],
         BodyKind::Worktable => &[
@@ -67,12 +67,12 @@ pub(super) fn modes(design: &Design, kind: BodyKind) -> Result<StageCost, Error>
             ("analysis.worktable_leg_element", "raise"),
             ("analysis.worktable_tube_element", "raise"),
             ("analysis.worktable_top_layers", "lower"),
-            ("analysis.worktable_top", "lower"),
+            ("analysis.worktable_max_frequency", "lower"),
             ("analysis.mode_margin", "lower"),
         ],
         BodyKind::Tool => &[
             ("analysis.body_element", "raise"),
-            ("analysis.body_top", "lower"),
+            ("analysis.body_max_frequency", "lower"),
             ("analysis.mode_margin", "lower"),
         ],
     };

@@ -78,7 +78,7 @@ pub(super) fn add(
     (surface, modes): (&RadiatingSurface, f64),
     top_hz: f64,
 ) {
-    let mean_top = (acoustics.bem_mean_top > 0.0).then_some(acoustics.bem_mean_top);
+    let mean_top = (acoustics.bem_mean_max_frequency > 0.0).then_some(acoustics.bem_mean_max_frequency);
     for (hz, bands) in MeanBands::new(top_hz, mean_top).finer_meshes() {
         let (size, close) = surface.size(SOUND_SPEED / (acoustics.bem_panels * hz));
         let cost = size.cost(equation_solver(acoustics));
@@ -93,8 +93,8 @@ pub(super) fn add(
             }
         }
         stage.keys = &[
-            ("acoustics.bem_mean_top", "lower"),
-            ("acoustics.bem_top", "lower"),
+            ("acoustics.bem_mean_max_frequency", "lower"),
+            ("acoustics.bem_max_frequency", "lower"),
             ("acoustics.bem_panels", "lower"),
         ];
     }
@@ -109,7 +109,7 @@ mod tests {
 
     fn tool(mean_top: f64) -> super::StageCost {
         let mut design = Design::load(concat!(env!("CARGO_MANIFEST_DIR"), "/designs/n80cb.toml")).unwrap();
-        design.acoustics.bem_mean_top = mean_top;
+        design.acoustics.bem_mean_max_frequency = mean_top;
         radiation_of_tool(&design, 160.0).unwrap().unwrap()
     }
 
@@ -125,7 +125,7 @@ mod tests {
         let cost = tool(8000.0);
         let panels = cost.counts[0].1;
         assert!((panels / 17_858.0 - 1.0).abs() < 0.1, "{panels}");
-        assert_eq!(cost.keys[0].0, "acoustics.bem_mean_top");
+        assert_eq!(cost.keys[0].0, "acoustics.bem_mean_max_frequency");
     }
 
     #[test]
@@ -139,7 +139,7 @@ mod tests {
                 .sum::<f64>()
         };
         let before = total(&design);
-        design.acoustics.bem_mean_top = 8000.0;
+        design.acoustics.bem_mean_max_frequency = 8000.0;
         assert!(total(&design) > 3.0 * before);
     }
 }

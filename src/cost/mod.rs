@@ -106,7 +106,7 @@ fn response(design: &Design, modes: f64) -> StageCost {
     let samples = analysis.duration / analysis.time_step;
     let points = f64::from(contact.points_along) * f64::from(contact.points_across);
     let sensors = design.sensors.len() as f64;
-    let top = analysis.range_high.max(analysis.workpiece_top);
+    let top = analysis.range_high.max(analysis.workpiece_max_frequency);
     let lines = analysis.duration * top;
     let values = LOADS + points + 6.0 * sensors;
     let mut counts = vec![("samples", samples), ("modes", modes), ("contact points", points)];
@@ -139,7 +139,7 @@ fn radiation(design: &Design, modes: f64) -> Option<StageCost> {
         let block = 2.0 * (x * y + y * z + z * x);
         let area = block + support.radiating_area();
         let acoustics = &design.acoustics;
-        let panel = SOUND_SPEED / (acoustics.bem_top * acoustics.bem_panels);
+        let panel = SOUND_SPEED / (acoustics.bem_max_frequency * acoustics.bem_panels);
         let panels = area / (panel * panel);
         let unknowns = panels / 4.0;
         let (unknowns_0, seconds_0) = RADIATION;
@@ -150,10 +150,13 @@ fn radiation(design: &Design, modes: f64) -> Option<StageCost> {
             counts: vec![("panels", panels)],
             gigabytes,
             cpu_seconds: seconds + 1e-3 * unknowns,
-            keys: &[("acoustics.bem_top", "lower"), ("acoustics.bem_panels", "lower")],
+            keys: &[
+                ("acoustics.bem_max_frequency", "lower"),
+                ("acoustics.bem_panels", "lower"),
+            ],
         };
         let surface = RadiatingSurface::Boxes(area);
-        means::add(&mut stage, acoustics, (&surface, modes), acoustics.bem_top);
+        means::add(&mut stage, acoustics, (&surface, modes), acoustics.bem_max_frequency);
         stage
     })
 }
@@ -164,7 +167,7 @@ fn radiation_of_tool(design: &Design, modes: f64) -> Result<Option<StageCost>, E
     if acoustics.body_method == RadiationMethod::Erp || design.body.model == BodyModel::Rigid {
         return Ok(None);
     }
-    let top = acoustics.bem_top.min(TOOL_TOP);
+    let top = acoustics.bem_max_frequency.min(TOOL_TOP);
     let panel = SOUND_SPEED / (top * acoustics.bem_panels);
     let area = bodies::tool_area(design)?;
     let panels = area / (panel * panel);
@@ -186,7 +189,10 @@ fn radiation_of_tool(design: &Design, modes: f64) -> Result<Option<StageCost>, E
         counts: vec![("panels", panels)],
         gigabytes,
         cpu_seconds: seconds,
-        keys: &[("acoustics.bem_top", "lower"), ("acoustics.bem_panels", "lower")],
+        keys: &[
+            ("acoustics.bem_max_frequency", "lower"),
+            ("acoustics.bem_panels", "lower"),
+        ],
     };
     means::add(
         &mut stage,

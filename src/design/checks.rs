@@ -108,7 +108,7 @@ fn insertion_loss(analysis: &Analysis) -> Result<(), Conflict> {
     let range = [Band::new(first).low, Band::new(last).high];
     for (key, value) in [
         ("analysis.range_low", analysis.range_low),
-        ("analysis.exhaust_top", analysis.exhaust_top),
+        ("analysis.exhaust_max_frequency", analysis.exhaust_max_frequency),
     ] {
         let outside = Conflict::InsertionLossRange { key, value, range };
         refuse(value < range[0] || value >= range[1], outside)?;
@@ -122,7 +122,7 @@ fn chamber(v: &Values) -> Result<(), Conflict> {
     let (area, diameter) = (muffler.flow_area, muffler.tail_diameter);
     let bore = 0.25 * std::f64::consts::PI * diameter * diameter;
     refuse(area > bore, Conflict::MufflerArea { area, diameter, bore })?;
-    let (top, sound_speed) = (v.analysis.exhaust_top, sound_speed(v));
+    let (top, sound_speed) = (v.analysis.exhaust_max_frequency, sound_speed(v));
     for (key, diameter) in [
         ("exhaust.muffler.chamber_diameter", muffler.chamber_diameter),
         ("exhaust.muffler.tail_diameter", diameter),
@@ -315,7 +315,7 @@ fn analysis(v: &Values) -> Result<(), Conflict> {
     refuse(value <= 1.0, Conflict::HeatCapacityRatio { value })?;
     let (low, high, time_step) = (a.range_low, a.range_high, a.time_step);
     refuse(low >= high, Conflict::EmptyRange { low, high })?;
-    let top = high.max(a.exhaust_top);
+    let top = high.max(a.exhaust_max_frequency);
     let coarse = time_step * top * SAMPLES > 1.0;
     refuse(coarse, Conflict::TimeStep { time_step, top })?;
     let tail = Conflict::Duration {

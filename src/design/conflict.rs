@@ -270,16 +270,20 @@ impl Conflict {
             Self::NotElastic { group, .. } => elastic_keys(group),
             Self::Incompressible { key, .. } => vec![key],
             Self::SupplyBelowAmbient { .. } => vec!["supply.pressure", "ambient.pressure"],
-            Self::NotPlaneWaves { key, .. } => vec![key, "exhaust.muffler.kind", "analysis.exhaust_top"],
+            Self::NotPlaneWaves { key, .. } => vec![key, "exhaust.muffler.kind", "analysis.exhaust_max_frequency"],
             Self::InsertionLossRange { key, .. } => vec![key, "exhaust.muffler.kind"],
-            Self::LiningRange { .. } => vec!["exhaust.muffler.lining_resistivity", "analysis.exhaust_top"],
+            Self::LiningRange { .. } => vec!["exhaust.muffler.lining_resistivity", "analysis.exhaust_max_frequency"],
             Self::NotCarried { key, .. } => vec![key],
             Self::MufflerArea { .. } => vec!["exhaust.muffler.flow_area", "exhaust.muffler.tail_diameter"],
             Self::MicrophonesInSand { .. } => vec!["support.sand.box_depth", "support.sand.measurement_plane"],
             Self::FittingAndMuffler => vec!["exhaust.fitting.kind", "exhaust.muffler.kind"],
             Self::HeatCapacityRatio { .. } => vec!["ambient.heat_capacity_ratio"],
             Self::EmptyRange { .. } => vec!["analysis.range_low", "analysis.range_high"],
-            Self::TimeStep { .. } => vec!["analysis.time_step", "analysis.range_high", "analysis.exhaust_top"],
+            Self::TimeStep { .. } => vec![
+                "analysis.time_step",
+                "analysis.range_high",
+                "analysis.exhaust_max_frequency",
+            ],
             Self::Duration { short, long, .. } => vec![short, long],
         }
     }
@@ -324,7 +328,7 @@ impl Conflict {
                 "give `supply.pressure` as absolute pressure, or with a gauge unit such as psig or barg".to_owned()
             }
             Self::NotPlaneWaves { key, highest, .. } => format!(
-                "narrow `{key}`, lower `analysis.exhaust_top` to {:.0} Hz and `analysis.range_high` with it, or give \
+                "narrow `{key}`, lower `analysis.exhaust_max_frequency` to {:.0} Hz and `analysis.range_high` with it, or give \
                  the measured insertion loss: `exhaust.muffler.kind = \"insertion_loss\"`",
                 highest.floor()
             ),
@@ -337,7 +341,7 @@ impl Conflict {
                 format!("{change} `{key}` to {limit:.0} Hz")
             }
             Self::LiningRange { resistivity, .. } => format!(
-                "raise `exhaust.muffler.lining_resistivity`, lower `analysis.exhaust_top` to {:.0} Hz, or set \
+                "raise `exhaust.muffler.lining_resistivity`, lower `analysis.exhaust_max_frequency` to {:.0} Hz, or set \
                  `exhaust.muffler.lining_thickness` to 0 for a bare pipe",
                 resistivity.floor()
             ),

@@ -634,7 +634,7 @@ pub enum Warning {
     },
     /// The exhaust is computed up to a frequency below the end of the range in which the sources are compared.
     #[error(
-        "the exhaust is computed up to `analysis.exhaust_top` = {top} Hz only: its sound in the bands from {} to {} \
+        "the exhaust is computed up to `analysis.exhaust_max_frequency` = {top} Hz only: its sound in the bands from {} to {} \
          Hz is \
          missing from its level and from the total, which reach to `analysis.range_high` = {high} Hz",
         bands[0],
@@ -648,6 +648,16 @@ pub enum Warning {
         /// First and last of the third-octave bands that lack the exhaust in part or as a whole \[Hz\].
         bands: [f64; 2],
         /// Where one of the two is given.
+        at: Box<Place>,
+    },
+    /// A key of an earlier version.
+    #[error("`{key}` is now `{successor}`")]
+    Renamed {
+        /// Full name of the key as given.
+        key: String,
+        /// Its name of today.
+        successor: &'static str,
+        /// Place of the key.
         at: Box<Place>,
     },
     /// A derived quantity is given and agrees with its primary ones.
@@ -669,6 +679,7 @@ impl Warning {
             Self::OutsideRange { at, .. }
             | Self::ExhaustTop { at, .. }
             | Self::Computed { at, .. }
+            | Self::Renamed { at, .. }
             | Self::ShippedBase { at, .. } => at,
         }
     }
@@ -682,8 +693,9 @@ impl Diagnostic for Warning {
     fn code<'a>(&'a self) -> Option<Box<dyn Display + 'a>> {
         Some(Box::new(match self {
             Self::OutsideRange { .. } => "design::outside_range",
-            Self::ExhaustTop { .. } => "design::exhaust_top",
+            Self::ExhaustTop { .. } => "design::exhaust_max_frequency",
             Self::Computed { .. } => "design::computed",
+            Self::Renamed { .. } => "design::renamed",
             Self::ShippedBase { .. } => "design::shipped_base",
         }))
     }
@@ -696,11 +708,12 @@ impl Diagnostic for Warning {
                  {key} = {{ value = ..., range = \"+-10 %\" }}"
             ),
             Self::ExhaustTop { top, .. } => format!(
-                "raise `analysis.exhaust_top` to `analysis.range_high`, or lower `analysis.range_high` to {top} Hz so \
+                "raise `analysis.exhaust_max_frequency` to `analysis.range_high`, or lower `analysis.range_high` to {top} Hz so \
                  that all \
                  sources are compared in one range"
             ),
             Self::Computed { key, .. } => format!("remove `{key}`"),
+            Self::Renamed { .. } => "`nailnoise migrate FILE --write` renames it in the file".to_owned(),
             Self::ShippedBase { name, .. } => format!(
                 "`nailnoise init --from {0}` writes it beside the design, where another version of the program does \
                  not change it",
@@ -718,6 +731,7 @@ impl Diagnostic for Warning {
             Self::OutsideRange { .. } => "outside the range in the base",
             Self::ExhaustTop { .. } => "the exhaust ends below the range of the levels",
             Self::Computed { .. } => "computed",
+            Self::Renamed { .. } => "old name",
             Self::ShippedBase { .. } => "not there",
         };
         labels(self.place(), label)

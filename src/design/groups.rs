@@ -14,6 +14,7 @@ use nailnoise_quantities::dimension::*;
 use nailnoise_quantities::{Kind, any, choice, fraction, group, modulus, nonnegative, positive};
 
 use super::catalogue::{NailKind, Species, WorktablePreset};
+use super::octaves::Octaves;
 use super::sensors::Sensor;
 use super::springs::Spring;
 use super::surfaces::NamedSurface;
@@ -141,30 +142,6 @@ group! {
     }
     groups {
         octaves: Octaves,
-    }
-}
-
-group! {
-    /// Measured insertion loss in dB by octave bands, the muffler's own flow noise included (ISO 11820, ISO 7235).
-    Octaves {
-        /// 63 Hz octave.
-        hz_63: f64 = any(NUMBER).within(-100.0, 100.0), "D_i";
-        /// 125 Hz octave.
-        hz_125: f64 = any(NUMBER).within(-100.0, 100.0), "D_i";
-        /// 250 Hz octave.
-        hz_250: f64 = any(NUMBER).within(-100.0, 100.0), "D_i";
-        /// 500 Hz octave.
-        hz_500: f64 = any(NUMBER).within(-100.0, 100.0), "D_i";
-        /// 1 kHz octave.
-        hz_1000: f64 = any(NUMBER).within(-100.0, 100.0), "D_i";
-        /// 2 kHz octave.
-        hz_2000: f64 = any(NUMBER).within(-100.0, 100.0), "D_i";
-        /// 4 kHz octave.
-        hz_4000: f64 = any(NUMBER).within(-100.0, 100.0), "D_i";
-        /// 8 kHz octave.
-        hz_8000: f64 = any(NUMBER).within(-100.0, 100.0), "D_i";
-        /// 16 kHz octave.
-        hz_16000: f64 = any(NUMBER).within(-100.0, 100.0), "D_i";
     }
 }
 
@@ -454,7 +431,7 @@ group! {
         /// Whether the sand's surface around the block moves with it and radiates.
         moving_surface: bool = Kind::Switch, "";
         /// Highest frequency at which the sand's surface moves with the block.
-        moving_surface_top: f64 = positive(FREQUENCY), "";
+        moving_surface_max_frequency: f64 = positive(FREQUENCY), "";
         /// The plane on which the measurement surface of ISO 3744 stands: the area of that surface, with it the
         /// correction K2, and the heights of the microphones. Radiation is the same in both: the sand reflects all
         /// sources, and the block radiates over the sand's plane.
@@ -548,15 +525,15 @@ group! {
         /// Radiation of the workpiece with its support.
         method: RadiationMethod = RadiationMethod::KIND, "";
         /// Radiation of the tool's body where it is elastic: boundary elements on its housing, at single frequencies
-        /// up to `bem_top` or as far as its mesh resolves the waves, or that of a sphere of its volume.
+        /// up to `bem_max_frequency` or as far as its mesh resolves the waves, or that of a sphere of its volume.
         body_method: RadiationMethod = RadiationMethod::KIND, "";
         /// Highest single frequency of the boundary elements in air of 20 degrees Celsius, in other air higher as its
-        /// speed of sound is; above it they are solved in the mean over frequency, up to `bem_mean_top`.
-        bem_top: f64 = positive(FREQUENCY).within(20.0, 1e5), "";
+        /// speed of sound is; above it they are solved in the mean over frequency, up to `bem_mean_max_frequency`.
+        bem_max_frequency: f64 = positive(FREQUENCY).within(20.0, 1e5), "";
         /// Upper end of the boundary elements in the mean over bands of at most a sixth of an octave, for workpiece
-        /// and tool, in the same air as `bem_top`; 0 for half an octave above the highest single frequency, which
+        /// and tool, in the same air as `bem_max_frequency`; 0 for half an octave above the highest single frequency, which
         /// needs no finer mesh. At least one band is solved. Above it the high-frequency limit applies.
-        bem_mean_top: f64 = nonnegative(FREQUENCY).within(0.0, 1e5), "";
+        bem_mean_max_frequency: f64 = nonnegative(FREQUENCY).within(0.0, 1e5), "";
         /// How the equations of boundary elements are stored and solved.
         bem_equations: BemEquations = BemEquations::KIND, "";
         /// Least number of panels per wavelength of sound.
@@ -622,13 +599,13 @@ group! {
         /// Upper end of the range over which sources are ranked.
         range_high: f64 = positive(FREQUENCY).within(1.0, 1e5), "";
         /// Top frequency of the workpiece's modes that take part.
-        workpiece_top: f64 = positive(FREQUENCY).within(1.0, 1e5), "";
+        workpiece_max_frequency: f64 = positive(FREQUENCY).within(1.0, 1e5), "";
         /// Top frequency of the worktable's modes that take part.
-        worktable_top: f64 = positive(FREQUENCY).within(1.0, 1e5), "";
+        worktable_max_frequency: f64 = positive(FREQUENCY).within(1.0, 1e5), "";
         /// Top frequency of the tool body's modes that take part.
-        body_top: f64 = positive(FREQUENCY).within(1.0, 1e5), "";
+        body_max_frequency: f64 = positive(FREQUENCY).within(1.0, 1e5), "";
         /// Top frequency of the exhaust.
-        exhaust_top: f64 = positive(FREQUENCY).within(1.0, 1e5), "";
+        exhaust_max_frequency: f64 = positive(FREQUENCY).within(1.0, 1e5), "";
         /// Modes are computed up to this many times the top frequency.
         mode_margin: f64 = positive(NUMBER).within(1.0, 3.0), "";
         /// Largest side of a quadratic element of the workpiece.

@@ -118,12 +118,27 @@ fn group(spec: &GroupSpec) -> Value {
         let members = json!({"type": "object", "description": spec.description(), "additionalProperties": group(spec)});
         ((*name).to_owned(), members)
     });
-    json!({
+    let mut object = json!({
         "type": "object",
         "description": spec.description(),
         "properties": keys.chain(groups).chain(lists).collect::<Map<_, _>>(),
         "additionalProperties": false,
-    })
+    });
+    if spec.is_list {
+        let count = spec.keys().count();
+        let list = |items: Value| json!({"type": "array", "items": items, "minItems": count, "maxItems": count});
+        let values = list(json!({"type": ["number", "string"]}));
+        object["type"] = json!(["object", "array"]);
+        for (name, value) in [("items", "items"), ("minItems", "minItems"), ("maxItems", "maxItems")] {
+            object[name] = values[value].clone();
+        }
+        object["properties"]["value"] = values;
+        object["properties"]["range"] =
+            json!({"anyOf": [{"$ref": "#/$defs/range"}, list(json!({"$ref": "#/$defs/range"}))]});
+        object["properties"]["provenance"] = json!({"$ref": "#/$defs/provenance"});
+        object["properties"]["note"] = json!({"type": "string"});
+    }
+    object
 }
 
 fn key(spec: &KeySpec) -> Value {

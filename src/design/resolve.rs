@@ -15,6 +15,7 @@ use super::groups::Values;
 use super::merged::Merged;
 use super::provenance::Provenance;
 use super::range::{DefaultRange, RangeOrigin, Ranged, includes, inherited};
+use super::renamed::old_keys;
 use super::report::ReportSettings;
 use super::sensors::SensorProblem;
 use super::settings::{Given, Layer, Setting};
@@ -61,8 +62,17 @@ pub(crate) fn resolve(chain: &[File]) -> Result<Resolved, DesignError> {
     let mut layers = Vec::new();
     let mut studies = Vec::new();
     let mut report = ReportSettings::default();
+    let mut warnings = Vec::new();
     for (depth, file) in chain.iter().enumerate().rev() {
         let table = file.table()?;
+        let old = old_keys(&table).into_iter();
+        warnings.extend(old.filter_map(|old| {
+            Some(Warning::Renamed {
+                key: old.key,
+                successor: old.new?,
+                at: file.place(old.span),
+            })
+        }));
         let layer = Layer::read(file, &table, &Values::SPEC)?;
         layers.push((depth, file.is_command_line(), layer));
         studies.extend(StudyLayer::of(file, &table, &Values::SPEC)?);
@@ -102,8 +112,8 @@ pub(crate) fn resolve(chain: &[File]) -> Result<Resolved, DesignError> {
     if let Some((name, problem)) = values.surface_problem() {
         return Err(surface(name, problem, &records));
     }
-    let mut warnings = outside_range(&values, &records);
-    warnings.extend(exhaust_top(&values, &records));
+    warnings.extend(outside_range(&values, &records));
+    warnings.extend(exhaust_max_frequency(&values, &records));
     for given in agreeing {
         warnings.push(agree(given, &values)?);
     }
@@ -449,12 +459,12 @@ fn outside_range(values: &Values, records: &Records) -> Vec<Warning> {
 }
 
 /// An exhaust that ends below the range of the levels, at the key that is set in the nearest file.
-fn exhaust_top(values: &Values, records: &Records) -> Option<Warning> {
-    let (top, high) = (values.analysis.exhaust_top, values.analysis.range_high);
+fn exhaust_max_frequency(values: &Values, records: &Records) -> Option<Warning> {
+    let (top, high) = (values.analysis.exhaust_max_frequency, values.analysis.range_high);
     if top >= high {
         return None;
     }
-    let keys = ["analysis.exhaust_top", "analysis.range_high"];
+    let keys = ["analysis.exhaust_max_frequency", "analysis.range_high"];
     let set = keys.iter().filter_map(|key| records.get(*key));
     let nearest = set.min_by_key(|record| record.depth)?;
     Some(Warning::ExhaustTop {

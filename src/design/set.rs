@@ -4,6 +4,7 @@ use nailnoise_quantities::{Group, Kind, Value, positive};
 
 use super::derived::{Derived, Solution};
 use super::groups::Values;
+use super::renamed::current;
 use super::suggest;
 
 /// Why a key cannot be set. The values are then unchanged.
@@ -57,29 +58,32 @@ impl Values {
     /// assignment. Each value is checked against the limits of its key; [`conflict`](Self::conflict) checks whether the
     /// values are compatible.
     ///
+    /// A key of an earlier version is its successor.
+    ///
     /// A derived quantity that has a [`Solution`] is set last, by the primary quantity that follows from it.
     ///
     /// # Errors
     /// [`SetError`] for the first key that cannot be set; nothing is changed then.
     pub fn set(&mut self, changes: &[(&str, Value)]) -> Result<(), SetError> {
+        let changes: Vec<(&str, &Value)> = changes.iter().map(|(key, value)| (current(key), value)).collect();
         let solved = |key: &str| Solution::find(key);
-        for (key, value) in changes {
+        for &(key, value) in &changes {
             if let Some(solution) = solved(key) {
                 check_derived(solution, value)?;
                 continue;
             }
             let Some((spec, _)) = self.key_mut(key) else {
                 return Err(SetError::UnknownKey {
-                    key: (*key).to_owned(),
+                    key: key.to_owned(),
                     nearest: suggest::key(&Self::SPEC, key),
                 });
             };
             check(key, spec.kind, value)?;
         }
-        let solutions = changes.iter().filter_map(|(key, value)| Some((solved(key)?, value)));
+        let solutions = changes.iter().filter_map(|&(key, value)| Some((solved(key)?, value)));
         let before = solutions.clone().next().is_some().then(|| self.clone());
         // Every change is of its key's kind, so that nothing but a follower can fail any more.
-        for (key, value) in changes {
+        for &(key, value) in &changes {
             if let Some((_, place)) = self.key_mut(key) {
                 place.assign(value);
             }

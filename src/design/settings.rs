@@ -1,5 +1,6 @@
 //! What one file says about one key: value, range, provenance and note, each with its place.
 
+use std::borrow::Cow;
 use std::ops::Range;
 
 use nailnoise_quantities::dimension::NUMBER;
@@ -14,6 +15,7 @@ use super::distribution::Distribution;
 use super::error::{DesignError, Problem};
 use super::provenance::Provenance;
 use super::range::GivenRange;
+use super::renamed::{current, successors};
 use super::source::File;
 use super::suggest;
 use nailnoise_documents::Place;
@@ -36,6 +38,20 @@ pub(crate) struct Setting {
     pub(crate) distribution: Option<(Distribution, Box<Place>)>,
     pub(crate) provenance: Option<(Provenance, String)>,
     pub(crate) note: Option<String>,
+}
+
+impl Setting {
+    fn nothing(key: String, spec: &'static KeySpec) -> Self {
+        Self {
+            key,
+            spec,
+            value: None,
+            range: None,
+            distribution: None,
+            provenance: None,
+            note: None,
+        }
+    }
 }
 
 /// What one file says about a derived quantity: a value that it must have all the same, or a range from which a study
@@ -71,29 +87,12 @@ impl Layer {
 /// Members of a list that a design may have; every sensor keeps the signals of a whole shot.
 const MOST_MEMBERS: usize = 250;
 
-/// Keys of earlier versions, and their replacements.
-const REPLACED: &[(&str, &str)] = &[
-    (
-        "acoustics.radiation_damping",
-        "`acoustics.fluid_loading`, \"damping\" where it was true and \"none\" where it was false; \"full\" adds the \
-         mass of air \
-         that moves along",
-    ),
-    (
-        "nail.head_gap",
-        "`nail.feed_height`, the height of the waiting nail's head above the nose's face, and `piston.rod_protrusion`, \
-         the length of the rod beyond it on the bumper; the travel to the head is stroke - protrusion - feed height",
-    ),
-    (
-        "nail.tip_gap",
-        "`piston.rod_protrusion`, the length of the rod beyond the nose's face with the piston on the bumper; the \
-         travel \
-         until the tip reaches the wood is stroke - protrusion - `nail.length`",
-    ),
-];
-
 /// Keys whose words are names, with the list that `nailnoise list` prints of them.
-const NAMED: &[(&str, &str)] = &[("wood.species", "woods"), ("nail.kind", "nails")];
+const NAMED: &[(&str, &str)] = &[
+    ("wood.species", "woods"),
+    ("nail.kind", "nails"),
+    ("support.worktable.preset", "tables"),
+];
 
 struct Reader<'a> {
     file: &'a File,
@@ -110,13 +109,16 @@ impl Reader<'_> {
     ) -> Result<(), DesignError> {
         for (key, value) in table {
             let name = key.get_ref().as_ref();
-            let full = dotted(path, name);
+            let full = current(&dotted(path, name)).to_owned();
+            let name = full.rsplit('.').next().unwrap_or(name);
             // Read by others: none holds a quantity of the tool.
             if path.is_empty() && matches!(name, "base" | "study" | "report") {
                 continue;
             }
             if let Some(spec) = spec.key(name) {
                 layer.settings.push(self.setting(full, spec, value)?);
+            } else if let Some(inner) = spec.group(name).filter(|inner| inner.is_list && gives_list(value)) {
+                self.list(&full, inner, value, layer)?;
             } else if let Some(inner) = spec.group(name) {
                 self.group(self.table(&full, key.span(), value)?, inner, &full, layer)?;
             } else if let Some(member) = spec.list(name) {
@@ -140,7 +142,7 @@ impl Reader<'_> {
                 }
             } else if let Some(derived) = Derived::find(&full) {
                 layer.derived.push(self.derived(derived, value)?);
-            } else if let Some((_, successors)) = REPLACED.iter().find(|(old, _)| *old == full) {
+            } else if let Some(successors) = successors(&full) {
                 let at = self.file.place(key.span());
                 return Err(Problem::Replaced { key: full, successors }.at(at));
             } else {
@@ -256,39 +258,75 @@ impl Reader<'_> {
             file: self.file,
             key: &key,
         };
-        let mut setting = Setting {
-            key: key.clone(),
-            spec,
-            value: None,
-            range: None,
-            distribution: None,
-            provenance: None,
-            note: None,
-        };
+        let mut setting = Setting::nothing(key.clone(), spec);
         let DeValue::Table(table) = value.get_ref() else {
             setting.value = Some(field.value(value, spec)?);
             return Ok(setting);
         };
         for (name, value) in table {
-            match name.get_ref().as_ref() {
-                "value" => setting.value = Some(field.value(value, spec)?),
-                "range" => setting.range = Some(field.range(value, spec)?),
-                "distribution" => setting.distribution = Some(field.distribution(value, spec)?),
-                "provenance" => setting.provenance = Some(field.provenance(value)?),
-                "note" => setting.note = Some(field.text(value, "note")?),
-                other => {
-                    let known = ["value", "range", "distribution", "provenance", "note"];
-                    let known = known.map(str::to_owned).to_vec();
-                    return Err(Problem::UnknownKey {
-                        key: dotted(&key, other),
-                        nearest: nearest(known.iter().map(String::as_str), other).map(|near| dotted(&key, near)),
-                        known,
-                    }
-                    .at(self.file.place(name.span())));
-                }
-            }
+            field.take(&mut setting, name, value)?;
         }
         Ok(setting)
+    }
+
+    /// The keys of a group from a list with one value per key; a range may be such a list, too.
+    fn list(
+        &self,
+        group: &str,
+        spec: &'static GroupSpec,
+        value: &Spanned<DeValue<'_>>,
+        layer: &mut Layer,
+    ) -> Result<(), DesignError> {
+        let keys: Vec<&'static KeySpec> = spec.keys().collect();
+        for (place, key) in keys.iter().enumerate() {
+            let full = dotted(group, key.name);
+            let field = Field {
+                file: self.file,
+                key: &full,
+            };
+            let mut setting = Setting::nothing(full.clone(), key);
+            match value.get_ref() {
+                DeValue::Table(table) => {
+                    for (name, value) in table {
+                        field.take(&mut setting, name, self.element(group, value, place, keys.len())?)?;
+                    }
+                }
+                _ => setting.value = Some(field.value(self.element(group, value, place, keys.len())?, key)?),
+            }
+            layer.settings.push(setting);
+        }
+        Ok(())
+    }
+
+    /// The element at `place` of a list with `count` values that stands at `group`; a value that is no list is that of
+    /// every element.
+    fn element<'t, 'i>(
+        &self,
+        group: &str,
+        value: &'t Spanned<DeValue<'i>>,
+        place: usize,
+        count: usize,
+    ) -> Result<&'t Spanned<DeValue<'i>>, DesignError> {
+        let Some(list) = value.get_ref().as_array() else {
+            return Ok(value);
+        };
+        let whole = list.get(place).filter(|_| list.len() == count);
+        whole.ok_or_else(|| {
+            let problem = Problem::WrongKind {
+                key: group.to_owned(),
+                found: format!("a list of {}", list.len()),
+                expected: format!("as a list of {count} values"),
+            };
+            problem.at(self.file.place(value.span()))
+        })
+    }
+}
+
+/// Whether a value is a list, or a list with a range and a provenance.
+fn gives_list(value: &Spanned<DeValue<'_>>) -> bool {
+    match value.get_ref() {
+        DeValue::Table(table) => table.get("value").is_some_and(|value| value.get_ref().is_array()),
+        value => value.is_array(),
     }
 }
 
@@ -299,6 +337,33 @@ pub(super) struct Field<'a> {
 }
 
 impl Field<'_> {
+    /// Takes what stands beside the key under one name.
+    fn take(
+        &self,
+        setting: &mut Setting,
+        name: &Spanned<Cow<'_, str>>,
+        value: &Spanned<DeValue<'_>>,
+    ) -> Result<(), DesignError> {
+        match name.get_ref().as_ref() {
+            "value" => setting.value = Some(self.value(value, setting.spec)?),
+            "range" => setting.range = Some(self.range(value, setting.spec)?),
+            "distribution" => setting.distribution = Some(self.distribution(value, setting.spec)?),
+            "provenance" => setting.provenance = Some(self.provenance(value)?),
+            "note" => setting.note = Some(self.text(value, "note")?),
+            other => {
+                let known = ["value", "range", "distribution", "provenance", "note"];
+                let known = known.map(str::to_owned).to_vec();
+                return Err(Problem::UnknownKey {
+                    key: dotted(self.key, other),
+                    nearest: nearest(known.iter().map(String::as_str), other).map(|near| dotted(self.key, near)),
+                    known,
+                }
+                .at(self.file.place(name.span())));
+            }
+        }
+        Ok(())
+    }
+
     pub(super) fn value(
         &self,
         value: &Spanned<DeValue<'_>>,

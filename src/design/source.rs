@@ -52,6 +52,10 @@ impl File {
         })
     }
 
+    pub(crate) fn text(&self) -> &str {
+        self.document.text()
+    }
+
     fn path(&self) -> &Path {
         self.document.path()
     }

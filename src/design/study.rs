@@ -30,6 +30,7 @@ use toml::de::{DeTable, DeValue};
 use super::catalogue::Names;
 use super::error::{DesignError, Problem};
 use super::range::{DefaultRange, GivenRange};
+use super::renamed::current;
 use super::settings::{Field, Given};
 use super::source::File;
 use super::suggest;
@@ -123,7 +124,7 @@ impl StudyLayer {
                 "default_range" => layer.default_range = Some(reader.default_range(value)?),
                 "alternatives" => {
                     for (key, value) in reader.table("study.alternatives", value)? {
-                        let name = key.get_ref().as_ref();
+                        let name = current(key.get_ref());
                         let options = reader.alternatives(name, key, value)?;
                         layer.alternatives.insert(name.to_owned(), options);
                     }
@@ -416,11 +417,12 @@ impl Reader<'_> {
                 option.weight = self.number(&full, value, true)?;
                 continue;
             }
+            let own = current(&dotted(name, word)).to_owned();
+            let word = own.rsplit('.').next().unwrap_or(word);
             let Some(spec) = group.key(word) else {
                 let known: Vec<&str> = group.keys().map(|key| key.name).chain(["weight"]).collect();
                 return Err(self.unknown(&full, key, &known));
             };
-            let own = dotted(name, word);
             let (given, ..) = (Field {
                 file: self.file,
                 key: &own,
@@ -447,7 +449,7 @@ impl Reader<'_> {
             for (key, value) in self.table("study.correlation", value)? {
                 match (key.get_ref().as_ref(), value.get_ref()) {
                     ("keys", DeValue::Array(list)) => {
-                        let name = |value: &Spanned<DeValue<'_>>| value.get_ref().as_str().map(str::to_owned);
+                        let name = |value: &Spanned<DeValue<'_>>| Some(current(value.get_ref().as_str()?).to_owned());
                         let names: Option<Vec<String>> = list.iter().map(name).collect();
                         keys = names.ok_or_else(|| self.wrong("study.correlation.keys", value, "as a list of keys"))?;
                     }

@@ -33,7 +33,7 @@ fn over(base: &str, text: &str) -> Design {
 /// The designs that come with the program and others, on all supports, with all that is fitted behind the exhaust.
 fn designs() -> Vec<Design> {
     let muffler = "exhaust.muffler = { kind = \"chamber\", flow_area = \"100 mm2\", lining_thickness = \"8 mm\" }
-        analysis = { exhaust_top = \"6 kHz\", range_high = \"6 kHz\" }";
+        analysis = { exhaust_max_frequency = \"6 kHz\", range_high = \"6 kHz\" }";
     let mut designs: Vec<Design> = ["floor", "clamped"]
         .map(|kind| over("n80cb.toml", &format!("support.kind = \"{kind}\"\n{LIGHT}")))
         .into();

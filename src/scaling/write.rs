@@ -154,7 +154,7 @@ impl File<'_> {
         }
         if ratios.bore < 1.0 {
             self.line(
-                "analysis.worktable_top = { value = \"6.3 kHz\", \
+                "analysis.worktable_max_frequency = { value = \"6.3 kHz\", \
                  provenance = \"decided: a smaller tool drives the table at higher frequencies\" }",
             );
         }

@@ -31,7 +31,7 @@ static CAPPED: LazyLock<Design> = LazyLock::new(|| {
     });
     put(&mut design, &mesh, "capped.msh");
     design.acoustics.body_method = RadiationMethod::Bem;
-    design.acoustics.bem_top = 800.0;
+    design.acoustics.bem_max_frequency = 800.0;
     design
 });
 

@@ -17,7 +17,7 @@ fn design(text: &str) -> Design {
     let tool = bar(1.0);
     design.body = tool.body.clone();
     design.body.model = BodyModel::Elastic;
-    design.analysis.body_top = tool.analysis.body_top;
+    design.analysis.body_max_frequency = tool.analysis.body_max_frequency;
     design.sensors.remove("handle"); // the bar has none
     put(&mut design, &bar_mesh(), "loaded-bar.msh");
     design

@@ -228,7 +228,7 @@ fn a_cached_motion_is_reused_for_other_exhausts_and_rooms() {
     // The worktable is in the key like everything else; a block on the floor moves in a tenth of the time.
     small.support.kind = SupportKind::Floor;
     // A chamber of 30 mm carries plane waves up to 6.7 kHz.
-    small.analysis.exhaust_top = 6e3;
+    small.analysis.exhaust_max_frequency = 6e3;
     let (first, _) = digits(&run_with_chain(&small, cache()).0);
     let (mut tried, mut taken, mut acting) = (0, 0, 0);
     for muffler in ["none", "insertion_loss", "chamber"] {
@@ -329,7 +329,7 @@ fn a_range_beyond_the_usual_bands_has_bands_that_sum_to_its_levels() {
         (
             design.analysis.range_low,
             design.analysis.range_high,
-            design.analysis.exhaust_top,
+            design.analysis.exhaust_max_frequency,
         ) = (low, high, top);
         let run = scaled(&design, 1.0);
         let sums = run

@@ -253,7 +253,9 @@ fn a_background_as_loud_as_the_tool_invalidates_the_measurement() {
 
 /// A workpiece in sand up to 400 Hz, with its sound fields.
 static IN_SAND: LazyLock<(Run, Arc<Fields>)> = LazyLock::new(|| {
-    let design = small("[support]\nkind = \"sandbox\"\n[analysis]\nrange_high = \"400 Hz\"\nworkpiece_top = \"1 kHz\"");
+    let design = small(
+        "[support]\nkind = \"sandbox\"\n[analysis]\nrange_high = \"400 Hz\"\nworkpiece_max_frequency = \"1 kHz\"",
+    );
     let (run, chain) = run_with_chain(&design, store());
     let fields = chain.fields.get().unwrap();
     (run, fields)

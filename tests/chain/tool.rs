@@ -91,7 +91,7 @@ pub(crate) fn bar(stiffening: f64) -> Design {
     design.body.lumped = false;
     design.body.housing.density = design.tool.mass / SIZE.iter().product::<f64>();
     design.body.housing.young_modulus *= stiffening;
-    design.analysis.body_top = 2000.0;
+    design.analysis.body_max_frequency = 2000.0;
     design.sensors.remove("handle"); // the bar has none
     put(&mut design, &bar_mesh(), "bar.msh");
     design
@@ -180,7 +180,7 @@ fn a_mesh_without_the_group_of_a_force_is_refused_with_its_name() {
 #[test]
 fn even_and_odd_modes_of_the_shipped_tool_are_solved_separately() {
     let mut design = design("designs/n80cb.toml");
-    design.analysis.body_top = 500.0 / design.analysis.mode_margin;
+    design.analysis.body_max_frequency = 500.0 / design.analysis.mode_margin;
     let tool = common::body(&design, BodyKind::Tool, false, Store::none())
         .body
         .get()
@@ -213,7 +213,7 @@ fn the_bare_housing_has_the_reference_modes() {
     }
     put(&mut design, &bare, "bare.msh");
     design.body.lumped = false;
-    design.analysis.body_top = 2600.0 / design.analysis.mode_margin;
+    design.analysis.body_max_frequency = 2600.0 / design.analysis.mode_margin;
     let bare = common::body(&design, BodyKind::Tool, false, Store::none())
         .body
         .get()

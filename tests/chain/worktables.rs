@@ -55,7 +55,7 @@ fn in_one_piece(top: [f64; 3], tube: f64, wall: f64, height: f64, size: [f64; 2]
 fn tubes_tied_to_a_plate_vibrate_as_if_welded() {
     let preset = "support.worktable.preset=B".parse().unwrap();
     let mut design = Design::load_with(Path::new("designs/n80cb.toml"), &[preset]).unwrap();
-    design.analysis.worktable_top = 400.0;
+    design.analysis.worktable_max_frequency = 400.0;
     let size = [
         design.analysis.worktable_element,
         design.analysis.worktable_tube_element,

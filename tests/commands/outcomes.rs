@@ -273,7 +273,7 @@ fn a_check_leaves_out_what_the_design_does_not_use() {
     let sand = keys(&over(
         &folder,
         "sand",
-        "support.kind = \"sandbox\"\nexhaust.muffler.kind = \"chamber\"\nanalysis.exhaust_top = \"6.5 kHz\"",
+        "support.kind = \"sandbox\"\nexhaust.muffler.kind = \"chamber\"\nanalysis.exhaust_max_frequency = \"6.5 kHz\"",
     ));
     assert!(
         has(&sand, "exhaust.muffler.tail_length") && has(&sand, "support.sand.shear_modulus"),
@@ -284,7 +284,7 @@ fn a_check_leaves_out_what_the_design_does_not_use() {
 #[test]
 fn bands_without_the_exhaust_are_named_by_check_and_run() {
     let folder = folder("outcome-exhaust-top");
-    let design = over(&folder, "low", "analysis.exhaust_top = \"1 kHz\"");
+    let design = over(&folder, "low", "analysis.exhaust_max_frequency = \"1 kHz\"");
     let out = folder.join("out");
     let run = ["run", design.as_str(), "--json", "--out", out.to_str().unwrap()];
     for arguments in [&["check", design.as_str()][..], &run] {
@@ -295,7 +295,10 @@ fn bands_without_the_exhaust_are_named_by_check_and_run() {
         if arguments[0] == "run" {
             let result: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
             let notes = result["notes"].to_string();
-            assert!(notes.contains("`analysis.exhaust_top` = 1000 Hz only"), "{notes}");
+            assert!(
+                notes.contains("`analysis.exhaust_max_frequency` = 1000 Hz only"),
+                "{notes}"
+            );
         }
     }
 }

@@ -324,7 +324,7 @@ fn a_muffler_lowers_the_exhaust_slows_the_blow_down_and_is_drawn() {
         let design = folder.join(format!("{name}.toml"));
         let base = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/small.toml");
         let text = format!(
-            "base = \"{}\"\nanalysis.exhaust_top = \"6.5 kHz\"\n{keys}",
+            "base = \"{}\"\nanalysis.exhaust_max_frequency = \"6.5 kHz\"\n{keys}",
             base.display()
         );
         std::fs::write(&design, text).unwrap();
@@ -353,7 +353,7 @@ fn a_muffler_lowers_the_exhaust_slows_the_blow_down_and_is_drawn() {
     let (open, quick) = run("open", "");
     let (chamber, slow) = run("chamber", "exhaust.muffler.kind = \"chamber\"\n");
     // Nothing lost but by back pressure, then 20 dB more.
-    let measured = "exhaust.muffler.kind = \"insertion_loss\"\nexhaust.muffler.octaves.hz_1000 = 20\n";
+    let measured = "exhaust.muffler.kind = \"insertion_loss\"\nexhaust.muffler.octaves.1000 = 20\n";
     let (loss, _) = run("loss", measured);
     assert!(slow > 1.05 * quick, "blow-down of {quick} s free and {slow} s muffled");
     let part = |source: &Value, name: &str| {

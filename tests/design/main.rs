@@ -8,6 +8,7 @@ mod assignment;
 mod base_design;
 mod corpora;
 mod files;
+mod migration;
 mod names;
 mod report;
 mod scaling;

@@ -225,7 +225,7 @@ def end_meshers(runs: "Runs", kills: int, chance: random.Random) -> None:
     folder.mkdir()
     quiet = dict(runs.quiet, env=dict(runs.quiet["env"], TMPDIR=str(folder)))
     body = [runs.design, "--body", "tool", "--set", "body.barrel_wall=4 mm"]
-    modes = [*body, "--set", "analysis.body_top=500 Hz", "--no-cache", "--out", str(runs.work / "modes")]
+    modes = [*body, "--set", "analysis.body_max_frequency=500 Hz", "--no-cache", "--out", str(runs.work / "modes")]
     commands = [[runs.program, "mesh", *body, "--size", "25 mm"], [runs.program, "modes", *modes]]
     begin = time.monotonic()
     subprocess.run(commands[0], check=True, **quiet)

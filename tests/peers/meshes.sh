@@ -31,7 +31,7 @@ young_modulus = { value = "207 GPa", range = "200 .. 212 GPa" }
 poisson_ratio = { value = 0.29, range = "0.27 .. 0.30" }
 density = { value = "7850 kg/m3", range = "7750 .. 7900 kg/m3" }
 [analysis]
-body_top = "3 kHz"
+body_max_frequency = "3 kHz"
 body_element = { value = "20 mm", range = "10 .. 30 mm" }
 TOML
 "$nailnoise" modes "$work/plate.toml" --body tool --uff --animate 7 --out "$work/plate" --json > "$work/plate.json"

@@ -68,9 +68,9 @@ pub(crate) fn below_hz(design: &Design, kind: BodyKind) -> f64 {
 fn limits(design: &Design, kind: BodyKind) -> (f64, f64) {
     let analysis = &design.analysis;
     match kind {
-        BodyKind::Workpiece => (analysis.workpiece_top, analysis.workpiece_element),
-        BodyKind::Worktable => (analysis.worktable_top, analysis.worktable_element),
-        BodyKind::Tool => (analysis.body_top, analysis.body_element),
+        BodyKind::Workpiece => (analysis.workpiece_max_frequency, analysis.workpiece_element),
+        BodyKind::Worktable => (analysis.worktable_max_frequency, analysis.worktable_element),
+        BodyKind::Tool => (analysis.body_max_frequency, analysis.body_element),
     }
 }
 

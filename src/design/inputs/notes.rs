@@ -38,7 +38,7 @@ pub(crate) fn outside_ranges(design: &Design) -> Vec<String> {
 }
 
 /// Bands that lack the exhaust because it is computed up to a lower frequency than the levels.
-pub(crate) fn exhaust_top(design: &Design) -> Vec<String> {
+pub(crate) fn exhaust_max_frequency(design: &Design) -> Vec<String> {
     warnings_in_words(design, |warning| matches!(warning, Warning::ExhaustTop { .. }))
 }
 

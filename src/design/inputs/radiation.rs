@@ -129,7 +129,7 @@ pub(crate) fn nose(design: &Design) -> Vector3<f64> {
 fn flush_top(design: &Design) -> Result<Option<FlushTop>, Error> {
     let sand = supports::of(design).flush_sand()?;
     Ok(sand.map(|FlushSand { absorbing, moving }| FlushTop {
-        top_hz: design.analysis.workpiece_top.min(design.analysis.range_high),
+        top_hz: design.analysis.workpiece_max_frequency.min(design.analysis.range_high),
         places: Places::new(positions(design).into_iter(), None, design.workpiece.thickness),
         absorbing,
         moving,
@@ -139,8 +139,8 @@ fn flush_top(design: &Design) -> Result<Option<FlushTop>, Error> {
 fn resolution(design: &Design) -> Resolution {
     let acoustics = &design.acoustics;
     Resolution {
-        top_hz: acoustics.bem_top,
-        mean_top_hz: (acoustics.bem_mean_top > 0.0).then_some(acoustics.bem_mean_top),
+        top_hz: acoustics.bem_max_frequency,
+        mean_top_hz: (acoustics.bem_mean_max_frequency > 0.0).then_some(acoustics.bem_mean_max_frequency),
         panels: acoustics.bem_panels,
         equations: match acoustics.bem_equations {
             BemEquations::Auto => EquationSolver::Auto,

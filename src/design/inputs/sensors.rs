@@ -119,9 +119,9 @@ fn carries(design: &Design, body: Carrier) -> bool {
 fn top_hz(design: &Design, body: Carrier) -> Option<f64> {
     let analysis = &design.analysis;
     match body {
-        Carrier::Workpiece | Carrier::Sand => Some(analysis.workpiece_top),
-        Carrier::Worktable => Some(analysis.worktable_top),
-        Carrier::Tool => (design.body.model == BodyModel::Elastic).then_some(analysis.body_top),
+        Carrier::Workpiece | Carrier::Sand => Some(analysis.workpiece_max_frequency),
+        Carrier::Worktable => Some(analysis.worktable_max_frequency),
+        Carrier::Tool => (design.body.model == BodyModel::Elastic).then_some(analysis.body_max_frequency),
     }
 }
 

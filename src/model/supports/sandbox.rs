@@ -130,7 +130,7 @@ impl Support for InSandbox<'_> {
             sand: [around(sand.box_length), around(sand.box_width)],
             shear_speed: self.half_space()?.shear_speed(),
             loss_factor: sand.loss_factor,
-            to_hz: sand.moving_surface_top,
+            to_hz: sand.moving_surface_max_frequency,
         }))
     }
 

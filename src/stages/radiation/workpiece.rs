@@ -607,7 +607,7 @@ mod tests {
         };
         assert!(means("").is_empty());
         for (length, kind) in [("", FaceKind::Quad4), ("workpiece.length = \"410 mm\"", FaceKind::Tri6)] {
-            let finer = means(&format!("acoustics.bem_mean_top = \"1.2 kHz\"\n{length}"));
+            let finer = means(&format!("acoustics.bem_mean_max_frequency = \"1.2 kHz\"\n{length}"));
             let last = finer.last().unwrap();
             assert!((last.top_hz - 1200.0).abs() < 1e-6);
             assert!(last.resolved_hz() >= last.top_hz * (1.0 - 1e-9));

@@ -29,7 +29,7 @@ pub(super) fn openings(design: &Design) -> Result<Openings, Error> {
     holes.check_area(own.area())?;
     Ok(Openings {
         air: air(design)?,
-        range_hz: [design.analysis.range_low, design.analysis.exhaust_top],
+        range_hz: [design.analysis.range_low, design.analysis.exhaust_max_frequency],
         holes,
         plenum: own.plenum.resonance.then_some(PlenumResonance {
             volume: own.plenum.volume,
@@ -86,21 +86,10 @@ fn muffler(own: &design::Muffler) -> Result<Option<Muffler>, AcousticsError> {
 
 /// Octaves as third octaves: mid-band frequency \[Hz\] and insertion loss \[dB\], that of an octave in each of its
 /// three.
-fn thirds(octaves: &design::Octaves) -> Vec<(f64, f64)> {
-    let losses = [
-        octaves.hz_63,
-        octaves.hz_125,
-        octaves.hz_250,
-        octaves.hz_500,
-        octaves.hz_1000,
-        octaves.hz_2000,
-        octaves.hz_4000,
-        octaves.hz_8000,
-        octaves.hz_16000,
-    ];
+fn thirds(octaves: &[f64]) -> Vec<(f64, f64)> {
     let of_octave = |(octave, loss): (usize, &f64)| {
         let first = 3 * octave as i32 - 13;
         [0, 1, 2].map(|third| (1000.0 * 10f64.powf(0.1 * f64::from(first + third)), *loss))
     };
-    losses.iter().enumerate().flat_map(of_octave).collect()
+    octaves.iter().enumerate().flat_map(of_octave).collect()
 }

@@ -11,7 +11,7 @@ use self::inputs::{openings, outlet};
 use self::sound::{CODE, Cycles, Exhaust, ExhaustSound, NAME, Outflow, OutflowNoise, noise};
 use super::{Compared, Source, SourceStages};
 use crate::chain::{Context, Drive, Motions, ShotStages, cycle, cycle_stage};
-use crate::design::inputs::notes::exhaust_top;
+use crate::design::inputs::notes::exhaust_max_frequency;
 use crate::design::{Design, MufflerKind};
 use crate::error::Error;
 use crate::measurement::wrapping::Role;
@@ -49,7 +49,7 @@ impl Source for ExhaustAir {
             Ok::<_, Error>(shot.energy(ExhaustSound(outflow)))
         });
         let (openings, cycle, known) = (openings(shot.context.design)?, shot.cycle.clone(), outflow.clone());
-        let (on_shot, [_, range_high]) = (exhaust_top(shot.context.design), shot.motions.range_hz);
+        let (on_shot, [_, range_high]) = (exhaust_max_frequency(shot.context.design), shot.motions.range_hz);
         Ok(SourceStages {
             source: &ExhaustAir,
             analysis: shot.analysis(ExhaustSound(outflow.clone())),
