@@ -7,6 +7,9 @@
 //! S is the spectrum of a shot, R^2 the mean of those of the residual's shots, X keeps the phase of S. For lines of a
 //! Gaussian process the rule overestimates: [`expected_energy`].
 
+use std::str::FromStr;
+
+use serde::de::{IntoDeserializer, value};
 use serde::{Deserialize, Serialize};
 
 use nailnoise_acoustics::signals::REFERENCE_PRESSURE;
@@ -25,6 +28,15 @@ pub enum Reading {
     Corrected,
     /// Lines whose corrected level is less than 3 dB re 20 uPa
     Literal,
+}
+
+impl FromStr for Reading {
+    type Err = value::Error;
+
+    /// A reading by its word, as in the result.
+    fn from_str(word: &str) -> Result<Self, value::Error> {
+        Self::deserialize(word.into_deserializer())
+    }
 }
 
 impl Reading {

@@ -32,16 +32,9 @@ pub(crate) fn measure(
     total_less_residual: bool,
     report: Option<Py<PyAny>>,
 ) -> PyResult<(String, Vec<(String, String)>)> {
-    let reading = match reading {
-        "margin" => Reading::Margin,
-        "corrected" => Reading::Corrected,
-        "literal" => Reading::Literal,
-        other => {
-            return Err(value_error(format!(
-                "there is no reading `{other}`; give margin, corrected or literal"
-            )));
-        }
-    };
+    let reading = reading
+        .parse()
+        .map_err(|error| value_error(format!("the reading of zeroed lines: {error}")))?;
     let processing = Processing {
         reading,
         paired,

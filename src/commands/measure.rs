@@ -4,7 +4,8 @@ use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-use clap::{Args, ValueEnum};
+use clap::Args;
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 
 use super::progress::noted;
 use super::table::{dash, decibels, table};
@@ -30,8 +31,8 @@ pub(super) struct Arguments {
     /// Manifest of the recordings (TOML)
     manifest: PathBuf,
     /// Which lines the subtraction of the residual sets to zero
-    #[arg(long, value_enum, default_value_t)]
-    reading: ZeroedLines,
+    #[arg(long, value_parser = reading(), default_value = "margin")]
+    reading: Reading,
     /// Subtract the residual of the same repeat instead of the mean of all
     #[arg(long)]
     paired: bool,
@@ -54,26 +55,18 @@ pub(super) struct Arguments {
     threads: Threads,
 }
 
-/// [`Reading`] on the command line.
-#[derive(Debug, Clone, Copy, Default, ValueEnum)]
-enum ZeroedLines {
-    /// Lines less than 3 dB above the residual (ISO 3746)
-    #[default]
-    Margin,
-    /// Lines whose corrected level is less than 3 dB above the residual, 4.8 dB before correction
-    Corrected,
-    /// Lines whose corrected level is less than 3 dB re 20 uPa
-    Literal,
-}
-
-impl From<ZeroedLines> for Reading {
-    fn from(lines: ZeroedLines) -> Self {
-        match lines {
-            ZeroedLines::Margin => Self::Margin,
-            ZeroedLines::Corrected => Self::Corrected,
-            ZeroedLines::Literal => Self::Literal,
-        }
-    }
+/// The words of [`Reading`].
+fn reading() -> impl TypedValueParser<Value = Reading> {
+    let words = [
+        ("margin", "Lines less than 3 dB above the residual (ISO 3746)"),
+        (
+            "corrected",
+            "Lines whose corrected level is less than 3 dB above the residual, 4.8 dB before correction",
+        ),
+        ("literal", "Lines whose corrected level is less than 3 dB re 20 uPa"),
+    ];
+    let words = words.map(|(word, help)| PossibleValue::new(word).help(help));
+    PossibleValuesParser::new(words).try_map(|word| word.parse())
 }
 
 pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
@@ -93,7 +86,7 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
     let arrangement = Arrangement::of(&manifest)?;
     let staging = Staging::within(&folder)?;
     let processing = Processing {
-        reading: arguments.reading.into(),
+        reading: arguments.reading,
         paired: arguments.paired,
         total_less_residual: arguments.total_less_residual,
     };

@@ -89,14 +89,13 @@ pub enum Conflict {
         guard: f64,
     },
     /// Elastic constants with which a solid would give energy away.
-    #[error("the elastic constants of `{group}` are not positive definite: {minor} = {}", Short(*value))]
+    #[error("the elastic constants of `{group}` are not positive definite: the scaled compliance has the eigenvalue {}",
+        Short(*eigenvalue))]
     NotElastic {
         /// The group.
         group: &'static str,
-        /// The minor of the compliance matrix, scaled by its diagonal, that is not above zero.
-        minor: &'static str,
-        /// Its value.
-        value: f64,
+        /// Smallest eigenvalue of the compliance matrix, scaled by its diagonal \[-\].
+        eigenvalue: f64,
     },
     /// Poisson's ratio of an isotropic solid.
     #[error("`{key}` is {}, an isotropic solid has less than 0.5", Short(*value))]
@@ -319,9 +318,7 @@ impl Conflict {
                 "raise `hand.force`, or lower `contacts.guard_travel` or `contacts.guard_stiffness`".to_owned()
             }
             Self::NotElastic { group, .. } => {
-                format!(
-                    "lower the Poisson's ratios of `{group}`: nu_ij^2 < E_i/E_j must hold, and all minors be positive"
-                )
+                format!("lower the Poisson's ratios of `{group}`: nu_ij^2 < E_i/E_j must hold for each pair of axes")
             }
             Self::Incompressible { key, .. } => format!("give `{key}` a value below 0.5"),
             Self::SupplyBelowAmbient { .. } => {

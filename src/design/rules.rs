@@ -1,5 +1,8 @@
 //! Rules that several groups of quantities share: an order of lengths, and elastic constants that a solid can have.
 
+use nailnoise_fem::{FemError, Material};
+use nalgebra::Matrix3;
+
 use super::conflict::Conflict;
 use super::groups::Orthotropic;
 
@@ -37,24 +40,12 @@ pub(crate) fn at_most((small, value): Length, (large, limit): Length, because: &
     refuse(value > limit, order)
 }
 
-/// Positive definiteness of the compliance of an orthotropic solid: with r_ij = nu_ij sqrt(E_j/E_i), every 1 - r_ij^2 >
-/// 0 and 1 - r_12^2 - r_13^2 - r_23^2 - 2 r_12 r_13 r_23 > 0; the shear moduli are positive anyway.
-pub(crate) fn elastic(group: &'static str, c: &Orthotropic) -> Result<(), Conflict> {
-    let r12 = c.nu12 * (c.e2 / c.e1).sqrt();
-    let r13 = c.nu13 * (c.e3 / c.e1).sqrt();
-    let r23 = c.nu23 * (c.e3 / c.e2).sqrt();
-    for (minor, value) in [
-        ("1 - nu_12 nu_21", 1.0 - r12 * r12),
-        ("1 - nu_13 nu_31", 1.0 - r13 * r13),
-        ("1 - nu_23 nu_32", 1.0 - r23 * r23),
-        (
-            "1 - nu_12 nu_21 - nu_13 nu_31 - nu_23 nu_32 - 2 nu_21 nu_32 nu_13",
-            1.0 - r12 * r12 - r13 * r13 - r23 * r23 - 2.0 * r12 * r13 * r23,
-        ),
-    ] {
-        refuse(value <= 0.0, Conflict::NotElastic { group, minor, value })?;
+/// Conflict for elastic constants that no solid can have: [`Material::orthotropic`] states the condition.
+pub(crate) fn elastic(group: &'static str, constants: &Orthotropic) -> Result<(), Conflict> {
+    match Material::orthotropic(constants, &Matrix3::identity(), 1.0) {
+        Err(FemError::NotPositiveDefinite { eigenvalue }) => Err(Conflict::NotElastic { group, eigenvalue }),
+        _ => Ok(()),
     }
-    Ok(())
 }
 
 /// Conflict for a Poisson's ratio of 0.5 and more.

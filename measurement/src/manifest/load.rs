@@ -57,8 +57,7 @@ impl Manifest {
             help: "name the TOML file of a test; docs/measurement.md describes it".to_owned(),
         };
         let bytes = read_regular(path, LARGEST).map_err(|error| unreadable(error.to_string()))?;
-        let text = String::from_utf8(bytes).map_err(|error| unreadable(error.to_string()))?;
-        let mut manifest = Self::parse(&text, path)?;
+        let mut manifest = Self::of_document(&Document::from_bytes(path, bytes)?)?;
         manifest.find_files()?;
         manifest.calibrate()?;
         if let (Some(configuration), Some(channel)) = (manifest.configurations.first(), manifest.channels.first()) {
@@ -74,9 +73,13 @@ impl Manifest {
     /// # Errors
     /// [`MeasurementError::Document`] or [`MeasurementError::Manifest`].
     pub fn parse(text: &str, path: &Path) -> Result<Self, MeasurementError> {
-        let document = Document::new(path, text);
+        Self::of_document(&Document::new(path, text))
+    }
+
+    fn of_document(document: &Document) -> Result<Self, MeasurementError> {
+        let path = document.path();
         let keys = document.table()?;
-        let root = Keys::of_document(&document, &keys, "manifest");
+        let root = Keys::of_document(document, &keys, "manifest");
         root.only(&[
             "setup",
             "centre",
