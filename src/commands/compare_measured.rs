@@ -3,6 +3,8 @@
 use std::path::Path;
 use std::process::ExitCode;
 
+use nailnoise_pipeline::PipelineError;
+
 use super::compare::Arguments;
 use super::table::{dash, table};
 use super::{print, print_json, progress};
@@ -83,7 +85,7 @@ fn prediction(
     (test, shot): (&VirtualTest<'_>, &crate::virtual_test::BareShot),
     (request, drawn): (&Request, &Draws),
 ) -> Result<Predicted, Error> {
-    let levels = nominal(graph, design, request)?.ok_or(Error::Upstream { stage: "levels" })?;
+    let levels = nominal(graph, design, request)?.ok_or(PipelineError::Upstream { stage: "levels" })?;
     predict(test, design, shot, (&levels, drawn), request.seed)
 }
 
