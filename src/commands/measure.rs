@@ -2,13 +2,12 @@
 
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
-use std::process::ExitCode;
 
 use clap::Args;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 
-use super::progress::noted;
 use super::table::{dash, decibels, table};
+use super::{Status, progress::noted};
 use super::{Threads, folder_of, message, print, print_json, progress};
 use crate::error::Error;
 use crate::measurement::processing::{CorrectedShot, Measured, process_recordings};
@@ -69,7 +68,7 @@ fn reading() -> impl TypedValueParser<Value = Reading> {
     PossibleValuesParser::new(words).try_map(|word| word.parse())
 }
 
-pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
+pub(super) fn execute(arguments: &Arguments) -> Result<Status, Error> {
     arguments.threads.start()?;
     let path = &arguments.manifest;
     let progress = progress();
@@ -125,7 +124,7 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
     } else {
         print(&text(&measured, &folder))?;
     }
-    Ok(ExitCode::SUCCESS)
+    Ok(Status::SUCCESS)
 }
 
 /// Name of a test: of its manifest, or of the folder where the manifest is called so.

@@ -1,12 +1,11 @@
 //! `nailnoise migrate`: a design file of an earlier version with the keys of today.
 
 use std::path::PathBuf;
-use std::process::ExitCode;
 
 use clap::Args;
 use serde::Serialize;
 
-use super::{print, print_json};
+use super::{Status, print, print_json};
 use crate::design::{Migration, RenamedKey, ReplacedKey};
 use crate::error::Error;
 use crate::staging;
@@ -40,7 +39,7 @@ struct Report<'a> {
 }
 
 /// Exit status 1 while the file has keys of earlier versions.
-pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
+pub(super) fn execute(arguments: &Arguments) -> Result<Status, Error> {
     let migration = Migration::of(&arguments.design)?;
     let written = arguments.write && !migration.renamed.is_empty();
     if written {
@@ -58,7 +57,7 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
         print(&in_words(arguments, &report))?;
     }
     let is_current = report.by_hand.is_empty() && (written || report.renamed.is_empty());
-    Ok(ExitCode::from(u8::from(!is_current)))
+    Ok(Status::from(u8::from(!is_current)))
 }
 
 fn in_words(arguments: &Arguments, report: &Report<'_>) -> String {
