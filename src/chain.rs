@@ -21,7 +21,7 @@ use crate::graph::Graph;
 use crate::model::sources::{self, SourceStages};
 use crate::stages::bodies::BodyKind;
 use crate::stages::levels::{Levels, ShotLevels};
-use crate::stages::requirements::Usable;
+use crate::stages::requirements::Preflight;
 use crate::stages::response::{CouplingReport, Reported, ResponseChecks, ResponseReport, Vibration};
 use crate::stages::sensors::{SensorRecord, Sensors};
 use crate::stages::sound_fields::{Fields, SoundFields, ToolField};
@@ -65,7 +65,7 @@ impl Default for Options {
 pub struct Chain {
     pub(crate) graph: Graph,
     /// Requirements of a run on each body.
-    pub(crate) usable: Vec<Stored<Usable>>,
+    pub(crate) usable: Vec<Stored<Preflight>>,
     /// When the run began.
     pub(crate) begin: Instant,
     /// The nailing cycle.

@@ -13,6 +13,7 @@
 #![forbid(unsafe_code)]
 
 pub mod artifacts;
+pub mod atomic_write;
 pub mod chain;
 pub mod commands;
 pub mod comparison;
@@ -35,7 +36,6 @@ pub mod scaling;
 pub mod sensitivity;
 pub mod shipped;
 pub mod stages;
-pub mod staging;
 pub mod study;
 mod table;
 pub mod verification;

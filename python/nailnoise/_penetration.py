@@ -119,7 +119,7 @@ def fit_penetration(
     extrapolate: bool = False,
     progress: Progress | bool | None = None,
 ) -> PenetrationFit:
-    """Fits a law to the drives of CSV files, as ``nailnoise prf fit``: terms of ``form``; ``method`` least-squares or within-between;
+    """Fits a law to the drives of CSV files, as ``nailnoise penetration fit``: terms of ``form``; ``method`` least-squares or within-between;
     ``reduce`` drops terms; cross-validation leaves out a group, nail, wood or drive; ``start`` is the force [N] at the tip.
     """
     if not files:

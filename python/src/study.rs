@@ -9,7 +9,7 @@ use nailnoise::figures;
 use nailnoise::graph::Graph;
 use nailnoise::headline;
 use nailnoise::stages::Progress;
-use nailnoise::study::{self, Axis, Part, Request, StudyResult};
+use nailnoise::study::{self, Axis, Request, StudyResult, Subset};
 use pyo3::prelude::*;
 
 use crate::design::{NativeDesign, parsed, store, unbounded};
@@ -18,7 +18,7 @@ use crate::values::drawn;
 use crate::work;
 
 /// The request for a study.
-pub(crate) fn request(draws: u32, seed: u64, structures: Option<u16>, part: Part) -> PyResult<Request> {
+pub(crate) fn request(draws: u32, seed: u64, structures: Option<u16>, part: Subset) -> PyResult<Request> {
     if draws == 0 {
         return Err(value_error("a study needs at least one draw"));
     }
@@ -47,7 +47,10 @@ pub(crate) fn study_of(
     folder: Option<PathBuf>,
     report: Option<Py<PyAny>>,
 ) -> PyResult<StudyFiles> {
-    let (design, request) = (Arc::clone(&design.design), request(draws, seed, structures, Part::All)?);
+    let (design, request) = (
+        Arc::clone(&design.design),
+        request(draws, seed, structures, Subset::All)?,
+    );
     let (result, table, charts) = work::off_the_lock(py, report, move |observer| {
         cost::refuse(&design, &cost::of_run(&design)?, MemoryLimit::default())?;
         let cache = store(cache, keep)?;
@@ -101,7 +104,7 @@ pub(crate) fn sweep(
     report: Option<Py<PyAny>>,
 ) -> PyResult<(String, Vec<(String, String)>)> {
     let axes = axes(&vary)?;
-    let request = draws.map(|draws| request(draws, seed, None, Part::All)).transpose()?;
+    let request = draws.map(|draws| request(draws, seed, None, Subset::All)).transpose()?;
     let (design, assignments) = (Arc::clone(&design.design), parsed(&design.assignments)?);
     let (points, charts) = work::off_the_lock(py, report, move |observer| {
         let progress = Progress::to(Arc::clone(&observer));

@@ -8,7 +8,7 @@ use nailnoise::cost::{self, MemoryLimit};
 use nailnoise::graph::Graph;
 use nailnoise::stages::Progress;
 use nailnoise::study::tasks::{self, Candidates};
-use nailnoise::study::{self, Part};
+use nailnoise::study::{self, Subset};
 use pyo3::prelude::*;
 
 use crate::design::{NativeDesign, unbounded};
@@ -75,9 +75,9 @@ pub(crate) fn study_task(
         )));
     }
     let part = if screened {
-        Part::Screened { number, of }
+        Subset::Screened { number, of }
     } else {
-        Part::Task { number, of }
+        Subset::Task { number, of }
     };
     let (design, request) = (Arc::clone(&design.design), request(draws, seed, structures, part)?);
     work::off_the_lock(py, report, move |observer| {

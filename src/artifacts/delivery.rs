@@ -10,6 +10,7 @@ use rayon::prelude::*;
 use super::fields::{FieldFiles, PendingFields, field_files};
 use super::reported::{ReportedRun, with_pictures};
 use super::{PrintedResult, RunArtifacts};
+use crate::atomic_write::{self, AtomicWrite};
 use crate::cost::{self, MemoryLimit};
 use crate::design::Design;
 use crate::design::inputs::located;
@@ -18,7 +19,6 @@ use crate::graph::{Graph, program_key};
 use crate::output::{self, BodyFields, Exports, File, LAST, RunView};
 use crate::result::RunResult;
 use crate::stages::{Digest, Postcard, Progress};
-use crate::staging::{self, Staging};
 use crate::store::Store;
 use crate::study::StudySource;
 
@@ -80,7 +80,7 @@ impl Delivery<'_> {
             ..
         } = *self;
         // Also where no file differs and none is written.
-        staging::sweep(folder);
+        atomic_write::sweep(folder);
         let source = StudySource::find(store, design, self.screening);
         let key = key(design, exports, &source)?;
         let kept = store.load::<RunArtifacts, Postcard>(RUN, &key).and_then(|artifacts| {
@@ -103,7 +103,7 @@ impl Delivery<'_> {
         if let Some(announcement) = cost::announcement(&costs) {
             progress.note(&announcement);
         }
-        let staging = Staging::within(folder)?;
+        let staging = AtomicWrite::within(folder)?;
         let computed = self.compute(&staging).map_err(|error| located(design, error))?;
         let ComputedRun {
             mut reported,
@@ -185,7 +185,7 @@ impl Delivery<'_> {
     }
 
     /// Runs the design and the exports of its bodies side by side. Files of fields that are new are written at once.
-    fn compute(&self, staging: &Staging) -> Result<ComputedRun, Error> {
+    fn compute(&self, staging: &AtomicWrite) -> Result<ComputedRun, Error> {
         let Self { design, exports, .. } = *self;
         let graph = Graph::new(Arc::new(self.store.clone()), self.progress.observer());
         let (chain, pictures) = with_pictures(&graph, design)?;

@@ -7,11 +7,11 @@ use std::{fs, io};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
+use crate::atomic_write::AtomicWrite;
 use crate::error::Error;
 use crate::graph::program_key;
 use crate::output::{BodyFields, Fields};
 use crate::stages::{Digest, Postcard, Stage, Stored};
-use crate::staging::Staging;
 use crate::store::{Checksum, Store, checksum};
 
 /// Name of the entries in the store with the checksums of the files.
@@ -28,7 +28,7 @@ pub(super) struct FieldFiles {
 
 impl FieldFiles {
     /// Writes all files.
-    fn write(staging: &Staging, key: Digest, fields: &Fields) -> Result<Self, Error> {
+    fn write(staging: &AtomicWrite, key: Digest, fields: &Fields) -> Result<Self, Error> {
         let write = |bytes: &mut Vec<u8>, file: usize| {
             let path = fields.path(file);
             fields.render(file, bytes)?;
@@ -82,7 +82,7 @@ impl PendingFields {
     }
 
     /// Renders the files.
-    pub(super) fn write(&self, staging: &Staging) -> Result<(), Error> {
+    pub(super) fn write(&self, staging: &AtomicWrite) -> Result<(), Error> {
         let write = |bytes: &mut Vec<u8>, &file: &usize| {
             self.fields.render(file, bytes)?;
             staging.write_unsynced(self.fields.path(file), bytes)
@@ -97,7 +97,7 @@ impl PendingFields {
 pub(super) fn field_files(
     fields: &Stored<Fields>,
     folder: &Path,
-    staging: &Staging,
+    staging: &AtomicWrite,
     store: &Store,
 ) -> Result<(FieldFiles, PendingFields), Error> {
     let key = fields.key();

@@ -10,11 +10,11 @@ use std::path::{Path, PathBuf};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
+use crate::atomic_write::AtomicWrite;
 use crate::error::Error;
 use crate::output::{File, LAST};
 use crate::result::Check;
 use crate::stages::headline::Headline;
-use crate::staging::Staging;
 use fields::{FieldFiles, PendingFields};
 
 pub use delivery::{Delivered, Delivery, Printer};
@@ -70,7 +70,7 @@ impl RunArtifacts {
         if !differing.iter().any(|file| is_last(file)) {
             differing.extend(self.files.iter().find(|file| is_last(file)));
         }
-        let staging = Staging::within(folder)?;
+        let staging = AtomicWrite::within(folder)?;
         let write = |file: &&File| staging.write_unsynced(&file.path, &file.content);
         differing.par_iter().try_for_each(write)?;
         fields.write(&staging)?;

@@ -11,7 +11,7 @@ use crate::model::supports;
 use crate::stages::bodies::{
     Body, BodyKind, BodySensors, Discretisation, Meshed, ModalModel, Model, Modes, SensorModes, WholeModes,
 };
-use crate::stages::requirements::{Radiating, Requirements, Usable};
+use crate::stages::requirements::{Preflight, Radiating, Requirements};
 use crate::stages::{OnDemand, Stored};
 
 /// The stages of a body.
@@ -109,7 +109,7 @@ pub(crate) struct Bodies {
     /// The tool's body, unless it is rigid.
     pub(crate) tool: Option<BodyStages>,
     /// Requirements of a run on each, known before any is solved.
-    pub(crate) usable: Vec<Stored<Usable>>,
+    pub(crate) usable: Vec<Stored<Preflight>>,
 }
 
 impl Bodies {
@@ -152,7 +152,7 @@ fn requirements(
     design: &Design,
     kind: BodyKind,
     stages: &[(BodyKind, BodyStages)],
-) -> Result<Option<Stored<Usable>>, Error> {
+) -> Result<Option<Stored<Preflight>>, Error> {
     let Some((_, own)) = stages.iter().find(|(other, _)| *other == kind) else {
         return Ok(None);
     };

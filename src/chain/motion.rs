@@ -12,7 +12,8 @@ use crate::graph::Graph;
 use crate::stages::Stored;
 use crate::stages::bodies::BodySensors;
 use crate::stages::response::{
-    Coupled, CoupledCycle, CoupledResponse, CoupledVibration, LinearResponse, Response, Shot, Structure, Vibration,
+    Coupled, CoupledCycle, CoupledResponse, CoupledVibration, LinearResponse, Response, ShotInputs, Structure,
+    Vibration,
 };
 use crate::stages::spectra::{BodyAnalysis, BodyMotion};
 use crate::stages::tool_response::{ToolResponse, ToolShot};
@@ -28,7 +29,7 @@ pub(crate) struct Motions<'a> {
     pub(crate) lumped: Stored<CycleRecord>,
     settings: Settings,
     /// The shot on workpiece and support.
-    pub(crate) shot: Shot,
+    pub(crate) shot: ShotInputs,
     /// The shot on the tool.
     pub(crate) tool_shot: ToolShot,
     /// Workpiece and support.
@@ -61,7 +62,7 @@ pub(crate) struct ToolMotion {
 }
 
 /// Motion of workpiece and support with the cycle that drives it.
-pub(crate) struct Driven {
+pub(crate) struct DrivenVibration {
     /// The cycle.
     pub(crate) cycle: Stored<CycleRecord>,
     /// The motion.
@@ -116,10 +117,10 @@ impl<'a> Motions<'a> {
     }
 
     /// The shot from one of its starts, with the impedance of the air frozen at each mode's resonance.
-    pub(crate) fn driven(&self, start: u32, two_way: bool) -> Driven {
+    pub(crate) fn driven(&self, start: u32, two_way: bool) -> DrivenVibration {
         let shot = self.shot.with_start(start);
         if !two_way {
-            return Driven {
+            return DrivenVibration {
                 cycle: self.lumped.clone(),
                 vibration: self.one_way(shot),
                 coupled: None,
@@ -130,14 +131,14 @@ impl<'a> Motions<'a> {
             structure: self.structure.clone(),
             cycle: self.settings.clone(),
         });
-        Driven {
+        DrivenVibration {
             cycle: self.graph.add(CoupledCycle(both.clone())),
             vibration: self.graph.add(CoupledVibration(both.clone())),
             coupled: Some(both),
         }
     }
 
-    fn one_way(&self, shot: Shot) -> Stored<Vibration> {
+    fn one_way(&self, shot: ShotInputs) -> Stored<Vibration> {
         self.graph.add(Response {
             shot,
             structure: self.structure.clone(),
@@ -147,7 +148,7 @@ impl<'a> Motions<'a> {
     }
 
     /// A response whose contact cannot open, with the complete impedance of the air.
-    pub(crate) fn with_complete_impedance(&self, frozen: &Stored<Vibration>, shot: &Shot) -> Stored<Vibration> {
+    pub(crate) fn with_complete_impedance(&self, frozen: &Stored<Vibration>, shot: &ShotInputs) -> Stored<Vibration> {
         self.graph.add(LinearResponse {
             frozen: frozen.clone(),
             radiator: self.radiators.workpiece.radiator.clone(),

@@ -5,7 +5,7 @@ use nailnoise_dynamics::CycleRecord;
 
 use super::bodies::{Bodies, BodyStages};
 use super::context::Context;
-use super::motion::{Driven, Motions, ToolMotion};
+use super::motion::{DrivenVibration, Motions, ToolMotion};
 use super::radiation::Radiators;
 use crate::design::inputs;
 use crate::error::Error;
@@ -56,7 +56,7 @@ impl<'a> ShotStages<'a> {
     /// Values of the design that do not yield inputs.
     pub(super) fn add(context: Context<'a>, motions: &'a Motions<'a>, noise_seed: u32) -> Result<Self, Error> {
         let Context { graph, design, .. } = context;
-        let Driven {
+        let DrivenVibration {
             cycle,
             vibration: frozen,
             coupled,

@@ -49,7 +49,7 @@ struct CheckResult {
     unused_nodes: usize,
     /// Tied interfaces between pieces.
     ties: usize,
-    parts: Vec<Part>,
+    parts: Vec<MeshPart>,
     groups: Vec<Group>,
     /// Faults that make the mesh unusable.
     faults: Vec<String>,
@@ -61,7 +61,7 @@ struct CheckResult {
 }
 
 #[derive(Serialize)]
-struct Part {
+struct MeshPart {
     name: String,
     volume: f64,
     mass: Option<f64>,
@@ -116,7 +116,7 @@ pub(super) fn execute(arguments: &Arguments) -> Result<Status, Error> {
     let thickness = wall_thicknesses(mesh)?;
     let longest = mesh.longest_edges();
     let parts = (0..volumes.len())
-        .map(|part| Part {
+        .map(|part| MeshPart {
             name: mesh.part_names[part].clone(),
             volume: volumes[part],
             mass: body.map(|(meshed, _)| volumes[part] * meshed.materials[part].density()),
@@ -184,7 +184,7 @@ fn findings(
     mesh: &Mesh,
     quality: &Quality,
     worst: u64,
-    parts: &[Part],
+    parts: &[MeshPart],
     unused: usize,
     tied: bool,
 ) -> (Vec<String>, Vec<String>) {

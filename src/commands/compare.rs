@@ -12,6 +12,7 @@ use super::{
     progress, status_of,
 };
 use crate::artifacts::Delivery;
+use crate::atomic_write;
 use crate::comparison::{Comparison, Finished, Labelled, Levels, Limit};
 use crate::cost;
 use crate::design::Design;
@@ -21,7 +22,6 @@ use crate::output::Exports;
 use crate::report;
 use crate::result::Check;
 use crate::stages::Progress;
-use crate::staging;
 use crate::store::Store;
 use crate::study::{self, Estimate, PairedStudy, Request, common_draws};
 use crate::wording::{band, change, drawn_structures, order, rounded};
@@ -109,7 +109,7 @@ pub(super) fn execute(arguments: &Arguments) -> Result<Status, Error> {
     let recordings = comparison_sounds::recordings(&folders);
     let identity = comparison_page::identity(&arguments.designs);
     let page = comparison_page::place(&arguments.out, &comparison.designs, &identity);
-    staging::write(
+    atomic_write::write(
         &page,
         report::comparison(&comparison, &identity, &recordings).as_bytes(),
     )?;

@@ -7,12 +7,12 @@ use nailnoise_pipeline::PipelineError;
 use super::table::{dash, table};
 use super::{Status, compare::Arguments};
 use super::{print, print_json, progress};
+use crate::atomic_write;
 use crate::cost;
 use crate::design::Design;
 use crate::error::Error;
 use crate::graph::Graph;
 use crate::report;
-use crate::staging;
 use crate::study::{Draws, Request, common_draws, nominal};
 use crate::virtual_test::comparison::{
     ComparedQuantity, MeasuredComparison, Measurements, Predicted, compare, predict,
@@ -67,7 +67,7 @@ pub(super) fn execute(arguments: &Arguments, file: &Path) -> Result<Status, Erro
     }
     let comparison = compare(&measured, &predicted);
     let page = arguments.out.join(format!("measured-{}.html", designs[0].name()));
-    staging::write(&page, report::measured(&comparison).as_bytes())?;
+    atomic_write::write(&page, report::measured(&comparison).as_bytes())?;
     progress.end();
     if arguments.json {
         print_json(&comparison)?;

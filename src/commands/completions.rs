@@ -7,8 +7,8 @@ use clap_complete::{Generator as _, Shell};
 
 use super::user_folders::{config, data};
 use super::{Status, print};
+use crate::atomic_write;
 use crate::error::Error;
-use crate::staging;
 
 #[derive(Args)]
 #[command(after_help = examples!(
@@ -39,7 +39,7 @@ pub(super) fn execute(arguments: &Arguments, program: &mut Command) -> Result<St
         None => folder(shell)?,
     };
     let path = folder.join(shell.file_name("nailnoise"));
-    staging::write(&path, &text)?;
+    atomic_write::write(&path, &text)?;
     print(&format!("{}{}\n", path.display(), remark(shell, &path)))?;
     Ok(Status::SUCCESS)
 }

@@ -9,6 +9,7 @@ use serde::Serialize;
 use super::Status;
 use super::table::{dash, fixed, table};
 use super::{Common, print, print_json, progress, status_of};
+use crate::atomic_write::AtomicWrite;
 use crate::chain;
 use crate::cost;
 use crate::design::inputs::cycle::{cycle_settings, parameters};
@@ -18,7 +19,6 @@ use crate::output::{self, EVENT_NAMES, Exports};
 use crate::penetration;
 use crate::result::{CycleFigures, DesignId};
 use crate::stages::cycle::Preset;
-use crate::staging::Staging;
 use crate::wording::figure;
 
 /// The last file to be written, so that a folder with it has all the rest.
@@ -164,7 +164,7 @@ pub(super) fn execute(arguments: &Arguments) -> Result<Status, Error> {
 
 /// Writes the tables of a cycle and these charts together; returns the files of the charts.
 fn write(folder: &Path, record: &CycleRecord, charts: &[Chart]) -> Result<Vec<PathBuf>, Error> {
-    let staging = Staging::within(folder)?;
+    let staging = AtomicWrite::within(folder)?;
     let exports = Exports {
         histories: true,
         ..Exports::default()

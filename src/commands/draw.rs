@@ -7,12 +7,12 @@ use serde::Serialize;
 
 use super::{Common, message, print, print_json, progress};
 use super::{Status, table::table};
+use crate::atomic_write::AtomicWrite;
 use crate::design::{Design, Value};
 use crate::error::Error;
 use crate::graph::Graph;
 use crate::output;
 use crate::result::DesignId;
-use crate::staging::Staging;
 use crate::study::{Counted, DrawnShot, Rejections, ShotOutcome, ShotSampler};
 
 /// Layout of `cycle --draw --json`; the draws themselves are in the file.
@@ -43,7 +43,7 @@ pub(super) fn execute(common: &Common, design: &Design, count: usize, seed: u64)
     progress.stage("drawing designs");
     let sampler = ShotSampler::new(design, seed)?;
     let path = folder.join("draws.csv");
-    let staging = Staging::within(&folder)?;
+    let staging = AtomicWrite::within(&folder)?;
     let mut file = staging.file("draws.csv".as_ref())?;
     file.write(&row(header(&sampler))?)?;
     let mut failures = Vec::new();

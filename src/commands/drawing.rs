@@ -5,10 +5,10 @@ use std::path::{Path, PathBuf};
 use serde::Serialize;
 
 use super::{Status, folder_of, print, print_json};
+use crate::atomic_write;
 use crate::design::Design;
 use crate::drawing::Drawing;
 use crate::error::Error;
-use crate::staging;
 
 /// A path that ends in .svg, so that no design is overwritten by a slip.
 pub(super) fn svg_path(text: &str) -> Result<PathBuf, String> {
@@ -43,7 +43,7 @@ pub(super) fn execute(design: &Design, file: Option<&Path>, json: bool) -> Resul
         None => folder_of(Path::new("out"), design.name(), design.path())?.join("drawing.svg"),
     };
     let drawing = Drawing::new(design);
-    staging::write(&path, drawing.svg().as_bytes())?;
+    atomic_write::write(&path, drawing.svg().as_bytes())?;
     let shown = drawing.shown();
     if json {
         print_json(&DrawingResult {

@@ -50,7 +50,7 @@ struct Explanation {
     /// How the shot ends, if the nail is not driven or the exhaust does not open; null otherwise.
     headline: Option<Headline>,
     /// The shot; null if it cannot be computed.
-    shot: Option<Shot>,
+    shot: Option<ShotSummary>,
     /// Values outside the ranges of such tools, or of the design.
     outside: Vec<OutsideValue>,
     /// Effect of each input, the largest first.
@@ -84,7 +84,7 @@ struct Estimate {
 
 /// Outcome of the shot: the cycle is fast enough to be computed here.
 #[derive(Serialize)]
-struct Shot {
+struct ShotSummary {
     outcome: nailnoise_dynamics::Outcome,
     /// In a sentence.
     text: String,
@@ -216,7 +216,7 @@ fn explain(design: &Design, mut stages: Vec<StageCost>, asked: &Asked) -> Result
         provenance,
         estimates: estimates(design, &entries)?,
         unknowns: unknowns(design, &entries)?,
-        shot: record.map(|record| Shot {
+        shot: record.map(|record| ShotSummary {
             outcome: record.outcome,
             text: sentence(&record, &own),
             mean_drive_speed: record.summary.mean_drive_speed,

@@ -9,10 +9,10 @@ use nailnoise_quantities::dimension::{LENGTH, MASS};
 use nailnoise_quantities::measure;
 
 use super::{Status, print};
+use crate::atomic_write;
 use crate::error::Error;
 use crate::scaling::{self, Fastener, Request, Rules, Scaled};
 use crate::shipped;
-use crate::staging;
 use crate::wording::trimmed;
 
 /// The base of other designs, with all its comments and sources.
@@ -134,7 +134,7 @@ pub(super) fn execute(arguments: &Arguments) -> Result<Status, Error> {
         // Its owner may have changed an existing file.
         let kept = path.exists();
         if !kept {
-            staging::write(path, content.as_bytes())?;
+            atomic_write::write(path, content.as_bytes())?;
         }
         let present = if kept { " (already present)" } else { "" };
         text.insert_str(0, &format!("{}: {what}{present}\n", path.display()));
@@ -291,7 +291,7 @@ mod tests {
             let _ = std::fs::remove_dir_all(&folder);
             let path = folder.join("own.toml");
             for (path, content, _) in with_bases(&path, name, text) {
-                staging::write(&path, content.as_bytes())?;
+                atomic_write::write(&path, content.as_bytes())?;
             }
             let designs = Path::new(env!("CARGO_MANIFEST_DIR")).join("designs");
             let (own, original) = (Design::load(&path)?, Design::load(designs.join(name))?);

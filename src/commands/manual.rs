@@ -7,8 +7,8 @@ use clap_mangen::Man;
 
 use super::user_folders::{beside_the_program, data};
 use super::{Status, print};
+use crate::atomic_write::AtomicWrite;
 use crate::error::Error;
-use crate::staging::Staging;
 
 #[derive(Args)]
 #[command(after_help = examples!(
@@ -50,7 +50,7 @@ pub(super) fn execute(arguments: &Arguments, program: Command) -> Result<Status,
         .join("man")
         .join("man1"),
     };
-    let staging = Staging::within(&folder)?;
+    let staging = AtomicWrite::within(&folder)?;
     let mut count = 0;
     let mut open = vec![&program];
     while let Some(command) = open.pop() {

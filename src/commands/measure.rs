@@ -9,13 +9,13 @@ use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use super::table::{dash, decibels, table};
 use super::{Status, progress::noted};
 use super::{Threads, folder_of, message, print, print_json, progress};
+use crate::atomic_write::AtomicWrite;
 use crate::error::Error;
 use crate::measurement::processing::{CorrectedShot, Measured, process_recordings};
 use crate::measurement::repeats::RepeatedLevel;
 use crate::measurement::result::{MeasurementResult, Processing};
 use crate::measurement::subtraction::Reading;
 use crate::measurement::{Manifest, arrangement::Arrangement};
-use crate::staging::Staging;
 use crate::{figures, output, report};
 
 /// The last file to be written, so that a folder with it has all the rest.
@@ -83,7 +83,7 @@ pub(super) fn execute(arguments: &Arguments) -> Result<Status, Error> {
         None => folder_of(Path::new("out"), &name_of(path), path)?,
     };
     let arrangement = Arrangement::of(&manifest)?;
-    let staging = Staging::within(&folder)?;
+    let staging = AtomicWrite::within(&folder)?;
     let processing = Processing {
         reading: arguments.reading,
         paired: arguments.paired,

@@ -9,8 +9,8 @@ use serde::Serialize;
 
 use super::{Status, bodies::Input};
 use super::{print, print_json};
+use crate::atomic_write;
 use crate::error::Error;
-use crate::staging;
 
 #[derive(Args)]
 #[command(after_help = examples!(
@@ -125,7 +125,7 @@ fn write(path: &Path, imported: &msh::Imported, format: Format) -> Result<(), Er
     } else {
         return Err(Error::Mesh(MeshError::UnknownOutput { path: path.to_owned() }));
     };
-    staging::write(path, &bytes)
+    atomic_write::write(path, &bytes)
 }
 
 fn text(name: &str, result: &MeshResult) -> String {

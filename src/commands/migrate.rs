@@ -6,9 +6,9 @@ use clap::Args;
 use serde::Serialize;
 
 use super::{Status, print, print_json};
+use crate::atomic_write;
 use crate::design::{Migration, RenamedKey, ReplacedKey};
 use crate::error::Error;
-use crate::staging;
 
 /// Version of the layout of `migrate --json`.
 const SCHEMA: &str = "nailnoise-migrate/1";
@@ -43,7 +43,7 @@ pub(super) fn execute(arguments: &Arguments) -> Result<Status, Error> {
     let migration = Migration::of(&arguments.design)?;
     let written = arguments.write && !migration.renamed.is_empty();
     if written {
-        staging::write(&arguments.design, migration.text.as_bytes())?;
+        atomic_write::write(&arguments.design, migration.text.as_bytes())?;
     }
     let report = Report {
         schema: SCHEMA,

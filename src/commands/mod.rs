@@ -55,11 +55,11 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 
+use crate::atomic_write::is_file_name;
 use crate::cost::MemoryLimit;
 use crate::design::{Assignment, Design, OutsideValue, Warning};
 use crate::error::Error;
 use crate::result::Check;
-use crate::staging::is_file_name;
 use crate::store::{Store, StoreError};
 use crate::wording::visible;
 pub use cli::{main, main_with};

@@ -12,6 +12,7 @@ use super::Status;
 use super::bodies::{BodyName, Own, length};
 use super::table::table;
 use super::{Common, Keeping, print, print_json, progress, status_of};
+use crate::atomic_write::AtomicWrite;
 use crate::chain::BodyStages;
 use crate::cost;
 use crate::design::inputs;
@@ -20,7 +21,6 @@ use crate::graph::Graph;
 use crate::output;
 use crate::result::{Check, DesignId};
 use crate::stages::bodies::Body;
-use crate::staging::Staging;
 
 #[derive(Args)]
 #[command(after_help = examples!(
@@ -113,7 +113,7 @@ pub(super) fn execute(arguments: &Arguments) -> Result<Status, Error> {
         _ => None,
     };
     progress.stage("writing files");
-    let staging = Staging::within(&folder)?;
+    let staging = AtomicWrite::within(&folder)?;
     let list = output::write_modes(&staging, &body, shapes)?;
     let mut files = vec![list.clone()];
     for &mode in &arguments.animate {

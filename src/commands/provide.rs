@@ -8,11 +8,11 @@ use clap::Args;
 
 use super::{Keeping, Threads, message, print, progress};
 use super::{Status, table::table};
+use crate::atomic_write;
 use crate::design::Design;
 use crate::error::Error;
 use crate::shipped;
 use crate::stages::Progress;
-use crate::staging;
 use crate::store::Store;
 use crate::study::{self, ProvidedStudy, Request};
 
@@ -147,7 +147,7 @@ impl Studies<'_> {
             let few = Request::new(REPEATED.min(request.draws), request.seed);
             let (_, made) = study::study(&self.store, design, &few, &self.progress)?;
             if let Some(renewed) = there.renewed(&made) {
-                staging::write(&file, renewed.file()?.as_bytes())?;
+                atomic_write::write(&file, renewed.file()?.as_bytes())?;
                 return Ok(Current::Renewed);
             }
             self.progress.note(&format!("{path}: the levels have changed"));
@@ -156,7 +156,7 @@ impl Studies<'_> {
         let result = result.with_surrogates(design, &made);
         let command = super::study::command(path, &result, "");
         let provided = ProvidedStudy::new(path, design, &command, &result, &made)?;
-        staging::write(&file, provided.file()?.as_bytes())?;
+        atomic_write::write(&file, provided.file()?.as_bytes())?;
         Ok(Current::Made(result.candidates.failures))
     }
 }

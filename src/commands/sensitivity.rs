@@ -7,12 +7,12 @@ use serde::Serialize;
 use super::Status;
 use super::table::{dash, table};
 use super::{Common, print, print_json, progress};
+use crate::atomic_write;
 use crate::design::Design;
 use crate::error::Error;
 use crate::output;
 use crate::result::DesignId;
 use crate::sensitivity::{self, Derivative, End, OutputSensitivity, ParameterOutcome, Sensitivity, USUAL};
-use crate::staging;
 
 /// Parameters shown for each figure; the file has them all.
 const SHOWN: usize = 10;
@@ -45,7 +45,7 @@ pub(super) fn execute(
     let sensitivity = sensitivity::sensitivity(design, &outputs, keys, &progress)?;
     progress.end();
     let path = folder.join("sensitivity.csv");
-    staging::write(&path, &csv(&sensitivity)?)?;
+    atomic_write::write(&path, &csv(&sensitivity)?)?;
     if common.json {
         print_json(&Layout {
             schema: "nailnoise-sensitivity/1",

@@ -9,6 +9,7 @@ use serde::Serialize;
 use super::study_text::text;
 use super::{Common, Keeping, message, print, print_json, progress};
 use super::{Status, python::Cluster};
+use crate::atomic_write::{self, AtomicWrite};
 use crate::chain;
 use crate::cost;
 use crate::design::Design;
@@ -16,9 +17,8 @@ use crate::error::Error;
 use crate::graph::Graph;
 use crate::headline::{self, Headline};
 use crate::stages::Progress;
-use crate::staging::{self, Staging};
 use crate::store::Store;
-use crate::study::{self, Draws, Estimate, Part, ProvidedStudy, Request, StudyResult};
+use crate::study::{self, Draws, Estimate, ProvidedStudy, Request, StudyResult, Subset};
 use crate::{figures, report, shipped};
 
 /// The last file to be written, so that a folder with it has all the rest.
@@ -181,9 +181,9 @@ pub(super) fn execute(arguments: &Arguments) -> Result<Status, Error> {
     let mut request = Request {
         shots_a_structure: arguments.structures.map(usize::from),
         part: match (arguments.task, arguments.collect) {
-            (Some(Task { number, of }), _) => Part::Task { number, of },
-            (None, true) => Part::Kept,
-            (None, false) => Part::All,
+            (Some(Task { number, of }), _) => Subset::Task { number, of },
+            (None, true) => Subset::Kept,
+            (None, false) => Subset::All,
         },
         ..Request::new(draws_at_first, arguments.seed)
     };
@@ -248,7 +248,7 @@ pub(super) fn execute(arguments: &Arguments) -> Result<Status, Error> {
     let within = arguments.until.iter().all(|own| own.is_met(&result));
     let json = serde_json::to_string_pretty(&result).map_err(Error::Json)? + "\n";
     progress.stage("writing files");
-    let staging = Staging::within(&folder)?;
+    let staging = AtomicWrite::within(&folder)?;
     let (charts, scatter) = (figures::study(&result), figures::scatter(&result, &made));
     if arguments.figures {
         figures::write(&staging, "figures".as_ref(), &[&charts[..], &scatter[..]].concat())?;
@@ -323,7 +323,7 @@ fn provide(
     let groups = if arguments.groups { " --groups" } else { "" };
     let command = command(path, result, &format!("{structures}{groups}"));
     let provided = ProvidedStudy::new(path, design, &command, result, made)?;
-    staging::write(file, provided.file()?.as_bytes())
+    atomic_write::write(file, provided.file()?.as_bytes())
 }
 
 /// A request in the words of the Python package.

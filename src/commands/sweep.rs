@@ -12,13 +12,13 @@ use super::table::{decibels, table};
 use super::{Common, Keeping, print, print_json, progress, status_of};
 use super::{Status, python::Cluster};
 use crate::artifacts::Delivery;
+use crate::atomic_write::AtomicWrite;
 use crate::error::Error;
 use crate::figures::{self, Chart};
 use crate::graph::Graph;
 use crate::headline;
 use crate::output::{self, Exports};
 use crate::result::DesignId;
-use crate::staging::Staging;
 use crate::store::Store;
 use crate::study::{Axis, Quantiles, Request, SweptPoint, at_point, sweep};
 
@@ -125,7 +125,7 @@ pub(super) fn execute(arguments: &Arguments) -> Result<Status, Error> {
             checks.extend(own);
         }
     }
-    let staging = Staging::within(&folder)?;
+    let staging = AtomicWrite::within(&folder)?;
     if arguments.figures {
         let chart: Chart = figures::sweep(design.name(), &arguments.vary, &points);
         figures::write(&staging, "figures".as_ref(), &[chart])?;

@@ -8,6 +8,7 @@ use serde::Serialize;
 use super::Status;
 use super::table::{decibels, table};
 use super::{Common, Keeping, folder_of, print, print_json, progress};
+use crate::atomic_write::AtomicWrite;
 use crate::chain;
 use crate::cost;
 use crate::design::Design;
@@ -17,7 +18,6 @@ use crate::headline::{self, Headline};
 use crate::measurement::wrapping::{Configuration, Role, Wrapping};
 use crate::output::virtual_test::{SensorPeaks, manifest, sensors, sounds};
 use crate::result::DesignId;
-use crate::staging::Staging;
 use crate::virtual_test::bare::{BareLevels, BareSource};
 use crate::virtual_test::exact::{ExactTest, exact};
 use crate::virtual_test::{VirtualTest, wrapping};
@@ -131,7 +131,7 @@ fn record(
     folder: &Path,
     progress: &crate::stages::Progress,
 ) -> Result<(usize, Vec<BareSource>), Error> {
-    let staging = Staging::within(folder)?;
+    let staging = AtomicWrite::within(folder)?;
     let repeats = design.test.repeats as usize;
     let shots = repeats * Configuration::ALL.len();
     progress.stage("shots");

@@ -20,7 +20,7 @@ use crate::graph::Graph;
 use crate::stages::{Observer, Progress, Task};
 use crate::store::Store;
 use crate::study::StudySource;
-use crate::watch::{Board, Differences, Server, Shot, Watched};
+use crate::watch::{Board, Differences, FinishedRun, Server, Watched};
 use crate::wording::change;
 
 #[derive(Args)]
@@ -121,7 +121,7 @@ impl Watching<'_> {
         let source = StudySource::find(&self.store, &design, true);
         let mut reported = ReportedRun::new(&graph, &design, &source)?;
         self.runs += 1;
-        let shot = Shot::new(self.runs, begin.elapsed().as_secs_f64(), &design, &reported.run.result);
+        let shot = FinishedRun::new(self.runs, begin.elapsed().as_secs_f64(), &design, &reported.run.result);
         let [before, pinned] = self.board.show(shot.clone(), warnings, reported.page(&design));
         let mut text = shot
             .headline
@@ -143,7 +143,7 @@ impl Watching<'_> {
 }
 
 /// The levels of a run on one line.
-fn line(shot: &Shot) -> String {
+fn line(shot: &FinishedRun) -> String {
     let levels = shot
         .levels
         .iter()

@@ -507,7 +507,7 @@ impl Problem {
                 format!("correct value or range of `{key}`, or leave its distribution out: it is uniform then")
             }
             Self::NoFile { key, .. } if key.ends_with("penetration_fit") => {
-                "name it relative to the folder of this design; `nailnoise prf fit` writes it".to_owned()
+                "name it relative to the folder of this design; `nailnoise penetration fit` writes it".to_owned()
             }
             Self::NoFile { key, .. } => {
                 format!(

@@ -176,7 +176,7 @@ group! {
         /// `nail.kind`, penetration law and share of friction; keys beside it win. `nailnoise list woods` prints them.
         species: Species = Species::KIND, "";
         ..cycle: dynamics::Wood;
-        /// Fitted law of the word `fitted`, a file that `nailnoise prf fit` writes; unused with the other laws.
+        /// Fitted law of the word `fitted`, a file that `nailnoise penetration fit` writes; unused with the other laws.
         penetration_fit: String = Kind::File, "";
         /// Share of the resistance at full depth that is friction along the shank; the rest acts at the tip.
         friction_share: f64 = fraction(), "";

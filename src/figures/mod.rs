@@ -16,9 +16,9 @@ mod svg;
 
 use std::path::{Path, PathBuf};
 
+use crate::atomic_write::AtomicWrite;
 use crate::error::Error;
 use crate::run::Run;
-use crate::staging::Staging;
 
 pub(crate) use chart::subscripts;
 pub use chart::{Axis, Chart, Event, Panel, Series, Shape};
@@ -41,11 +41,11 @@ pub fn sound(subject: &str, run: &Run) -> Vec<Chart> {
     charts
 }
 
-/// Writes charts to the folder `folder` of a [`Staging`] as SVG and returns their files.
+/// Writes charts to the folder `folder` of a [`AtomicWrite`] as SVG and returns their files.
 ///
 /// # Errors
 /// [`Error::Write`] with the file that could not be written.
-pub fn write(staging: &Staging, folder: &Path, charts: &[Chart]) -> Result<Vec<PathBuf>, Error> {
+pub fn write(staging: &AtomicWrite, folder: &Path, charts: &[Chart]) -> Result<Vec<PathBuf>, Error> {
     let file = |chart: &Chart| {
         let path = folder.join(&chart.name).with_extension("svg");
         staging.write(&path, chart.svg().as_bytes())?;

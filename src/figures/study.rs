@@ -4,8 +4,8 @@ use super::chart::{Axis, Chart, Panel, Series, Shape};
 use super::levels::{SHOWN, in_palette};
 use super::palette::BLACK;
 use crate::study::{
-    Axis as SweepAxis, Contributions, Draws, Estimate, InputChanges, Kind, LabelledStudy, OneAtATime, Quantiles,
-    StudyResult, SweptPoint, column, levels_of,
+    Axis as SweepAxis, Contributions, Draws, Estimate, InputChanges, LabelledStudy, OneAtATime, Quantiles, StudyResult,
+    SweptPoint, VariableKind, column, levels_of,
 };
 
 /// Inputs whose changes of a level are drawn, and the least change that is \[dB\].
@@ -248,7 +248,7 @@ pub fn scatter(result: &StudyResult, made: &Draws) -> Vec<Chart> {
         };
         let (across, up) = (ends(&x), ends(&y));
         let label = match (&variable.kind, variable.unit()) {
-            (Kind::Method(_), _) => format!("{}: place in its range", input.variable),
+            (VariableKind::Method(_), _) => format!("{}: place in its range", input.variable),
             (_, "") => input.variable.clone(),
             (_, unit) => format!("{} ({unit})", input.variable),
         };

@@ -7,7 +7,7 @@ use serde::Serialize;
 use super::film::Fields;
 use super::{Output, fields, modes, shot};
 use crate::error::Error;
-use crate::stages::spectra::{Driven, MovingBody};
+use crate::stages::spectra::{BodyInMotion, MovingBody};
 use crate::stages::{Code, Postcard, Progress, Stage, Stored, code};
 
 /// Table of the modes of the bodies.
@@ -20,7 +20,7 @@ pub(super) const FIELDS: Output = Output::of_bodies("fields/*");
 ///
 /// # Errors
 /// Those of the bodies' response.
-fn made(moving: &[Driven], events: &Events, films: bool) -> Result<Fields, Error> {
+fn made(moving: &[BodyInMotion], events: &Events, films: bool) -> Result<Fields, Error> {
     let mut made = Fields::default();
     made.text("modes.csv", modes::modes(moving)?);
     for driven in moving {
@@ -68,7 +68,7 @@ impl Stage for BodyFields {
     );
 
     fn compute(&self, _: &Progress) -> Result<Fields, Error> {
-        let moving: Vec<Driven> = self.moving.iter().map(MovingBody::get).collect::<Result<_, _>>()?;
+        let moving: Vec<BodyInMotion> = self.moving.iter().map(MovingBody::get).collect::<Result<_, _>>()?;
         made(&moving, &self.cycle.get()?.events, self.films)
     }
 }

@@ -9,10 +9,10 @@ use nalgebra::DMatrix;
 use rayon::prelude::*;
 
 use super::film::Fields;
+use crate::atomic_write::AtomicWrite;
 use crate::error::Error;
 use crate::stages::bodies::Body;
-use crate::stages::spectra::Driven;
-use crate::staging::Staging;
+use crate::stages::spectra::BodyInMotion;
 
 /// Levels shown below the highest of a field \[dB\]; clamped points, which do not move, are at this floor.
 const SHOWN: f64 = 60.0;
@@ -28,7 +28,7 @@ const REFERENCE: f64 = 50e-9 * 50e-9;
 ///
 /// with v the velocity vector, from the coherent sum of all modes; no lower than 60 dB below the highest point. And, as
 /// a `film`, the same as a series of the bands that ParaView steps through, `BODY-bands.pvd`.
-pub(super) fn add(fields: &mut Fields, driven: &Driven, film: bool) {
+pub(super) fn add(fields: &mut Fields, driven: &BodyInMotion, film: bool) {
     let (body, spectra) = (&driven.body, &driven.motion.spectra);
     let factor = |octave: &Band| Some((octave.nominal_hz(), factor(spectra, [octave.low, octave.high])?));
     let (nominal, factors): (Vec<f64>, Vec<LowRank>) = octaves().par_iter().filter_map(factor).unzip();
@@ -69,7 +69,7 @@ fn factor(spectra: &ModalSpectra, [low, high]: [f64; 2]) -> Option<LowRank> {
 
 /// Writes a `.vtu` for each mode and the `.pvd` that lists them by frequency; returns the `.pvd`.
 pub(super) fn write_modes(
-    staging: &Staging,
+    staging: &AtomicWrite,
     folder: &Path,
     body: &Body,
     shapes: &DMatrix<f64>,

@@ -6,9 +6,9 @@ use nailnoise_meshes::uff::{self, Mode};
 use nalgebra::DMatrix;
 
 use super::{fields, motion};
+use crate::atomic_write::AtomicWrite;
 use crate::error::Error;
 use crate::stages::bodies::Body;
-use crate::staging::Staging;
 
 /// The folder of the modes of a body in that of a run.
 fn of_modes(body: &Body) -> PathBuf {
@@ -19,7 +19,7 @@ fn of_modes(body: &Body) -> PathBuf {
 ///
 /// # Errors
 /// [`Error::Write`] or [`Error::Mesh`] with the file that could not be written.
-pub fn write_modes(staging: &Staging, body: &Body, shapes: &DMatrix<f64>) -> Result<PathBuf, Error> {
+pub fn write_modes(staging: &AtomicWrite, body: &Body, shapes: &DMatrix<f64>) -> Result<PathBuf, Error> {
     fields::write_modes(staging, &of_modes(body), body, shapes)
 }
 
@@ -28,7 +28,7 @@ pub fn write_modes(staging: &Staging, body: &Body, shapes: &DMatrix<f64>) -> Res
 /// # Errors
 /// [`Error::NoMode`] when there are not so many; [`Error::Write`] or [`Error::Mesh`] with the file that could not be
 /// written.
-pub fn write_motion(staging: &Staging, body: &Body, mode: usize) -> Result<PathBuf, Error> {
+pub fn write_motion(staging: &AtomicWrite, body: &Body, mode: usize) -> Result<PathBuf, Error> {
     let modes = body.basis.hz.len();
     if mode >= modes {
         return Err(Error::NoMode { mode: mode + 1, modes });
@@ -41,7 +41,7 @@ pub fn write_motion(staging: &Staging, body: &Body, mode: usize) -> Result<PathB
 /// # Errors
 /// [`Error::Write`] or [`Error::Mesh`] with the file that could not be written.
 pub fn write_universal(
-    staging: &Staging,
+    staging: &AtomicWrite,
     name: &str,
     (body, loss_factor): (&Body, f64),
     shapes: &DMatrix<f64>,

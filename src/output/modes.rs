@@ -2,10 +2,10 @@
 
 use super::table::table;
 use crate::error::Error;
-use crate::stages::spectra::Driven;
+use crate::stages::spectra::BodyInMotion;
 
 /// `modes.csv`: every mode of every body that takes part, rigid motions among them, with the damping of the material.
-pub(super) fn modes(moving: &[Driven]) -> Result<Vec<u8>, Error> {
+pub(super) fn modes(moving: &[BodyInMotion]) -> Result<Vec<u8>, Error> {
     let header = [
         "body",
         "mode",
@@ -13,7 +13,7 @@ pub(super) fn modes(moving: &[Driven]) -> Result<Vec<u8>, Error> {
         "loss factor [-]",
         "eigen residual [-]",
     ];
-    let rows = moving.iter().flat_map(|Driven { body, loss_factor, .. }| {
+    let rows = moving.iter().flat_map(|BodyInMotion { body, loss_factor, .. }| {
         let basis = &body.basis;
         basis
             .hz

@@ -5,9 +5,9 @@ use std::path::{Path, PathBuf};
 
 use nailnoise_meshes::vtu::{self, Field, Grid};
 
+use crate::atomic_write::AtomicWrite;
 use crate::error::Error;
 use crate::stages::bodies::Body;
-use crate::staging::Staging;
 
 /// Instants of a period.
 const FRAMES: usize = 24;
@@ -17,7 +17,7 @@ const AMPLITUDE: f64 = 0.05;
 
 /// Writes one period of a mode, `mode-N.pvd` and a `.vtu` an instant: the surface displaced by a cos(omega t) phi, with
 /// a such that the largest displacement is a twentieth of the body, and that displacement as a vector \[m\].
-pub(super) fn write(staging: &Staging, folder: &Path, body: &Body, mode: usize) -> Result<PathBuf, Error> {
+pub(super) fn write(staging: &AtomicWrite, folder: &Path, body: &Body, mode: usize) -> Result<PathBuf, Error> {
     let name = format!("mode-{:04}", mode + 1);
     let shape = body.skin.column(mode).map(f64::from);
     let points = shape.as_slice().chunks_exact(3);

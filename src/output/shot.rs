@@ -8,7 +8,7 @@ use rayon::prelude::*;
 
 use super::film::Fields;
 use crate::error::Error;
-use crate::stages::spectra::Driven;
+use crate::stages::spectra::BodyInMotion;
 
 /// Instants shown after each event \[s\]: at once, and while the waves run through the body.
 const AROUND: [f64; 3] = [5e-5, 3e-4, 1e-3];
@@ -17,7 +17,7 @@ const AROUND: [f64; 3] = [5e-5, 3e-4, 1e-3];
 const ROWS: usize = 512;
 
 /// Adds `BODY-shot.pvd` and the `.vtu` of each instant: the velocity vector \[m/s\] on every point of the surface.
-pub(super) fn add(fields: &mut Fields, driven: &Driven, events: &Events) -> Result<(), Error> {
+pub(super) fn add(fields: &mut Fields, driven: &BodyInMotion, events: &Events) -> Result<(), Error> {
     let (response, skin) = (&*driven.vibration.response, &driven.body.skin);
     let samples = instants(events, response);
     let mut velocities = response.at(driven.index, &samples, Motion::Velocity)?;

@@ -9,10 +9,10 @@ use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use super::file::FIELDS;
+use crate::atomic_write::{AtomicWrite, is_file_name};
 use crate::error::Error;
 use crate::stages::bodies::BodyKind;
 use crate::stages::sound_fields::Fields;
-use crate::staging::{Staging, is_file_name};
 
 /// Names the design of the fields, and lists their content.
 const INDEX: &str = "sound.json";
@@ -32,7 +32,7 @@ struct Index {
 /// # Errors
 /// [`Error::Write`] or [`Error::Mesh`] with the file that could not be written; the folder is then unchanged.
 pub fn write_sound_fields(folder: &Path, digest: &str, found: &Fields) -> Result<(), Error> {
-    let staging = Staging::within(folder)?;
+    let staging = AtomicWrite::within(folder)?;
     found.series.iter().try_for_each(|series| write(&staging, series))?;
     let index = Index {
         design: digest.to_owned(),
@@ -87,7 +87,7 @@ impl Index {
     }
 }
 
-fn write(staging: &Staging, series: &FieldSeries) -> Result<(), Error> {
+fn write(staging: &AtomicWrite, series: &FieldSeries) -> Result<(), Error> {
     let fields = Path::new(FIELDS);
     let of_shape = |shape: &FieldShape| Grid::of_polygons(&shape.points, &shape.polygons);
     let grids: Vec<Grid> = series.shapes.par_iter().map(of_shape).collect();

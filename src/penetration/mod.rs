@@ -87,7 +87,7 @@ pub enum PenetrationError {
     /// A file that holds no fitted law.
     #[error("{}{} holds no fitted law: {problem}", path.display(),
         line.map_or_else(String::new, |line| format!(", line {line},")))]
-    #[diagnostic(help("make it with `nailnoise prf fit`"))]
+    #[diagnostic(help("make it with `nailnoise penetration fit`"))]
     Law {
         /// The file.
         path: PathBuf,
@@ -100,7 +100,7 @@ pub enum PenetrationError {
     #[error("{}: {variable} is {value:.6}, beyond the range of the fit, {:.6} to \
         {:.6}", path.display(), range[0], range[1])]
     #[diagnostic(help(
-        "drive nails under conditions that include this one, or fit again with `nailnoise prf fit --extrapolate` to \
+        "drive nails under conditions that include this one, or fit again with `nailnoise penetration fit --extrapolate` to \
          allow it"
     ))]
     Beyond {
@@ -187,12 +187,13 @@ pub(crate) fn read_bytes(path: &Path) -> io::Result<Vec<u8>> {
     read_regular(path, LARGEST_TABLE)
 }
 
-/// Reads a fitted law, as `nailnoise prf fit` writes it.
+/// Reads a fitted law, as `nailnoise penetration fit` writes it.
 ///
 /// # Errors
 /// [`PenetrationError::Unreadable`] or [`PenetrationError::Law`] with the file and, where it is known, the line.
 pub fn fitted(path: &Path) -> Result<FittedLaw, PenetrationError> {
-    let text = read_text(path).map_err(|cause| unreadable(path, &cause, "name a file made by `nailnoise prf fit`"))?;
+    let text =
+        read_text(path).map_err(|cause| unreadable(path, &cause, "name a file made by `nailnoise penetration fit`"))?;
     toml::from_str(&text).map_err(|error: toml::de::Error| PenetrationError::Law {
         path: path.to_owned(),
         line: error
@@ -213,7 +214,7 @@ pub fn file_of(law: &FittedLaw) -> Result<String, PenetrationError> {
         problem: error.to_string(),
     })?;
     Ok(format!(
-        "# Penetration law fitted by nailnoise prf fit: F_r = H_M NL max(0, s)^2, s = sum of coefficient x term.\n\
+        "# Penetration law fitted by nailnoise penetration fit: F_r = H_M NL max(0, s)^2, s = sum of coefficient x term.\n\
          # In a design: wood.penetration_law = \"fitted\" and wood.penetration_fit = \"fit.toml\".\n\
          # Covariance and standard errors allow for deviations common to a drive; sigma_* are of s.\n\n{text}"
     ))

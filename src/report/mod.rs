@@ -40,7 +40,7 @@ use crate::measurement::result::MeasurementResult;
 use crate::model::sources::by_name;
 use crate::result::RunResult;
 use crate::run::Run;
-use crate::stages::spectra::{Driven, MovingBody};
+use crate::stages::spectra::{BodyInMotion, MovingBody};
 use crate::stages::{Code, Postcard, Progress, Stage, code};
 use crate::study::StudyResult;
 use crate::virtual_test::comparison::MeasuredComparison;
@@ -125,7 +125,7 @@ impl Stage for BodyPictures {
     );
 
     fn compute(&self, _: &Progress) -> Result<Pictures, Error> {
-        let moving: Vec<Driven> = self.moving.iter().map(MovingBody::get).collect::<Result<_, _>>()?;
+        let moving: Vec<BodyInMotion> = self.moving.iter().map(MovingBody::get).collect::<Result<_, _>>()?;
         let paint = |driven| ColouredSurface::new(&self.surroundings, driven);
         let bodies: Vec<ColouredSurface<'_>> = moving.par_iter().map(paint).collect();
         let (scene, modes) = rayon::join(

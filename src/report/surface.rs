@@ -19,7 +19,7 @@ use serde::Serialize;
 use crate::model::sources::of_body;
 use crate::stages::bodies::{Body, BodyKind};
 use crate::stages::radiation::CoveredFaces;
-use crate::stages::spectra::Driven;
+use crate::stages::spectra::BodyInMotion;
 
 /// Reference energy \[J\]: 1 pW for 1 s.
 const REFERENCE: f64 = 1e-12;
@@ -55,7 +55,7 @@ pub(super) struct ColouredSurface<'a> {
 }
 
 impl<'a> ColouredSurface<'a> {
-    pub(super) fn new(around: &Surroundings, driven: &'a Driven) -> Self {
+    pub(super) fn new(around: &Surroundings, driven: &'a BodyInMotion) -> Self {
         let (body, spectra) = (&*driven.body, &driven.motion.spectra);
         let surface = &body.surface;
         // One point a face: the picture shows no finer detail, and a rule of one point exists for every shape.

@@ -19,7 +19,7 @@ pub use error::ScalingError;
 pub use fastener::Fastener;
 pub use rules::{Class, Rule, Rules};
 pub use tool::{PSI, RATED};
-pub use trial::{Setting, Settled, Shot};
+pub use trial::{Setting, Settled, TrialShot};
 
 /// The design that is scaled.
 pub const BASE: &str = "n80cb.toml";

@@ -29,7 +29,7 @@ pub struct Setting {
 
 /// A shot of the design.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Shot {
+pub struct TrialShot {
     /// Its outcome.
     pub outcome: Outcome,
     /// Depth of the head below the surface \[m\]; negative if it protrudes.
@@ -44,7 +44,7 @@ pub struct Settled {
     /// The setting: one that drives the fastener, else the highest pressure with the deepest adjustment.
     pub setting: Setting,
     /// The shot at that setting.
-    pub shot: Shot,
+    pub shot: TrialShot,
     /// Work of the penetration law over the length of the fastener \[J\].
     pub needed: f64,
     /// Energy that the tool gives until the head is flush, at 100 psig \[J\]: makers state this as the energy of a
@@ -52,7 +52,7 @@ pub struct Settled {
     pub tool_energy: Option<f64>,
 }
 
-impl Shot {
+impl TrialShot {
     fn of(record: &CycleRecord) -> Self {
         let energy = &record.energy;
         Self {
@@ -124,12 +124,12 @@ pub(super) fn settle(make: &dyn Fn(Setting) -> Result<Design, Error>) -> Result<
 }
 
 /// A shot with its trigger released: by hand where the recoil does not.
-fn released(make: &dyn Fn(Setting) -> Result<Design, Error>, setting: Setting) -> Result<(Setting, Shot), Error> {
+fn released(make: &dyn Fn(Setting) -> Result<Design, Error>, setting: Setting) -> Result<(Setting, TrialShot), Error> {
     let design = make(setting)?;
     let record = match chain::cycle(&design) {
         // Nothing stops the piston before the bumper is compressed to its limit.
         Err(Error::Cycle(CycleError::DryFire { .. })) => {
-            let shot = Shot {
+            let shot = TrialShot {
                 outcome: Outcome::Overdriven,
                 head_depth: design.piston.rod_protrusion,
                 energy_at_nail: needed(&design)?,
@@ -139,13 +139,13 @@ fn released(make: &dyn Fn(Setting) -> Result<Design, Error>, setting: Setting) -
         record => record?,
     };
     if record.events.t12.is_some() || record.events.t3.is_none() {
-        return Ok((setting, Shot::of(&record)));
+        return Ok((setting, TrialShot::of(&record)));
     }
     let by_hand = Setting {
         by_hand: true,
         ..setting
     };
-    Ok((by_hand, Shot::of(&chain::cycle(&make(by_hand)?)?)))
+    Ok((by_hand, TrialShot::of(&chain::cycle(&make(by_hand)?)?)))
 }
 
 /// Integral of the penetration law over the fastener's length \[J\].

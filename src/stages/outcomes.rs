@@ -19,7 +19,7 @@ pub struct Outcomes {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub enum ShotOutcome {
     /// The cycle was computed.
-    Shot(Shot),
+    Shot(ShotFigures),
     /// The piston used up the volume below it: nothing stops it, and the model ends.
     DryFire,
     /// The solver gave up.
@@ -30,7 +30,7 @@ pub enum ShotOutcome {
 
 /// Figures of a shot.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Shot {
+pub struct ShotFigures {
     /// Name of the outcome in the output.
     pub outcome: String,
     /// Mean speed of the piston over the nail's length in the wood \[m/s\].
@@ -68,7 +68,7 @@ impl Stage for Outcomes {
 /// The outcome of the shot of a cycle.
 pub fn outcome(cycle: &Cycle) -> ShotOutcome {
     match simulate(&cycle.parameters, &cycle.settings) {
-        Ok(record) => ShotOutcome::Shot(Shot {
+        Ok(record) => ShotOutcome::Shot(ShotFigures {
             outcome: record.outcome.name().to_owned(),
             mean_drive_speed: record.summary.mean_drive_speed,
             penetration: record.summary.penetration,

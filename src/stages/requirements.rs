@@ -40,13 +40,13 @@ pub enum Radiating {
 
 /// A body that a run can use.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Usable {
+pub struct Preflight {
     /// Surfaces that its file does not name.
     pub surfaces: Vec<FoundSurface>,
 }
 
 impl Stage for Requirements {
-    type Output = Usable;
+    type Output = Preflight;
     type Error = Error;
     type Codec = Postcard;
     const NAME: &'static str = "requirements of a body";
@@ -59,7 +59,7 @@ impl Stage for Requirements {
         stages_requirements
     );
 
-    fn compute(&self, _: &Progress) -> Result<Usable, Error> {
+    fn compute(&self, _: &Progress) -> Result<Preflight, Error> {
         let (meshed, body) = (self.meshed.get()?, self.kind.name());
         let of_model = self.model.get().map(drop);
         let others = match &self.radiating {
@@ -88,7 +88,7 @@ impl Stage for Requirements {
         }
         check(of_radiation);
         Error::of_body(body, problems)?;
-        Ok(Usable {
+        Ok(Preflight {
             surfaces: meshed.surfaces.clone(),
         })
     }

@@ -52,8 +52,8 @@ impl MovingBody {
     ///
     /// # Errors
     /// [`Error`] of the stages that make it.
-    pub fn get(&self) -> Result<Driven, Error> {
-        Ok(Driven {
+    pub fn get(&self) -> Result<BodyInMotion, Error> {
+        Ok(BodyInMotion {
             body: self.body.get()?,
             loss_factor: self.loss_factor,
             vibration: self.vibration.get()?,
@@ -65,7 +65,7 @@ impl MovingBody {
 
 /// A body with its motion in a shot.
 #[derive(Debug, Clone)]
-pub struct Driven {
+pub struct BodyInMotion {
     /// The body.
     pub body: Arc<Body>,
     /// Loss factor of its modes \[-\].

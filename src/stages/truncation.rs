@@ -17,7 +17,7 @@ const LIMIT_DB: f64 = 0.2;
 
 /// A part of a source whose model ends at a top frequency.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Part {
+pub struct LimitedPart {
     /// Its name in results.
     pub name: Cow<'static, str>,
     /// Name, or beginning of the names, of its contributions to the source.
@@ -62,13 +62,13 @@ impl Truncation {
 pub fn truncations(
     source: (&'static str, &SourceSpectrum),
     range_hz: [f64; 2],
-    parts: impl IntoIterator<Item = Part>,
+    parts: impl IntoIterator<Item = LimitedPart>,
 ) -> Vec<Truncation> {
     let cut = parts.into_iter().filter(|part| part.top_hz < range_hz[1]);
     cut.map(|part| truncation(source, range_hz, part)).collect()
 }
 
-fn truncation((source, whole): (&'static str, &SourceSpectrum), range_hz: [f64; 2], part: Part) -> Truncation {
+fn truncation((source, whole): (&'static str, &SourceSpectrum), range_hz: [f64; 2], part: LimitedPart) -> Truncation {
     let total = whole.energy(range_hz, Weighting::A);
     // Contributions are bodies, or patches named after their body.
     let belongs = |name: &str| {

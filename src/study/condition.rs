@@ -187,14 +187,14 @@ mod tests {
     #![allow(clippy::unwrap_used)]
 
     use super::*;
-    use crate::study::variables::{Kind, Scope};
+    use crate::study::variables::{Scope, VariableKind};
 
     /// Counts where X_0 < 5/16 and X_1 < 1/2; X_2 does nothing.
     fn found(seed: u64, n: u64) -> Condition {
         let variables = ["a", "b", "c"].map(|name| Variable {
             name: name.to_owned(),
             scope: Scope::Shot,
-            kind: Kind::LawScore,
+            kind: VariableKind::LawScore,
         });
         let mut counts = Counts::default();
         for draw in 0..n {

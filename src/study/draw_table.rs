@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use super::draws::Draws;
 use super::level_table::LevelTable;
-use super::variables::Kind;
+use super::variables::VariableKind;
 use crate::result::TOTAL;
 
 /// Maximum number of stored draws.
@@ -44,7 +44,7 @@ impl DrawTable {
         levels_db.insert(TOTAL.to_owned(), column(table.totals()));
         let places = made.variables.iter().enumerate().filter_map(|(place, variable)| {
             let shares = || draws.iter().map(|draw| draw.shares[place]);
-            let is_drawn = matches!(variable.kind, Kind::Quantity(_)) && shares().all(|share| !share.is_nan());
+            let is_drawn = matches!(variable.kind, VariableKind::Quantity(_)) && shares().all(|share| !share.is_nan());
             let digits = |share: f64| format!("{:03x}", (PARTS * share).clamp(0.0, PARTS - 1.0) as u16);
             is_drawn.then(|| (variable.name.clone(), shares().map(digits).collect()))
         });

@@ -11,17 +11,17 @@
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use super::jobs::{kept_levels, levels_of_shot, on_threads, reason};
-use super::request::{Part, Request};
+use super::request::{Request, Subset};
 use super::sampling::{Frame, Point, Sampler};
 use super::screening::{Candidate, Tally, drawn, screen};
-use super::variables::{Kind, Scope, Variable, common_variables, with_workpiece_sensors, without_sensors};
+use super::variables::{Scope, Variable, VariableKind, common_variables, with_workpiece_sensors, without_sensors};
 use crate::chain::{Chain, Options, SharedShapes};
 use crate::design::{Design, Values};
 use crate::error::Error;
 use crate::graph::Graph;
 use crate::stages::Progress;
 use crate::stages::levels::Levels;
-use crate::stages::outcomes::{Shot, ShotOutcome};
+use crate::stages::outcomes::{ShotFigures, ShotOutcome};
 
 /// A draw.
 #[derive(Debug, Clone, PartialEq)]
@@ -34,7 +34,7 @@ pub struct Draw {
     /// fixed one.
     pub shares: Vec<f64>,
     /// Figures of the shot.
-    pub shot: Shot,
+    pub shot: ShotFigures,
     /// Levels without errors of methods.
     pub levels: Levels,
     /// Error of each source's method in this draw \[dB\], in the order of the levels' sources.
@@ -114,7 +114,7 @@ pub fn common_draws(
     });
     let (draws, failures) = levels(graph, (&designs, &sampler), planned, request.part, progress)?;
     if let (true, Some((_, reason))) = (draws.iter().all(Vec::is_empty), failures.first())
-        && request.part != Part::Kept
+        && request.part != Subset::Kept
     {
         return Err(Error::NoLevels {
             draws: failures.len(),
@@ -181,7 +181,7 @@ fn plan(
                 given: Some(&given),
                 ..frame(&shots, structure as u64 + 1)
             };
-            let (others, counts) = screen(graph, (designs, sampler), frame, more, Part::All, done(planned.len()))?;
+            let (others, counts) = screen(graph, (designs, sampler), frame, more, Subset::All, done(planned.len()))?;
             tally.add(counts);
             own.extend(others);
         }
@@ -198,7 +198,7 @@ pub(super) fn levels(
     graph: &Graph,
     (designs, sampler): (&[Design], &Sampler),
     planned: Vec<Planned>,
-    part: Part,
+    part: Subset,
     progress: &Progress,
 ) -> Result<Made, Error> {
     progress.stage("levels of the draws");
@@ -228,8 +228,8 @@ pub(super) fn levels(
         let all = on_threads(count, |job| {
             let chain = of(job / designs.len(), job % designs.len());
             let levels = match part {
-                Part::Kept => kept_levels(graph, chain),
-                Part::All | Part::Task { .. } | Part::Screened { .. } => levels_of_shot(chain),
+                Subset::Kept => kept_levels(graph, chain),
+                Subset::All | Subset::Task { .. } | Subset::Screened { .. } => levels_of_shot(chain),
             };
             progress.done(done.fetch_add(1, Ordering::Relaxed) as u64 + 1, total);
             levels
@@ -270,7 +270,7 @@ fn design_of(design: &Design, sampler: &Sampler, point: &Point) -> Result<Design
 fn shared_shapes(graph: &Graph, (design, sampler): (&Design, &Sampler), point: &Point) -> Result<SharedShapes, Error> {
     let mut chosen = point.clone();
     for (share, variable) in chosen.shares.iter_mut().zip(sampler.variables()) {
-        if !matches!(variable.kind, Kind::Alternatives(_)) {
+        if !matches!(variable.kind, VariableKind::Alternatives(_)) {
             *share = f64::NAN;
         }
     }
@@ -285,7 +285,9 @@ fn shared_shapes(graph: &Graph, (design, sampler): (&Design, &Sampler), point: &
 pub(super) fn method_errors(variables: &[Variable], point: &Point, levels: &Levels) -> Vec<f64> {
     let mut errors = vec![0.0; levels.sources.len()];
     for (variable, share) in variables.iter().zip(&point.shares).filter(|(_, share)| !share.is_nan()) {
-        let Kind::Method(bounds) = &variable.kind else { continue };
+        let VariableKind::Method(bounds) = &variable.kind else {
+            continue;
+        };
         for (error, source) in errors.iter_mut().zip(&levels.sources) {
             if variable.name == format!("method.{}", source.source) {
                 let own = source.method_db.map(|bound| bound.unwrap_or(0.0).abs());
@@ -302,7 +304,7 @@ fn open_ends(sampler: &Sampler, draws: &[Draw]) -> Vec<String> {
     let mut open = std::collections::BTreeSet::new();
     for source in draws.iter().flat_map(|draw| &draw.levels.sources) {
         let name = format!("method.{}", source.source);
-        let own = |variable: &Variable| variable.name == name && matches!(variable.kind, Kind::Method(None));
+        let own = |variable: &Variable| variable.name == name && matches!(variable.kind, VariableKind::Method(None));
         if sampler.variables().iter().any(own) {
             let ends = ["below", "above"].into_iter().zip(source.method_db);
             let ends = ends.filter(|(_, bound)| bound.is_none());

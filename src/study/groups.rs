@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 use super::draws::{Draw, Draws, Planned, levels};
 use super::group_indices::{Row, indices};
 use super::level_table::LevelTable;
-use super::request::{Part, Request};
+use super::request::{Request, Subset};
 use super::sampling::{Frame, Point, Sampler};
 use super::screening::screen;
 use super::statistics::Estimate;
@@ -148,7 +148,7 @@ pub fn group_study(
                     partner_of: Some(row as u64),
                     ..Frame::new(&bases, &active, STREAM)
                 };
-                let found = screen(graph, (&designs, &sampler), frame, 1, Part::All, |_| {});
+                let found = screen(graph, (&designs, &sampler), frame, 1, Subset::All, |_| {});
                 let found = match found {
                     Ok((found, _)) => found,
                     Err(Error::NothingDrawn { .. }) => Vec::new(),
@@ -165,7 +165,7 @@ pub fn group_study(
         }
         progress.done(places.len() as u64, count as u64);
     }
-    let (draws, failures) = levels(graph, (&designs, &sampler), planned, Part::All, progress)?;
+    let (draws, failures) = levels(graph, (&designs, &sampler), planned, Subset::All, progress)?;
     for (place, _) in failures.iter().rev() {
         places.remove(*place);
     }

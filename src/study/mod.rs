@@ -51,7 +51,7 @@ pub use one_at_a_time::{InputChanges, InputEnd, OneAtATime, one_at_a_time, one_a
 pub use paired::{Change, PairedStudy};
 pub use parameters::{Parameter, taking_part};
 pub use provided::{FoundProvided, ProvidedState, ProvidedStudy};
-pub use request::{Part, Request};
+pub use request::{Request, Subset};
 pub use result::{
     Candidates, Convergence, LabelledStudy, LevelStudy, Louder, OrderProbability, SCHEMA, SourceStudy, StudyResult,
     names_of_ends,
@@ -65,6 +65,6 @@ pub use surrogate::{Surrogate, SurrogateIndex, common_reason};
 pub use sweep::{Axis, SweptPoint, at_point, distinct, sweep};
 pub use table::csv;
 pub use variable_report::VariableReport;
-pub use variables::{Drawn, Kind, Scope, Variable, common_variables, differing_keys, in_force, variables};
+pub use variables::{Drawn, Scope, Variable, VariableKind, common_variables, differing_keys, in_force, variables};
 
-pub use crate::stages::outcomes::{Shot, ShotOutcome};
+pub use crate::stages::outcomes::{ShotFigures, ShotOutcome};

@@ -6,7 +6,7 @@ use super::draws::{Draw, Draws};
 use super::request::Request;
 use super::tolerance::{STATED_FROM, content, draws_for, next_within};
 use super::variable_report::VariableReport;
-use super::variables::Kind;
+use super::variables::VariableKind;
 use crate::design::Design;
 
 /// Share of a distribution within which a value is at its end.
@@ -48,7 +48,7 @@ pub(super) fn notes(design: &Design, request: &Request, made: &Draws, variables:
     if made
         .variables
         .iter()
-        .any(|variable| matches!(variable.kind, Kind::LawScore))
+        .any(|variable| matches!(variable.kind, VariableKind::LawScore))
     {
         notes.push(
             "the fitted penetration law is drawn by its covariance and the scatter of its specimens; \

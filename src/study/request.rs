@@ -10,7 +10,7 @@ pub struct Request {
     /// Shots on each structure that is drawn; with `None`, the structures of the design are fixed.
     pub shots_a_structure: Option<usize>,
     /// The draws that are computed.
-    pub part: Part,
+    pub part: Subset,
     /// Whether the draws retain the sensors on the workpiece.
     pub workpiece_sensors: bool,
 }
@@ -22,7 +22,7 @@ impl Request {
             draws,
             seed,
             shots_a_structure: None,
-            part: Part::All,
+            part: Subset::All,
             workpiece_sensors: false,
         }
     }
@@ -30,7 +30,7 @@ impl Request {
 
 /// A part of the draws of a study.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Part {
+pub enum Subset {
     /// All draws.
     All,
     /// Every `of`-th structure, if structures are drawn, else every `of`-th draw: the `number`-th of them, from 1.
@@ -51,7 +51,7 @@ pub enum Part {
     Kept,
 }
 
-impl Part {
+impl Subset {
     /// Whether a structure belongs to it, or a draw if structures are fixed.
     pub(super) fn holds(self, place: usize) -> bool {
         match self {

@@ -361,7 +361,7 @@ mod tests {
 
     use super::*;
     use crate::study::parameters::Parameter;
-    use crate::study::variables::{Kind, Scope};
+    use crate::study::variables::{Scope, VariableKind};
 
     const N: u64 = 4096;
 
@@ -377,7 +377,7 @@ mod tests {
         let variable = |parameter: Parameter| Variable {
             name: parameter.key.clone(),
             scope: Scope::Shot,
-            kind: Kind::Quantity(parameter),
+            kind: VariableKind::Quantity(parameter),
         };
         parameters.map(variable).collect()
     }

@@ -6,7 +6,7 @@ use std::ops::Range;
 use rayon::prelude::*;
 
 use super::condition::Counts;
-use super::request::Part;
+use super::request::Subset;
 use super::sampling::{Frame, Point, Rejections, Sampler};
 use super::variables::drawn_scores;
 use crate::design::inputs::cycle::{cycle_settings, parameters};
@@ -162,7 +162,7 @@ pub fn screen(
     (designs, sampler): (&[Design], &Sampler),
     frame: Frame<'_>,
     want: usize,
-    part: Part,
+    part: Subset,
     found: impl Fn(usize),
 ) -> Result<(Vec<Candidate>, Tally), Error> {
     let (mut accepted, mut tally) = (Vec::new(), Tally::default());
@@ -176,7 +176,7 @@ pub fn screen(
             break;
         }
         let first = tally.candidates;
-        if let Part::Task { number, of } = part
+        if let Subset::Task { number, of } = part
             && (first / BLOCK).is_multiple_of(u64::from(of))
         {
             graph.get(block(first + u64::from(number - 1) * BLOCK, BLOCK).1)?;

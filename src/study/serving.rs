@@ -5,7 +5,7 @@ use serde::Serialize;
 use super::draws::{Draws, draws, nominal};
 use super::kept::{Found, keep, kept};
 use super::provided::ProvidedStudy;
-use super::request::{Part, Request};
+use super::request::{Request, Subset};
 use super::result::{LevelStudy, StudyResult};
 use super::tolerance::STATED_FROM;
 use crate::design::Design;
@@ -250,7 +250,7 @@ pub fn study(
 ) -> Result<(StudyResult, Draws), Error> {
     let graph = Graph::quiet(store, progress.observer());
     let made = draws(&graph, design, request, progress)?;
-    if request.part == Part::Kept && !made.failures.is_empty() {
+    if request.part == Subset::Kept && !made.failures.is_empty() {
         return Err(Error::NotCollected {
             missing: made.failures.len(),
             draws: made.failures.len() + made.draws.len(),

@@ -9,7 +9,7 @@ use super::law;
 use super::parameters::{Parameter, taking_part};
 use super::sampling::{Frame, Rejections, Sampler};
 use super::screening::{BLOCK, block_of};
-use super::variables::{Drawn, Kind, Scope, Variable, law_scores, without_sensors};
+use super::variables::{Drawn, Scope, Variable, VariableKind, law_scores, without_sensors};
 use crate::design::{Design, Value, Values};
 use crate::error::Error;
 use crate::graph::Graph;
@@ -108,7 +108,7 @@ impl ShotSampler {
         let variable = |parameter: &Parameter| Variable {
             name: parameter.key.clone(),
             scope: Scope::Shot,
-            kind: Kind::Quantity(parameter.clone()),
+            kind: VariableKind::Quantity(parameter.clone()),
         };
         let design = without_sensors(design);
         let scores = law_scores(std::slice::from_ref(&design))?;

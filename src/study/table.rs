@@ -2,7 +2,7 @@
 
 use super::draws::Draws;
 use super::level_table::LevelTable;
-use super::variables::{Drawn, Kind, Variable};
+use super::variables::{Drawn, Variable, VariableKind};
 use crate::design::Value;
 use crate::error::Error;
 use crate::output;
@@ -24,7 +24,7 @@ pub fn csv(made: &Draws) -> Result<Vec<u8>, Error> {
         made.variables
             .iter()
             .enumerate()
-            .filter(|(_, own)| !matches!(own.kind, Kind::Method(_)))
+            .filter(|(_, own)| !matches!(own.kind, VariableKind::Method(_)))
     };
     let header = ["draw", "structure", "candidate", "outcome"]
         .map(str::to_owned)
@@ -56,7 +56,7 @@ pub fn csv(made: &Draws) -> Result<Vec<u8>, Error> {
             |(place, variable)| match (variable.drawn(draw.shares[place]), &variable.kind) {
                 (Some(Drawn::Value(Value::Number(value))), _) => format!("{value:e}"),
                 (Some(Drawn::Value(Value::Count(count))), _) => count.to_string(),
-                (Some(Drawn::Alternative(chosen)), Kind::Alternatives(options)) => options[chosen].name.clone(),
+                (Some(Drawn::Alternative(chosen)), VariableKind::Alternatives(options)) => options[chosen].name.clone(),
                 _ => String::new(),
             },
         );

@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 use super::draws::Draws;
 use super::level_table::number;
 use super::request::Request;
-use super::variables::{Drawn, Kind, Scope, Variable};
+use super::variables::{Drawn, Scope, Variable, VariableKind};
 use crate::design::{Alternative, Value};
 
 /// A variable.
@@ -32,7 +32,7 @@ pub struct VariableReport {
 
 /// Share of a parameter's distribution below its value in the design, by bisection.
 fn place_of_nominal(variable: &Variable) -> Option<f64> {
-    let Kind::Quantity(parameter) = &variable.kind else {
+    let VariableKind::Quantity(parameter) = &variable.kind else {
         return None;
     };
     let value = |share: f64| number(Some(Drawn::Value(parameter.at(share.clamp(1e-9, 1.0 - 1e-9)))));
@@ -64,13 +64,13 @@ pub(super) fn variable_reports(request: &Request, made: &Draws) -> Vec<VariableR
         let sum: f64 = shares.sum();
         let drawn = request.shots_a_structure.is_some() || variable.scope != Scope::Structure;
         let (range, distribution) = match &variable.kind {
-            Kind::Quantity(parameter) => (Some(parameter.range), parameter.distribution.as_str().to_owned()),
-            Kind::Alternatives(options) => {
+            VariableKind::Quantity(parameter) => (Some(parameter.range), parameter.distribution.as_str().to_owned()),
+            VariableKind::Alternatives(options) => {
                 let option = |option: &Alternative| format!("{} ({:.0} %)", option.name, 100.0 * option.probability);
                 (None, options.iter().map(option).collect::<Vec<_>>().join("; "))
             }
-            Kind::LawScore => (None, "normal".to_owned()),
-            Kind::Method(bounds) => (*bounds, "uniform".to_owned()),
+            VariableKind::LawScore => (None, "normal".to_owned()),
+            VariableKind::Method(bounds) => (*bounds, "uniform".to_owned()),
         };
         VariableReport {
             name: variable.name.clone(),

@@ -34,12 +34,12 @@ pub struct Variable {
     /// The outputs that it changes.
     pub scope: Scope,
     /// The kind of quantity.
-    pub kind: Kind,
+    pub kind: VariableKind,
 }
 
 /// The kind of a variable.
 #[derive(Debug, Clone)]
-pub enum Kind {
+pub enum VariableKind {
     /// The value of a key.
     Quantity(Parameter),
     /// One of several sets of values.
@@ -70,8 +70,8 @@ impl Variable {
     /// The value below which a share `u` of the distribution lies, 0 < u < 1.
     pub fn at(&self, u: f64) -> Drawn {
         match &self.kind {
-            Kind::Quantity(parameter) => Drawn::Value(parameter.at(u)),
-            Kind::Alternatives(options) => {
+            VariableKind::Quantity(parameter) => Drawn::Value(parameter.at(u)),
+            VariableKind::Alternatives(options) => {
                 let mut above = u;
                 let chosen = options.iter().position(|option| {
                     above -= option.probability;
@@ -79,16 +79,16 @@ impl Variable {
                 });
                 Drawn::Alternative(chosen.unwrap_or(options.len() - 1))
             }
-            Kind::LawScore => Drawn::Value(Value::Number(normal::quantile(u))),
-            Kind::Method(_) => Drawn::Share(u),
+            VariableKind::LawScore => Drawn::Value(Value::Number(normal::quantile(u))),
+            VariableKind::Method(_) => Drawn::Share(u),
         }
     }
 
     /// Keys and values that a draw sets.
     pub fn changes<'a>(&'a self, drawn: &Drawn) -> Vec<(&'a str, Value)> {
         match (&self.kind, drawn) {
-            (Kind::Quantity(parameter), Drawn::Value(value)) => vec![(parameter.change(), value.clone())],
-            (Kind::Alternatives(options), Drawn::Alternative(chosen)) => {
+            (VariableKind::Quantity(parameter), Drawn::Value(value)) => vec![(parameter.change(), value.clone())],
+            (VariableKind::Alternatives(options), Drawn::Alternative(chosen)) => {
                 let values = options[*chosen].values.iter();
                 values.map(|(key, value)| (key.as_str(), value.clone())).collect()
             }
@@ -99,9 +99,9 @@ impl Variable {
     /// SI unit; empty if there is none.
     pub fn unit(&self) -> &str {
         match &self.kind {
-            Kind::Quantity(parameter) => &parameter.unit,
-            Kind::Alternatives(_) | Kind::LawScore => "",
-            Kind::Method(_) => "dB",
+            VariableKind::Quantity(parameter) => &parameter.unit,
+            VariableKind::Alternatives(_) | VariableKind::LawScore => "",
+            VariableKind::Method(_) => "dB",
         }
     }
 }
@@ -111,7 +111,7 @@ pub(super) fn law_scores(designs: &[Design]) -> Result<Vec<Variable>, Error> {
     let score = |name: String| Variable {
         name,
         scope: Scope::Shot,
-        kind: Kind::LawScore,
+        kind: VariableKind::LawScore,
     };
     Ok(law::score_names(designs)?.into_iter().map(score).collect())
 }
@@ -119,7 +119,7 @@ pub(super) fn law_scores(designs: &[Design]) -> Result<Vec<Variable>, Error> {
 /// The scores of a point, in their order.
 pub(super) fn drawn_scores(variables: &[Variable], shares: &[f64]) -> Vec<f64> {
     let score = |(variable, share): (&Variable, &f64)| match variable.kind {
-        Kind::LawScore if !share.is_nan() => Some(normal::quantile(*share)),
+        VariableKind::LawScore if !share.is_nan() => Some(normal::quantile(*share)),
         _ => None,
     };
     variables.iter().zip(shares).filter_map(score).collect()
@@ -222,7 +222,7 @@ pub fn variables(design: &Design) -> Result<Vec<Variable>, Error> {
         Some(Variable {
             name: parameter.key.clone(),
             scope,
-            kind: Kind::Quantity(parameter),
+            kind: VariableKind::Quantity(parameter),
         })
     });
     let mut variables: Vec<Variable> = in_force.collect();
@@ -240,14 +240,14 @@ pub fn variables(design: &Design) -> Result<Vec<Variable>, Error> {
         variables.push(Variable {
             name: name.clone(),
             scope: if structure { Scope::Structure } else { Scope::Shot },
-            kind: Kind::Alternatives(options.clone()),
+            kind: VariableKind::Alternatives(options.clone()),
         });
     }
     variables.extend(law_scores(&bases)?);
     variables.extend(sources::names().map(|source| Variable {
         name: format!("method.{source}"),
         scope: Scope::Method,
-        kind: Kind::Method(settings.model.get(source).copied()),
+        kind: VariableKind::Method(settings.model.get(source).copied()),
     }));
     Ok(variables)
 }

@@ -3,7 +3,7 @@
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
-use super::shot::{Differences, Shot};
+use super::shot::{Differences, FinishedRun};
 
 /// The state of the page.
 #[derive(Debug)]
@@ -22,11 +22,11 @@ pub(super) struct State {
     /// The work in progress; none when idle.
     pub(super) doing: Option<String>,
     /// The last run that succeeded.
-    pub(super) last: Option<Arc<Shot>>,
+    pub(super) last: Option<Arc<FinishedRun>>,
     /// The one before it.
-    pub(super) before: Option<Arc<Shot>>,
+    pub(super) before: Option<Arc<FinishedRun>>,
     /// The run that others are compared with.
-    pub(super) pinned: Option<Arc<Shot>>,
+    pub(super) pinned: Option<Arc<FinishedRun>>,
     /// Why there is no result of the last saved version.
     pub(super) failure: Option<String>,
     /// Warnings for the user about the design of the last run.
@@ -68,7 +68,7 @@ impl Board {
     }
 
     /// A run has succeeded; returns the changes since the one before it and since the pinned one.
-    pub fn show(&self, shot: Shot, warnings: Vec<String>, report: String) -> [Option<Differences>; 2] {
+    pub fn show(&self, shot: FinishedRun, warnings: Vec<String>, report: String) -> [Option<Differences>; 2] {
         let shot = Arc::new(shot);
         self.change(|state| {
             let number = state.report.as_ref().map_or(0, |(number, _)| *number);
@@ -127,8 +127,8 @@ impl State {
 mod tests {
     use super::*;
 
-    fn shot(number: u32) -> Shot {
-        Shot {
+    fn shot(number: u32) -> FinishedRun {
+        FinishedRun {
             number,
             seconds: 1.0,
             values: Vec::new(),

@@ -13,4 +13,4 @@ mod shot;
 pub use board::Board;
 pub use files::Watched;
 pub use server::Server;
-pub use shot::{Differences, Shot};
+pub use shot::{Differences, FinishedRun};

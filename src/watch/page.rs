@@ -4,7 +4,7 @@ use maud::{DOCTYPE, Markup, html};
 use serde_json::json;
 
 use super::board::{Board, State};
-use super::shot::{Differences, Shot};
+use super::shot::{Differences, FinishedRun};
 use crate::report::{capitalised, missed_shot};
 use crate::wording;
 
@@ -127,13 +127,13 @@ impl State {
     }
 }
 
-fn level(shot: &Shot, name: &str) -> String {
+fn level(shot: &FinishedRun, name: &str) -> String {
     let level = shot.level(name);
     level.map_or_else(|| "silent".to_owned(), |level| format!("{level:.1} dB"))
 }
 
 /// Remarks for the user before the numbers are used.
-fn remarks(shot: &Shot, warnings: &[String]) -> Markup {
+fn remarks(shot: &FinishedRun, warnings: &[String]) -> Markup {
     html! {
         @if !shot.failed.is_empty() {
             strong.alarm { "Do not rely on this run: check failed: " (shot.failed.join(", ")) }
@@ -193,9 +193,9 @@ mod tests {
     use crate::stages::headline::{Figure, Headline};
     use std::sync::Arc;
 
-    fn shot(number: u32, total: f64, pressure: &str) -> Shot {
+    fn shot(number: u32, total: f64, pressure: &str) -> FinishedRun {
         let levels = [("total", total), ("workpiece", total - 2.0), ("exhaust", total - 6.0)];
-        Shot {
+        FinishedRun {
             number,
             seconds: 1.25,
             values: vec![("supply.pressure".to_owned(), pressure.to_owned())],

@@ -6,7 +6,7 @@ use crate::stages::headline::{Headline, unlike};
 
 /// A finished run.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Shot {
+pub struct FinishedRun {
     /// Its number, from 1.
     pub number: u32,
     /// How long it took \[s\].
@@ -21,7 +21,7 @@ pub struct Shot {
     pub headline: Option<Headline>,
 }
 
-impl Shot {
+impl FinishedRun {
     /// The run of a design.
     pub fn new(number: u32, seconds: f64, design: &Design, result: &RunResult) -> Self {
         let sources = result.ranking.iter().map(|own| (own.source.clone(), own.lwa_db));
@@ -92,11 +92,11 @@ pub struct Differences {
 mod tests {
     use super::*;
 
-    fn shot(number: u32, values: &[(&str, &str)], total: Option<f64>) -> Shot {
+    fn shot(number: u32, values: &[(&str, &str)], total: Option<f64>) -> FinishedRun {
         let values = values
             .iter()
             .map(|(key, value)| ((*key).to_owned(), (*value).to_owned()));
-        Shot {
+        FinishedRun {
             number,
             seconds: 1.0,
             values: values.collect(),

@@ -139,7 +139,7 @@ const ABOVE_STAGES: [&str; 9] = [
     "graph",
     "output",
     "report",
-    "staging",
+    "atomic_write",
     "study",
     "watch",
 ];

@@ -7,7 +7,7 @@ use nailnoise::stages::apart::{Apart, Moved, PartError};
 use nailnoise::stages::convention::counted;
 use nailnoise::stages::intervals::EventEdges;
 use nailnoise::stages::levels::{Levels, ShotLevels};
-use nailnoise::stages::outcomes::Shot;
+use nailnoise::stages::outcomes::ShotFigures;
 use nailnoise::stages::ranking::rank;
 use nailnoise::stages::sound::{Sound, SoundSource};
 use nailnoise::stages::sources::{Analysis, Emission};
@@ -172,7 +172,7 @@ fn a_study_has_all_sources_and_their_probabilities_of_being_first_sum_to_one() {
             structure: 0,
             candidate: number as u64,
             shares: Vec::new(),
-            shot: Shot {
+            shot: ShotFigures {
                 outcome: "drives".to_owned(),
                 mean_drive_speed: Some(20.0),
                 penetration: 0.08,

@@ -104,7 +104,7 @@ fn every_command_has_a_manual_page() {
             "{name}: {page}"
         );
     }
-    let page = printed(&alone(&folder, &["manual", "prf", "fit"]));
+    let page = printed(&alone(&folder, &["manual", "penetration", "fit"]));
     assert_eq!(page, fs::read_to_string(pages.join("nailnoise-prf-fit.1")).unwrap());
     assert!(page.contains("Examples:"), "{page}");
     assert_eq!(alone(&folder, &["manual", "nothing"]).status.code(), Some(2));

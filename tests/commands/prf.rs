@@ -1,4 +1,4 @@
-//! `nailnoise prf`: published check values, validity, files.
+//! `nailnoise penetration`: published check values, validity, files.
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};

@@ -1,4 +1,4 @@
-//! `nailnoise prf fit`: damaged and impossible data are refused with file, line and remedy.
+//! `nailnoise penetration fit`: damaged and impossible data are refused with file, line and remedy.
 
 use std::fs;
 use std::path::Path;

@@ -208,7 +208,7 @@ impl MachineError {
             Self::NoLaunch { .. } => "raise launch.reservoir_pressure",
             Self::CellMass { .. } | Self::Rod { .. } => "correct one of the two",
             Self::ThroughBlock { .. } => "use a thicker block (block.thickness), or less energy",
-            Self::NoFit => "name the file that `nailnoise prf fit` wrote, or choose another law",
+            Self::NoFit => "name the file that `nailnoise penetration fit` wrote, or choose another law",
             Self::BeyondFit { .. } => "choose another speed, or fit with --extrapolate to allow it",
             Self::NoStop { .. } => "check wood.hardness_modulus and wood.penetration_law",
             Self::Integration { .. } => "check the machine for values that differ by many orders of magnitude",

@@ -1,4 +1,4 @@
-//! `nailnoise prf fit`: a penetration law from measured drives.
+//! `nailnoise penetration fit`: a penetration law from measured drives.
 
 use std::path::{Path, PathBuf};
 
@@ -8,6 +8,7 @@ use nailnoise_quantities::dimension::FORCE;
 use nailnoise_quantities::measure;
 use serde::Serialize;
 
+use crate::atomic_write::AtomicWrite;
 use crate::commands::Status;
 use crate::commands::progress::note;
 use crate::commands::table::{dash, fixed, table};
@@ -17,7 +18,6 @@ use crate::figures;
 use crate::output;
 use crate::penetration::fitting::{Fitting, Options, fit_files};
 use crate::penetration::{PenetrationError, file_of};
-use crate::staging::Staging;
 
 /// The form of the published general law (Eq. 2.2).
 const FORM: &str = "poly(x,7) + rate + slender";
@@ -27,8 +27,8 @@ const FIT: &str = "fit.toml";
 
 #[derive(Args)]
 #[command(after_help = examples!(
-    "nailnoise prf fit drives.csv --form \"poly(x,7) + rate + slender\"" => "a law fitted to measured drives",
-    "nailnoise prf fit drives.csv --reduce --leave group" => "terms that carry nothing left out; cross-validation by \
+    "nailnoise penetration fit drives.csv --form \"poly(x,7) + rate + slender\"" => "a law fitted to measured drives",
+    "nailnoise penetration fit drives.csv --reduce --leave group" => "terms that carry nothing left out; cross-validation by \
         group",
 ))]
 pub(super) struct Arguments {
@@ -163,7 +163,7 @@ pub(super) fn execute(arguments: &Arguments) -> Result<Status, Error> {
         .out
         .clone()
         .unwrap_or_else(|| Path::new("out").join("prf-fit"));
-    let staging = Staging::within(&folder)?;
+    let staging = AtomicWrite::within(&folder)?;
     let subject = format!("{}, {} drives", shortened(&law.form().to_string()), drives.len());
     let charts = [
         figures::fit(&subject, law, drives),

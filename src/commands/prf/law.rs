@@ -1,4 +1,4 @@
-//! `nailnoise prf law`: penetration laws, published and own, evaluated and compared.
+//! `nailnoise penetration law`: penetration laws, published and own, evaluated and compared.
 
 use std::path::{Path, PathBuf};
 
@@ -9,6 +9,7 @@ use nailnoise_dynamics::prf::{
 use serde::Serialize;
 
 use super::limits::within;
+use crate::atomic_write::AtomicWrite;
 use crate::commands::Status;
 use crate::commands::progress::note;
 use crate::commands::table::{dash, fixed, table};
@@ -17,7 +18,6 @@ use crate::error::Error;
 use crate::figures;
 use crate::output;
 use crate::penetration::{self, PenetrationError};
-use crate::staging::Staging;
 use nailnoise_quantities::dimension::{FORCE, LENGTH, VELOCITY};
 use nailnoise_quantities::measure;
 
@@ -26,9 +26,9 @@ const FORCES: [f64; 2] = [-1e6, 1e6];
 
 #[derive(Args)]
 #[command(after_help = examples!(
-    "nailnoise prf law --list" => "the published laws, woods and nails",
-    "nailnoise prf law --law smooth,annular --wood pine --nail 8d" => "two laws side by side",
-    "nailnoise prf law --constant \"1.2 kN\" --table own.csv --nail 8d" => "laws of your own",
+    "nailnoise penetration law --list" => "the published laws, woods and nails",
+    "nailnoise penetration law --law smooth,annular --wood pine --nail 8d" => "two laws side by side",
+    "nailnoise penetration law --constant \"1.2 kN\" --table own.csv --nail 8d" => "laws of your own",
 ))]
 pub(super) struct Arguments {
     /// Only list the published laws, woods and nails
@@ -105,7 +105,7 @@ pub(super) fn execute(arguments: &Arguments) -> Result<Status, Error> {
     let result = evaluate(arguments, &laws, &labels)?;
     let folder = arguments.out.clone().unwrap_or_else(|| Path::new("out").join("prf"));
     let chart = figures::penetration(&result.shared(), &laws, &labels)?;
-    let staging = Staging::within(&folder)?;
+    let staging = AtomicWrite::within(&folder)?;
     let mut files = figures::write(&staging, Path::new(""), &[chart])?;
     let table = PathBuf::from("penetration.csv");
     staging.write(&table, &csv(&laws)?)?;

@@ -1,4 +1,4 @@
-//! `nailnoise prf machine`: a shot of the test machine, or virtual tests of a plan.
+//! `nailnoise penetration machine`: a shot of the test machine, or virtual tests of a plan.
 
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
@@ -9,6 +9,7 @@ use nailnoise_dynamics::machine::{Drive, Launched, Machine, Shot, drive, launch,
 use nailnoise_dynamics::prf::fit::{FittedLaw, standard_normal};
 use serde::Serialize;
 
+use crate::atomic_write::AtomicWrite;
 use crate::commands::Status;
 use crate::commands::table::table;
 use crate::commands::{message, print, print_json};
@@ -18,7 +19,6 @@ use crate::penetration::PenetrationError;
 use crate::penetration::drives::COLUMNS;
 use crate::penetration::machine::machine as read_machine;
 use crate::penetration::read_bytes;
-use crate::staging::Staging;
 use nailnoise_documents::tables::{Table, TableFault, number};
 
 /// Largest residual of the energy, as a part of the projectile's.
@@ -26,8 +26,8 @@ const BALANCE: f64 = 1e-8;
 
 #[derive(Args)]
 #[command(after_help = examples!(
-    "nailnoise prf machine machine.toml" => "a shot of the machine",
-    "nailnoise prf machine machine.toml --virtual 12" => "recordings of 12 repeats with noise, for `prf fit`",
+    "nailnoise penetration machine machine.toml" => "a shot of the machine",
+    "nailnoise penetration machine machine.toml --virtual 12" => "recordings of 12 repeats with noise, for `prf fit`",
 ))]
 pub(super) struct Arguments {
     /// File of the machine (TOML)
@@ -67,7 +67,7 @@ pub(super) fn execute(arguments: &Arguments) -> Result<Status, Error> {
         .out
         .clone()
         .unwrap_or_else(|| Path::new("out").join("prf-machine"));
-    let staging = Staging::within(&folder)?;
+    let staging = AtomicWrite::within(&folder)?;
     let (mut launched, mut shots) = (None, Vec::new());
     let conditions = match &arguments.plan {
         Some(path) => conditions(path)?,
@@ -141,10 +141,11 @@ fn conditions(path: &Path) -> Result<Vec<(f64, f64)>, PenetrationError> {
         path: path.to_owned(),
         line,
         problem,
-        help: "give a file that `nailnoise prf plan` writes".to_owned(),
+        help: "give a file that `nailnoise penetration plan` writes".to_owned(),
     };
     let bytes = read_bytes(path).map_err(|cause| data(1, cause.to_string()))?;
-    let wrong = |fault| PenetrationError::of_table(path, fault, 1, "give a file that `nailnoise prf plan` writes");
+    let wrong =
+        |fault| PenetrationError::of_table(path, fault, 1, "give a file that `nailnoise penetration plan` writes");
     let table = Table::of_text(&bytes).map_err(wrong)?;
     let place = |name: &str| table.headings.iter().position(|heading| heading.text == name);
     let (Some(mass), Some(speed)) = (place("mass_kg"), place("impact_speed_m_s")) else {
@@ -181,7 +182,7 @@ fn virtual_test(
     speed: f64,
     (place, repeat): (usize, u32),
     seed: u64,
-    staging: &Staging,
+    staging: &AtomicWrite,
 ) -> Result<[String; COLUMNS.len()], Error> {
     let mut count = 0;
     // Independent of the order of the tests.

@@ -1,4 +1,4 @@
-//! `nailnoise prf`: penetration laws, published and own.
+//! `nailnoise penetration`: penetration laws, published and own.
 
 mod fit;
 mod law;
@@ -13,8 +13,8 @@ use crate::error::Error;
 
 #[derive(Args)]
 #[command(after_help = examples!(
-    "nailnoise prf law --law smooth,annular --wood pine --nail 8d" => "published laws side by side",
-    "nailnoise prf fit drives.csv --form \"poly(x,7) + rate + slender\"" => "a law fitted to your own tests",
+    "nailnoise penetration law --law smooth,annular --wood pine --nail 8d" => "published laws side by side",
+    "nailnoise penetration fit drives.csv --form \"poly(x,7) + rate + slender\"" => "a law fitted to your own tests",
 ))]
 pub(super) struct Arguments {
     #[command(subcommand)]

@@ -1,4 +1,4 @@
-//! `nailnoise prf plan`: tests at high speed for a nail, what they reach, and which terms they tell apart.
+//! `nailnoise penetration plan`: tests at high speed for a nail, what they reach, and which terms they tell apart.
 
 use std::path::{Path, PathBuf};
 
@@ -15,6 +15,7 @@ use nalgebra::DMatrix;
 use serde::Serialize;
 
 use super::limits::within;
+use crate::atomic_write;
 use crate::chain;
 use crate::commands::Status;
 use crate::commands::progress::note;
@@ -24,7 +25,6 @@ use crate::design::Assignment;
 use crate::error::Error;
 use crate::output;
 use crate::penetration::{self, PenetrationError};
-use crate::staging;
 
 /// Density of a nail's steel \[kg/m3\].
 const STEEL: f64 = 7850.0;
@@ -36,8 +36,8 @@ const STATIONS: u32 = 20;
 
 #[derive(Args)]
 #[command(after_help = examples!(
-    "nailnoise prf plan --nail 12d --energy 42.125J" => "masses and speeds, and the terms that they tell apart",
-    "nailnoise prf plan --nail 12d --from my-tool.toml" => "the energy of the piston of a design",
+    "nailnoise penetration plan --nail 12d --energy 42.125J" => "masses and speeds, and the terms that they tell apart",
+    "nailnoise penetration plan --nail 12d --from my-tool.toml" => "the energy of the piston of a design",
 ))]
 pub(super) struct Arguments {
     /// Nail size, for example 12d
@@ -184,7 +184,7 @@ pub(super) fn execute(arguments: &Arguments) -> Result<Status, Error> {
         .out
         .clone()
         .unwrap_or_else(|| Path::new("out").join("prf-plan").join("plan.csv"));
-    staging::write(&path, &csv(&rows)?)?;
+    atomic_write::write(&path, &csv(&rows)?)?;
     notes.iter().for_each(|text| note(text));
     let result = PlanResult {
         schema: "nailnoise-prf-plan/1",

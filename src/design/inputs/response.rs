@@ -7,17 +7,17 @@ use super::cycle::parameters;
 use crate::design::Design;
 use crate::error::Error;
 use crate::model::supports::{self, Contact};
-use crate::stages::response::Shot;
+use crate::stages::response::ShotInputs;
 use crate::stages::tool_response::ToolShot;
 
 /// Inputs of the response of workpiece and support, except the bodies and the cycle.
 ///
 /// # Errors
 /// [`Error::Sand`] when the sand's constants are outside the range of the foundation's formulas.
-pub(crate) fn shot(design: &Design) -> Result<Shot, Error> {
+pub(crate) fn shot(design: &Design) -> Result<ShotInputs, Error> {
     let added_sand = supports::of(design).added_sand()?;
     let added_sand = added_sand.map(|sand| (sand.mass, supports::underside(design)));
-    Ok(Shot {
+    Ok(ShotInputs {
         added_sand,
         parameters: parameters(design)?,
         friction_share: design.wood.friction_share,

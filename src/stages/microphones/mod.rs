@@ -21,7 +21,7 @@ use crate::result::{
 };
 use bands::{Integration, Spectra, bands, density, integrals, within};
 pub(crate) use continuation::Continuation;
-use received::{Part, Received};
+use received::{Received, SourcePart};
 pub use sources::{JetOutlet, ToolSphere};
 
 /// Reference exposure (20 uPa)² s \[Pa² s\] over reference energy 1 pW s and reference area 1 m²: 400 Pa s/m, which
@@ -244,7 +244,7 @@ impl MicrophoneArray {
         let range = received.range.map(|end| end.clamp(low, high));
         let bands = within(&bands(self.range_hz), range);
         let mut exposures = vec![vec![[0.0; 2]; bands.len()]; received.signals.len()];
-        for Part { frequency, exposure } in &received.parts {
+        for SourcePart { frequency, exposure } in &received.parts {
             let integration = Integration::new(frequency, &bands);
             for (own, density) in exposures.iter_mut().zip(exposure.row_iter()) {
                 let density: Vec<f64> = density.iter().copied().collect();

@@ -4,7 +4,7 @@ use nailnoise_acoustics::signals::SourceSpectrum;
 use nalgebra::DMatrix;
 
 /// A part of a source with a separate frequency grid.
-pub(super) struct Part {
+pub(super) struct SourcePart {
     /// \[Hz\].
     pub(super) frequency: Vec<f64>,
     /// Density of the sound exposure, receivers x frequencies, the ear after the microphones \[Pa² s/Hz\].
@@ -23,7 +23,7 @@ pub(super) struct Received<'a> {
     pub(super) phases_to_hz: f64,
     /// Error of interpolated pressures over frequency, relative to the loudest mode at any microphone.
     pub(super) interpolation_error: Option<f64>,
-    pub(super) parts: Vec<Part>,
+    pub(super) parts: Vec<SourcePart>,
     /// Pressure at [`SAMPLE_RATE`](super::SAMPLE_RATE) from the trigger on, receiver by receiver \[Pa\].
     pub(super) signals: Vec<Vec<f64>>,
 }

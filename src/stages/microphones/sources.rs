@@ -13,7 +13,7 @@ use nalgebra::{Complex, DMatrix, Point3, Vector3};
 use rayon::prelude::*;
 use serde::Serialize;
 
-use super::received::{Part, Received};
+use super::received::{Received, SourcePart};
 use super::{AtMicrophones, LONGEST, MicrophoneArray, SAMPLE_RATE, TAIL};
 use crate::error::Error;
 use crate::stages::sound::Sound;
@@ -89,7 +89,7 @@ impl MicrophoneArray {
         let receivers = Receivers::new(self, end);
         let frequency = &found.frequency;
         let mut pressures = self.reflected(found);
-        let part = Part {
+        let part = SourcePart {
             frequency: frequency.clone(),
             exposure,
         };
@@ -119,7 +119,7 @@ impl MicrophoneArray {
         let receivers = Receivers::new(self, end);
         let spread = |(_, signals): &(&str, PowerSignals)| receivers.spread(centre.into(), signals);
         let parts = source.signals.iter().map(spread);
-        let (parts, signals): (Vec<Part>, Vec<_>) = parts.collect::<Result<Vec<_>, _>>()?.into_iter().unzip();
+        let (parts, signals): (Vec<SourcePart>, Vec<_>) = parts.collect::<Result<Vec<_>, _>>()?.into_iter().unzip();
         Ok(self.received(Received {
             radiated: &source.spectrum,
             how: "omnidirectional: ERP has no directivity",
@@ -224,7 +224,7 @@ impl MicrophoneArray {
             let (exposures, of_opening): (Vec<Vec<f64>>, Vec<Vec<f64>>) =
                 places.map(at).collect::<Result<Vec<_>, _>>()?.into_iter().unzip();
             let frequency = opening.spectrum.frequency.clone();
-            parts.push(Part {
+            parts.push(SourcePart {
                 exposure: DMatrix::from_fn(exposures.len(), frequency.len(), |i, bin| exposures[i][bin]),
                 frequency,
             });
@@ -265,13 +265,13 @@ impl<'a> Receivers<'a> {
     }
 
     /// A part and its signals from complex pressures, microphones x frequencies \[Pa s\].
-    fn of_pressures(&self, frequency: &[f64], pressures: &DMatrix<Complex<f64>>) -> (Part, Vec<Vec<f64>>) {
+    fn of_pressures(&self, frequency: &[f64], pressures: &DMatrix<Complex<f64>>) -> (SourcePart, Vec<Vec<f64>>) {
         let over_time = ChirpTransform::new(frequency, f64::from(SAMPLE_RATE), self.samples);
         let signal = |row: usize| {
             let spectrum: Vec<Complex<f64>> = pressures.row(row).iter().copied().collect();
             over_time.signal(&spectrum)
         };
-        let part = Part {
+        let part = SourcePart {
             frequency: frequency.to_vec(),
             exposure: pressures.map(|p| 2.0 * p.norm_sqr()),
         };
@@ -279,7 +279,7 @@ impl<'a> Receivers<'a> {
     }
 
     /// A part with a known energy but unknown pressures, radiated from a point.
-    fn spread(&self, centre: Point3<f64>, signals: &PowerSignals) -> Result<(Part, Vec<Vec<f64>>), Error> {
+    fn spread(&self, centre: Point3<f64>, signals: &PowerSignals) -> Result<(SourcePart, Vec<Vec<f64>>), Error> {
         let (frequency, signal) = (signals.frequency(), signals.combined_signal());
         let mut pressures = DMatrix::zeros(self.positions.len(), frequency.len());
         for (mut row, place) in pressures.row_iter_mut().zip(&self.positions) {

@@ -24,7 +24,7 @@ pub(in crate::stages) use fluid::in_air;
 
 pub use coupling::{COUPLED_LOADS, Coupled, couple};
 pub use linear::LinearResponse;
-pub use shot::Shot;
+pub use shot::ShotInputs;
 pub use two_way::{CoupledCycle, CoupledResponse, CoupledVibration, CouplingReport, Reported};
 
 use super::bodies::Body;
@@ -60,7 +60,7 @@ pub struct Structure {
 
 impl Structure {
     /// The bodies as the transient solver takes them, the workpiece first, with [`Vibration::coordinates`].
-    fn modal_bodies(&self, shot: &Shot) -> Result<(Vec<ModalBody>, Vec<Option<DMatrix<f64>>>), Error> {
+    fn modal_bodies(&self, shot: &ShotInputs) -> Result<(Vec<ModalBody>, Vec<Option<DMatrix<f64>>>), Error> {
         let mut bodies = Vec::new();
         for (index, (body, loss_factor)) in self.bodies.iter().zip(&self.loss_factors).enumerate() {
             bodies.push(shot.modal_body(&*body.get()?, *loss_factor, index == 0));
@@ -82,7 +82,7 @@ impl Structure {
 #[derive(Serialize)]
 pub struct Response {
     /// Supports, loads and duration.
-    pub shot: Shot,
+    pub shot: ShotInputs,
     /// The bodies.
     pub structure: Structure,
     /// The cycle.

@@ -15,7 +15,7 @@ const GAP: f64 = 1e-6;
 
 /// Inputs of a response, except the bodies and the cycle.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Shot {
+pub struct ShotInputs {
     /// Parameters of the cycle. One way, they give gravity, the nail's length and the penetration resistance over
     /// depth.
     pub parameters: Parameters,
@@ -33,7 +33,7 @@ pub struct Shot {
     pub start: u32,
 }
 
-impl Shot {
+impl ShotInputs {
     /// Whether the workpiece can lose contact with its support.
     pub fn can_lose_contact(&self) -> bool {
         self.supports

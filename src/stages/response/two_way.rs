@@ -6,7 +6,7 @@ use nailnoise_dynamics::{CouplingWork, CycleRecord, Settings};
 use serde::{Deserialize, Serialize};
 
 use super::coupling::Coupled;
-use super::shot::Shot;
+use super::shot::ShotInputs;
 use super::{CODE, Structure, Vibration, checks};
 use crate::error::Error;
 use crate::result::Check;
@@ -16,7 +16,7 @@ use crate::stages::{Code, Postcard, Progress, Stage, Stored, Uncached};
 #[derive(Serialize)]
 pub struct CoupledResponse {
     /// Parameters of the cycle, supports and duration.
-    pub shot: Shot,
+    pub shot: ShotInputs,
     /// The bodies.
     pub structure: Structure,
     /// Settings of the cycle.

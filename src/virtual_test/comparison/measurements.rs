@@ -56,7 +56,7 @@ struct Entry {
     quantity: String,
     value: Measured,
     unit: String,
-    kind: Kind,
+    kind: MeasurementKind,
     source: String,
     #[serde(default)]
     rounding: f64,
@@ -73,7 +73,7 @@ enum Measured {
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "snake_case")]
-enum Kind {
+enum MeasurementKind {
     Point,
     UpperBound,
     Interval,
@@ -193,7 +193,7 @@ impl Measurements {
     fn published(file: &Published) -> Self {
         let own = file.entries.iter().map(|entry| {
             let ends = match (&entry.value, entry.kind) {
-                (Measured::One(value), Kind::UpperBound) => [None, Some(*value)],
+                (Measured::One(value), MeasurementKind::UpperBound) => [None, Some(*value)],
                 (Measured::One(value), _) => [Some(*value); 2],
                 (Measured::Range(ends), _) => *ends,
             };
@@ -204,7 +204,7 @@ impl Measurements {
                 source: entry.source.clone(),
                 note: entry.note.clone(),
                 ends,
-                bound: entry.kind == Kind::UpperBound,
+                bound: entry.kind == MeasurementKind::UpperBound,
                 rounding: entry.rounding,
             }
         });

@@ -22,7 +22,7 @@ use crate::stages::microphones::{Heard, MicrophoneArray, ToolSphere};
 use crate::stages::sound::{Sound, SoundSource};
 use crate::stages::sources::{Emission, SourceSound};
 use crate::stages::spectra::BodyMotion;
-use crate::stages::truncation::{Part, truncations};
+use crate::stages::truncation::{LimitedPart, truncations};
 use crate::stages::{Code, Postcard, Progress, Stage, Stored, code};
 
 /// Name of the source.
@@ -334,7 +334,7 @@ impl Stage for HousingSource {
                 .microphones
                 .oscillating_sphere(&self.sphere, &record, &sound, end)?,
         };
-        let parts = housing.map(|housing| Part {
+        let parts = housing.map(|housing| LimitedPart {
             name: "tool".into(),
             contribution: VIBRATION.into(),
             top_hz: housing.top_hz,

@@ -14,7 +14,7 @@ use crate::stages::microphones::{Heard, MicrophoneArray};
 use crate::stages::sound::{Sound, SoundSource};
 use crate::stages::sources::{Emission, SourceSound};
 use crate::stages::spectra::BodyMotion;
-use crate::stages::truncation::{Part, truncations};
+use crate::stages::truncation::{LimitedPart, truncations};
 use crate::stages::{Code, Postcard, Progress, Stage, Stored, Uncached, all, code};
 
 /// Name of the source.
@@ -160,7 +160,7 @@ impl Stage for WorkpieceSource {
             Some(pressures) => self.microphones.pressures(pressures, &sound.spectrum, end)?,
             None => self.microphones.spread_evenly(self.centre, sound, end)?,
         };
-        let parts = bodies.iter().zip(&self.top_hz).map(|(body, top_hz)| Part {
+        let parts = bodies.iter().zip(&self.top_hz).map(|(body, top_hz)| LimitedPart {
             name: body.name.into(),
             contribution: body.name.into(),
             top_hz: *top_hz,

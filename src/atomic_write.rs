@@ -26,14 +26,14 @@ type Rename<'a> = &'a dyn Fn(&Path, &Path) -> io::Result<()>;
 
 /// Files that are being written for a folder; dropped without [`place`](Self::place) they are gone.
 #[derive(Debug)]
-pub struct Staging {
+pub struct AtomicWrite {
     folder: PathBuf,
     temporary: TemporaryFolder,
     /// Files written so far, relative to the folder.
     written: Mutex<Vec<PathBuf>>,
 }
 
-impl Staging {
+impl AtomicWrite {
     /// For files that belong under `folder`, which is created if it does not exist. Half-written files of killed
     /// processes there are removed.
     ///
@@ -188,7 +188,7 @@ pub(crate) fn write(path: &Path, bytes: &[u8]) -> Result<(), Error> {
         .map(Path::new)
         .ok_or_else(|| failed(path, ErrorKind::InvalidFilename.into()))?;
     let parent = path.parent().filter(|parent| !parent.as_os_str().is_empty());
-    let staging = Staging::within(parent.unwrap_or_else(|| Path::new(".")))?;
+    let staging = AtomicWrite::within(parent.unwrap_or_else(|| Path::new(".")))?;
     staging.write(name, bytes)?;
     staging.place(&[], name)
 }
@@ -363,8 +363,8 @@ mod tests {
         found
     }
 
-    fn staged(folder: &Path, files: &[&str]) -> Result<Staging, Error> {
-        let staging = Staging::within(folder)?;
+    fn staged(folder: &Path, files: &[&str]) -> Result<AtomicWrite, Error> {
+        let staging = AtomicWrite::within(folder)?;
         files
             .iter()
             .try_for_each(|file| staging.write(Path::new(file), b"new"))?;
