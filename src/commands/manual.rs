@@ -68,7 +68,7 @@ pub(super) fn execute(arguments: &Arguments, program: Command) -> Result<Status,
     Ok(Status::SUCCESS)
 }
 
-/// `nailnoise-prf-fit.1`.
+/// `nailnoise-penetration-fit.1`.
 fn name(command: &Command) -> String {
     Man::new(command.clone()).get_filename()
 }

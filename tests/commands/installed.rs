@@ -95,7 +95,7 @@ fn every_command_has_a_manual_page() {
         "nailnoise",
         "nailnoise-run",
         "nailnoise-watch",
-        "nailnoise-prf-fit",
+        "nailnoise-penetration-fit",
         "nailnoise-cache-verify",
     ] {
         let page = fs::read_to_string(pages.join(name).with_extension("1")).unwrap();
@@ -105,7 +105,10 @@ fn every_command_has_a_manual_page() {
         );
     }
     let page = printed(&alone(&folder, &["manual", "penetration", "fit"]));
-    assert_eq!(page, fs::read_to_string(pages.join("nailnoise-prf-fit.1")).unwrap());
+    assert_eq!(
+        page,
+        fs::read_to_string(pages.join("nailnoise-penetration-fit.1")).unwrap()
+    );
     assert!(page.contains("Examples:"), "{page}");
     assert_eq!(alone(&folder, &["manual", "nothing"]).status.code(), Some(2));
 }

@@ -14,6 +14,7 @@ mod faults;
 mod installed;
 mod measure;
 mod mesh;
+mod migrate;
 mod outcomes;
 mod prf;
 mod prf_fit;
