@@ -16,7 +16,6 @@ mod kept;
 mod law;
 pub mod legend;
 mod level_table;
-mod normal;
 mod notes;
 mod one_at_a_time;
 mod paired;
@@ -39,6 +38,8 @@ pub mod tolerance;
 mod variable_report;
 mod variables;
 mod weighted;
+
+use nailnoise_calibration::normal;
 
 pub use condition::{Condition, ConditionInput};
 pub use contributions::{Contribution, Contributions};
