@@ -80,15 +80,16 @@ pub fn weights_without(likelihood: &Likelihood, particles: &[Particle], left_out
             .sum()
     };
     let log: Vec<f64> = particles.iter().map(log).collect();
-    normalised(&log)
+    let weights = normalised(&log);
+    let limit = 1.0 / (weights.len() as f64).sqrt();
+    let sum: f64 = weights.iter().map(|weight| weight.min(limit)).sum();
+    weights.iter().map(|weight| weight.min(limit) / sum).collect()
 }
 
+/// Weights of sum 1 by their logarithms.
 fn normalised(log: &[f64]) -> Vec<f64> {
     let most = log.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-    let mut weights: Vec<f64> = log.iter().map(|l| (l - most).exp()).collect();
-    let n = weights.len() as f64;
-    let limit = weights.iter().sum::<f64>() / n.sqrt();
-    weights.iter_mut().for_each(|weight| *weight = weight.min(limit));
+    let weights: Vec<f64> = log.iter().map(|l| (l - most).exp()).collect();
     let sum: f64 = weights.iter().sum();
     weights.iter().map(|weight| weight / sum).collect()
 }

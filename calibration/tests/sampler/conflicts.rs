@@ -63,8 +63,9 @@ fn widened_errors_make_a_pair_agree() {
     }
     let (likelihood, state) = sampled(&widened, &[0, 3, 4]);
     assert_eq!(worst(&likelihood, &state.particles), None);
-    let probability = left_out_probability(&likelihood, &state.particles, 0, &[]);
-    assert!((probability - 0.05).abs() < 0.03, "{probability}");
+    let least = [0, 3].map(|k| left_out_probability(&likelihood, &state.particles, k, &[]));
+    let least = least[0].min(least[1]);
+    assert!((0.02..0.12).contains(&least), "{least}");
 }
 
 #[test]
