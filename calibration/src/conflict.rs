@@ -172,9 +172,7 @@ pub fn worst(likelihood: &Likelihood, particles: &[Particle]) -> Option<Conflict
 pub fn widening(likelihood: &Likelihood, particles: &[Particle], datum: usize, partner: Option<usize>) -> f64 {
     let agree = |factor: f64| {
         let of = |k: usize, other: Option<usize>| {
-            let log = |own: &Particle| {
-                other.map_or(0.0, |j| likelihood.widened(j, factor, &own.z, own.predictions[j]))
-            };
+            let log = |own: &Particle| other.map_or(0.0, |j| likelihood.widened(j, factor, &own.z, own.predictions[j]));
             let log: Vec<f64> = particles.iter().map(log).collect();
             probability(likelihood, k, particles, &normalised(&log), factor) >= SURPRISING
         };

@@ -292,7 +292,10 @@ impl Likelihood {
 
     /// Log-likelihood of all readings that count.
     pub fn total(&self, z: &[f64], predictions: &[Prediction]) -> f64 {
-        self.blocks.iter().map(|block| self.of_block(block, z, predictions)).sum()
+        self.blocks
+            .iter()
+            .map(|block| self.of_block(block, z, predictions))
+            .sum()
     }
 
     /// Log of the constant that [`total`](Self::total) leaves out, for readings that are values.
@@ -305,7 +308,9 @@ impl Likelihood {
         let is_value = |k: &usize| matches!(self.data[*k].reading, Reading::Value(_));
         let of_block = |block: &Block| {
             let diagonal = (0..block.members.len()).filter(|&row| is_value(&block.members[row]));
-            diagonal.map(|row| at_zero + block.whitening[(row, row)].ln()).sum::<f64>()
+            diagonal
+                .map(|row| at_zero + block.whitening[(row, row)].ln())
+                .sum::<f64>()
         };
         self.blocks.iter().map(of_block).sum()
     }
@@ -314,10 +319,19 @@ impl Likelihood {
 /// Joins the readings that count and whose errors are correlated.
 fn blocks(data: &[Datum], correlations: &[ErrorCorrelation]) -> Result<Vec<Block>, LikelihoodError> {
     let n = data.len();
-    let mut covariance = DMatrix::from_fn(n, n, |row, column| if row == column { data[row].scale.powi(2) } else { 0.0 });
+    let mut covariance = DMatrix::from_fn(
+        n,
+        n,
+        |row, column| if row == column { data[row].scale.powi(2) } else { 0.0 },
+    );
     let mut label: Vec<usize> = (0..n).collect();
     for correlation in correlations {
-        let pairs: Vec<(usize, f64)> = correlation.data.iter().copied().zip(correlation.parts.iter().copied()).collect();
+        let pairs: Vec<(usize, f64)> = correlation
+            .data
+            .iter()
+            .copied()
+            .zip(correlation.parts.iter().copied())
+            .collect();
         for &(a, part_a) in pairs.iter().filter(|(k, _)| data[*k].counts) {
             if !matches!(data[a].reading, Reading::Value(_)) {
                 let name = data[a].name.clone();
@@ -338,7 +352,13 @@ fn blocks(data: &[Datum], correlations: &[ErrorCorrelation]) -> Result<Vec<Block
         let whitening = own
             .cholesky()
             .and_then(|factor| factor.l().solve_lower_triangular(&DMatrix::identity(size, size)));
-        let names = || members.iter().map(|&k| data[k].name.as_str()).collect::<Vec<_>>().join(", ");
+        let names = || {
+            members
+                .iter()
+                .map(|&k| data[k].name.as_str())
+                .collect::<Vec<_>>()
+                .join(", ")
+        };
         match whitening {
             Some(whitening) => Ok(Block { members, whitening }),
             None => Err(LikelihoodError::Indefinite { names: names() }),
@@ -405,7 +425,10 @@ mod tests {
     fn a_shared_error_moves_the_prediction() {
         for reading in [Reading::Value(3.0), Reading::AtMost(3.0), Reading::AtLeast(3.0)] {
             let mut own = datum(reading, 0.7);
-            own.shared = vec![SharedError { variable: 1, coefficient: 0.5 }];
+            own.shared = vec![SharedError {
+                variable: 1,
+                coefficient: 0.5,
+            }];
             let with = likelihood(vec![own], ErrorLaw::Student).total(&[9.0, 2.0], &[Prediction::Value(1.5)]);
             let moved = likelihood(vec![datum(reading, 0.7)], ErrorLaw::Student);
             assert!((with - moved.total(&[9.0, 2.0], &[Prediction::Value(2.5)])).abs() < 1e-12);

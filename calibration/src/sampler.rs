@@ -316,10 +316,17 @@ impl<'a, S: Simulator> Sampler<'a, S> {
             let most = weights.iter().copied().fold(f64::NEG_INFINITY, f64::max);
             let weights: Vec<f64> = weights.iter().map(|w| (w - most).exp()).collect();
             let places = systematic(&weights, stream.uniform(half as u64));
-            members.iter().zip(places).for_each(|(&to, from)| chosen[to] = members[from]);
+            members
+                .iter()
+                .zip(places)
+                .for_each(|(&to, from)| chosen[to] = members[from]);
         }
         state.particles = chosen.iter().map(|&k| state.particles[k].clone()).collect();
-        state.temperature = if state.temperature + rise >= 1.0 { 1.0 } else { state.temperature + rise };
+        state.temperature = if state.temperature + rise >= 1.0 {
+            1.0
+        } else {
+            state.temperature + rise
+        };
         state.places = state.particles.iter().map(|own| own.z.clone()).collect();
         let present = state.particles.iter().map(|own| self.row(&own.z, &own.predictions));
         let rows: Vec<_> = state.archive.iter().flatten().cloned().chain(present).collect();

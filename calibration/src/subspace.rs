@@ -63,7 +63,8 @@ pub(crate) fn directions(regression: Regression, ruled: &[bool]) -> DMatrix<f64>
     let informed: Vec<usize> = (0..svd.singular_values.len())
         .filter(|&k| svd.singular_values[k] > INFORMED)
         .collect();
-    svd.u.map_or_else(|| DMatrix::zeros(d, 0), |u| u.select_columns(&informed))
+    svd.u
+        .map_or_else(|| DMatrix::zeros(d, 0), |u| u.select_columns(&informed))
 }
 
 /// Mean and Cholesky factor of the covariance of points in a subspace.
@@ -91,7 +92,11 @@ impl Reference {
             .map(|x| (x * x.transpose() - &sample).norm_squared())
             .sum::<f64>()
             / (n as f64).powi(2);
-        let weight = if distance > 0.0 { (scatter / distance).min(1.0) } else { 1.0 };
+        let weight = if distance > 0.0 {
+            (scatter / distance).min(1.0)
+        } else {
+            1.0
+        };
         let factor = (sample * (1.0 - weight) + identity * weight).cholesky()?;
         Some(Self { mean, factor })
     }
@@ -146,7 +151,11 @@ mod tests {
     #[test]
     fn a_reference_standardises_its_points() {
         let points = normals(2, 5000);
-        let scaled = DMatrix::from_fn(2, 5000, |row, column| if row == 0 { 5.0 } else { 0.2 } * points[(row, column)]);
+        let scaled = DMatrix::from_fn(
+            2,
+            5000,
+            |row, column| if row == 0 { 5.0 } else { 0.2 } * points[(row, column)],
+        );
         let reference = Reference::of(&scaled).unwrap();
         let squares: f64 = scaled
             .column_iter()

@@ -58,9 +58,10 @@ pub use result::{
     names_of_ends,
 };
 pub use sampling::{Frame, NoValues, Point, Rejections, Sampler};
+pub(crate) use screening::drawn;
 pub use screening::{Candidate, Tally, screen};
 pub use serving::{Serving, StudySource, study};
-pub use shots::{Counted, DrawnShot, ShotSampler, Shots, shots};
+pub use shots::{Counted, DrawnShot, ShotSampler, Shots, cycle_variables, shots};
 pub use statistics::{Estimate, Quantiles};
 pub use surrogate::{Surrogate, SurrogateIndex, common_reason};
 pub use sweep::{Axis, SweptPoint, at_point, distinct, sweep};

@@ -21,11 +21,20 @@ fn five_variables_with_three_linear_readings_have_their_gaussian_posterior() {
     for seed in SEEDS {
         let state = run(&model, &likelihood, seed);
         let evidence = log_evidence(&state, &likelihood) + 5.036_357;
-        assert!(evidence.abs() < 3.0 * 0.091, "seed {seed}: log evidence off by {evidence}");
+        assert!(
+            evidence.abs() < 3.0 * 0.091,
+            "seed {seed}: log evidence off by {evidence}"
+        );
         for (k, (mean, deviation)) in means.into_iter().zip(deviations).enumerate() {
             let got = of(&state, k);
-            assert!((got[0] - mean).abs() < 3.0 * 0.048 * deviation, "seed {seed}, {k}: {got:?}");
-            assert!((got[1] / deviation - 1.0).abs() < 3.0 * 0.032, "seed {seed}, {k}: {got:?}");
+            assert!(
+                (got[0] - mean).abs() < 3.0 * 0.048 * deviation,
+                "seed {seed}, {k}: {got:?}"
+            );
+            assert!(
+                (got[1] / deviation - 1.0).abs() < 3.0 * 0.032,
+                "seed {seed}, {k}: {got:?}"
+            );
         }
         let [a, b] = [0, 1].map(|k| state.particles.iter().map(|own| own.z[k]).collect::<Vec<_>>());
         assert!((correlation(&a, &b) + 0.748_247).abs() < 0.06);
@@ -49,11 +58,20 @@ fn sixty_variables_with_twelve_linear_readings_have_their_gaussian_posterior() {
     for seed in SEEDS {
         let state = run(&model, &likelihood, seed);
         let evidence = log_evidence(&state, &likelihood) + 33.224_746;
-        assert!(evidence.abs() < 3.0 * 0.204, "seed {seed}: log evidence off by {evidence}");
+        assert!(
+            evidence.abs() < 3.0 * 0.204,
+            "seed {seed}: log evidence off by {evidence}"
+        );
         for (k, (mean, deviation)) in means.into_iter().zip(deviations).enumerate() {
             let got = of(&state, k);
-            assert!((got[0] - mean).abs() < 3.0 * 0.045 * deviation, "seed {seed}, {k}: {got:?}");
-            assert!((got[1] / deviation - 1.0).abs() < 3.0 * 0.031, "seed {seed}, {k}: {got:?}");
+            assert!(
+                (got[0] - mean).abs() < 3.0 * 0.045 * deviation,
+                "seed {seed}, {k}: {got:?}"
+            );
+            assert!(
+                (got[1] / deviation - 1.0).abs() < 3.0 * 0.031,
+                "seed {seed}, {k}: {got:?}"
+            );
         }
     }
 }
@@ -68,9 +86,15 @@ fn a_banana_in_twenty_variables_has_the_moments_of_the_quadrature() {
     for seed in SEEDS {
         let state = run(&model, &likelihood, seed);
         let evidence = log_evidence(&state, &likelihood) + 2.7206;
-        assert!(evidence.abs() < 3.0 * 0.115, "seed {seed}: log evidence off by {evidence}");
+        assert!(
+            evidence.abs() < 3.0 * 0.115,
+            "seed {seed}: log evidence off by {evidence}"
+        );
         let [x, y] = [of(&state, 0)[0], of(&state, 1)[0]];
-        assert!((x - 0.1388).abs() < 3.0 * 0.061 && (y + 0.3719).abs() < 3.0 * 0.031, "{x} {y}");
+        assert!(
+            (x - 0.1388).abs() < 3.0 * 0.061 && (y + 0.3719).abs() < 3.0 * 0.031,
+            "{x} {y}"
+        );
         let positive = state.particles.iter().filter(|own| own.z[0] > 0.0).count() as f64;
         assert!((positive / state.particles.len() as f64 - 0.7356).abs() < 3.0 * 0.037);
     }
@@ -86,7 +110,10 @@ fn two_modes_have_their_shares() {
     for seed in SEEDS {
         let state = run(&model, &likelihood, seed);
         let evidence = log_evidence(&state, &likelihood) + 4.1358;
-        assert!(evidence.abs() < 3.0 * 0.086, "seed {seed}: log evidence off by {evidence}");
+        assert!(
+            evidence.abs() < 3.0 * 0.086,
+            "seed {seed}: log evidence off by {evidence}"
+        );
         let positive = state.particles.iter().filter(|own| own.z[0] > 0.0).count() as f64;
         assert!((positive / state.particles.len() as f64 - 0.8678).abs() < 3.0 * 0.030);
     }

@@ -30,13 +30,19 @@ fn sampled(readings: &[[f64; 2]], counting: &[usize]) -> (Likelihood, State) {
 
 #[test]
 fn readings_that_agree_are_no_conflict() {
-    let (likelihood, state) = sampled(&[[0.5, 0.1], [0.45, 0.1], [0.6, 0.1], [0.5, 0.1], [-1.0, 0.1]], &[0, 1, 2, 3, 4]);
+    let (likelihood, state) = sampled(
+        &[[0.5, 0.1], [0.45, 0.1], [0.6, 0.1], [0.5, 0.1], [-1.0, 0.1]],
+        &[0, 1, 2, 3, 4],
+    );
     assert_eq!(worst(&likelihood, &state.particles), None);
 }
 
 #[test]
 fn one_wrong_reading_contradicts_the_rest() {
-    let (likelihood, state) = sampled(&[[0.5, 0.1], [0.45, 0.1], [0.6, 0.1], [2.0, 0.1], [-1.0, 0.1]], &[0, 1, 2, 3, 4]);
+    let (likelihood, state) = sampled(
+        &[[0.5, 0.1], [0.45, 0.1], [0.6, 0.1], [2.0, 0.1], [-1.0, 0.1]],
+        &[0, 1, 2, 3, 4],
+    );
     let found = worst(&likelihood, &state.particles).unwrap();
     assert_eq!((found.datum, found.partner), (3, None));
     assert!(found.probability < 0.01);
@@ -44,7 +50,10 @@ fn one_wrong_reading_contradicts_the_rest() {
 
 #[test]
 fn two_readings_that_contradict_only_each_other_are_a_pair() {
-    let (likelihood, state) = sampled(&[[0.5, 0.1], [0.0, 0.1], [0.0, 0.1], [2.0, 0.1], [-1.0, 0.1]], &[0, 3, 4]);
+    let (likelihood, state) = sampled(
+        &[[0.5, 0.1], [0.0, 0.1], [0.0, 0.1], [2.0, 0.1], [-1.0, 0.1]],
+        &[0, 3, 4],
+    );
     let found = worst(&likelihood, &state.particles).unwrap();
     let mut pair = [Some(found.datum), found.partner];
     pair.sort_unstable();

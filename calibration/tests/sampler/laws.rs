@@ -24,7 +24,13 @@ fn without_readings_the_draws_are_the_candidates() {
     let start = candidates(&model, N, 1);
     let mut state = sampler.begin(start.clone());
     sampler.run(&mut state, |_| panic!("there is no move"));
-    assert!(state.particles.iter().zip(&start).all(|(own, candidate)| own.z == candidate.z));
+    assert!(
+        state
+            .particles
+            .iter()
+            .zip(&start)
+            .all(|(own, candidate)| own.z == candidate.z)
+    );
     // Readings that are held out predict and do not condition.
     let mut data = super::common::data(&[[9.0, 0.1], [9.0, 0.1]]);
     data.iter_mut().for_each(|own| own.counts = false);
@@ -114,9 +120,8 @@ fn rules_and_outcomes_are_never_broken_and_the_rest_has_its_posterior() {
     sampler.run(&mut state, |_| {});
     assert!(state.particles.iter().all(|own| own.z[0] < own.z[1] && own.z[2] <= 2.0));
     // p(x) ~ phi(x) (1 - Phi(x)) exp(-(x - 1/2)^2/(2/4)), by quadrature.
-    let weight = |x: f64| {
-        (-0.5 * x * x - 2.0 * (x - 0.5).powi(2)).exp() * (1.0 - nailnoise_calibration::normal::cumulative(x))
-    };
+    let weight =
+        |x: f64| (-0.5 * x * x - 2.0 * (x - 0.5).powi(2)).exp() * (1.0 - nailnoise_calibration::normal::cumulative(x));
     let grid = || (0..8000).map(|k| -4.0 + 1e-3 * f64::from(k));
     let expected = grid().map(|x| x * weight(x)).sum::<f64>() / grid().map(weight).sum::<f64>();
     let [mean, deviation] = of(&state, 0);
