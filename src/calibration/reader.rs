@@ -678,3 +678,197 @@ impl Of<'_, '_, '_> {
 fn shown(value: f64, dimension: Dimension) -> String {
     format!("{} {}", nailnoise_quantities::rounded(value, 3, 1e5), dimension.unit())
 }
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+
+    use super::*;
+
+    /// A file with one condition and this measurement.
+    fn file(measured: &str) -> String {
+        format!(
+            "schema = \"{SCHEMA}\"\n[instrument]\ncaliper = {{ error = \"1 % + 0.05 mm\" }}\ngauge = {{ error = \"2 %\" }}\n\
+             [condition]\na = {{ set = {{ \"supply.pressure\" = \"96 psig\" }}, \
+             instrument = {{ \"supply.pressure\" = \"gauge\" }}, outcome = \"drives\" }}\n[measured]\n{measured}\n"
+        )
+    }
+
+    fn read(text: &str) -> Result<Measurements, CalibrationError> {
+        let design = Design::shipped("n80cb.toml").unwrap();
+        let with =
+            |own: &[Assignment]| Design::load_with(concat!(env!("CARGO_MANIFEST_DIR"), "/designs/n80cb.toml"), own);
+        Reader {
+            design: &design,
+            with: &with,
+        }
+        .read(&Document::new(Path::new("shots.toml"), text))
+    }
+
+    fn one(measured: &str) -> Measured {
+        read(&file(measured)).unwrap().data.remove(0)
+    }
+
+    #[test]
+    fn readings_have_si_units_and_errors_of_their_mean() {
+        let own = one(
+            "m = { condition = \"a\", quantity = \"head_depth\", value = \"2 mm\", shots = 4, scatter = \"1 mm\", \
+             error = \"0.5 mm\", k = 2, instrument = \"caliper\", discrepancy = \"10 %\" }",
+        );
+        assert_eq!(own.reading, Reading::Value(2e-3));
+        let expected = ((0.25e-3_f64.powi(2) + 1e-3_f64.powi(2)) / 4.0).sqrt();
+        assert!((own.error / expected - 1.0).abs() < 1e-12);
+        assert!((own.discrepancy - 2e-4).abs() < 1e-15);
+        assert!((own.instrument.unwrap().deviation - 0.07e-3).abs() < 1e-15);
+    }
+
+    #[test]
+    fn repeats_mix_their_scatter_with_that_of_the_kind() {
+        let own = one(
+            "m = { condition = \"a\", quantity = \"head_depth\", values = [\"1 mm\", \"3 mm\", \"2 mm\"], \
+             rounding = \"0.3 mm\" }",
+        );
+        assert_eq!(own.reading, Reading::Value(2e-3));
+        let scatter = (4.0 * 1.5e-3_f64.powi(2) + 2e-6) / 6.0;
+        let expected = ((scatter + 0.3e-3_f64.powi(2) / 3.0) / 3.0).sqrt();
+        assert!((own.error / expected - 1.0).abs() < 1e-12, "{} {expected}", own.error);
+    }
+
+    #[test]
+    fn the_air_of_many_shots_is_read_once() {
+        let own = one(
+            "m = { condition = \"a\", quantity = \"air_per_shot\", value = \"24 l\", shots = 20, error = \"1 l\", \
+             scatter = \"0 l\" }",
+        );
+        assert_eq!(own.reading, Reading::Value(1.2e-3));
+        assert!((own.error / 5e-5 - 1.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn gauge_pressures_count_from_ambient_and_gauges_err_by_what_they_show() {
+        let all = read(&file(
+            "m = { condition = \"a\", quantity = \"peak_pressure\", of = \"supply\", value = \"90 psig\", error = \"1 psi\" }",
+        ))
+        .unwrap();
+        let psi = 6_894.757_293_168_361;
+        let Reading::Value(value) = all.data[0].reading else {
+            panic!("a value")
+        };
+        assert!((value - 90.0 * psi - 101_325.0).abs() < 2e3, "{value}");
+        let shown = &all.conditions[0].shown[0];
+        assert!((shown.deviation / (0.02 * 96.0 * psi) - 1.0).abs() < 1e-9);
+    }
+
+    #[test]
+    fn censored_readings_are_bounds() {
+        let of = |bounds: &str| {
+            one(&format!(
+                "m = {{ condition = \"a\", quantity = \"head_depth\", {bounds}, error = \"1 mm\" }}"
+            ))
+            .reading
+        };
+        assert_eq!(of("at_most = \"-10 mm\""), Reading::AtMost(-10e-3));
+        assert_eq!(of("at_least = \"-10 mm\""), Reading::AtLeast(-10e-3));
+        assert_eq!(
+            of("at_least = \"-10 mm\", at_most = \"5 mm\""),
+            Reading::Within([-10e-3, 5e-3])
+        );
+    }
+
+    /// Problem and remedy of a file that is wrong.
+    fn fault(text: &str) -> String {
+        match read(text).unwrap_err() {
+            CalibrationError::Key(error) => format!("{error}; {}", error.help),
+            other => other.to_string(),
+        }
+    }
+
+    #[test]
+    fn every_fault_has_its_place_and_remedy() {
+        let depth = "condition = \"a\", quantity = \"head_depth\", value = \"2 mm\"";
+        for (measured, words) in [
+            (format!("m = {{ {depth} }}"), &["line 7", "no instrument is exact"][..]),
+            (
+                format!("m = {{ {depth}, error = \"0 mm\" }}"),
+                &["`measured.m.error` is 0", "rounding"],
+            ),
+            (format!("m = {{ {depth}, error = \"1 s\" }}"), &["a time", "a length"]),
+            (
+                format!("m = {{ {depth}, error = \"1 mm\", instrument = \"calliper\" }}"),
+                &["is it \"caliper\"?"],
+            ),
+            (
+                format!("m = {{ {depth}, error = \"1 mm\", values = [\"1 mm\"] }}"),
+                &["several kinds"],
+            ),
+            (
+                format!("m = {{ {depth}, error = \"1 mm\", events = [\"t1\", \"t2\"] }}"),
+                &["does not belong"],
+            ),
+            (format!("m = {{ {depth}, eror = \"1 mm\" }}"), &["is it `error`?"]),
+            (
+                "m = { condition = \"b\", quantity = \"head_depth\", value = \"2 mm\" }".to_owned(),
+                &["is no condition", "choose from a"],
+            ),
+            (
+                "m = { condition = \"a\", quantity = \"head_dept\", value = \"2 mm\" }".to_owned(),
+                &["is it \"head_depth\"?"],
+            ),
+            (
+                "m = { condition = \"a\", quantity = \"interval\", events = [\"t6\", \"t19\"], value = \"4 ms\" }"
+                    .to_owned(),
+                &["does not exist", "t0 to t18"],
+            ),
+            (
+                "m = { condition = \"a\", quantity = \"level\", value = \"100\" }".to_owned(),
+                &["this version cannot calibrate"],
+            ),
+            (
+                "m = { condition = \"a\", quantity = \"mode\", body = \"block\", hz = [100] }".to_owned(),
+                &["`measured.m.body`", "this version cannot calibrate"],
+            ),
+        ] {
+            let got = fault(&file(&measured));
+            assert!(words.iter().all(|word| got.contains(word)), "{measured}\n{got}");
+        }
+    }
+
+    #[test]
+    fn faults_outside_the_measurements_are_named_too() {
+        let good = file("m = { condition = \"a\", quantity = \"head_depth\", value = \"2 mm\", error = \"1 mm\" }");
+        for (from, to, words) in [
+            ("schema = \"nailnoise-calibration/1\"", "", "`schema` is missing"),
+            ("outcome = \"drives\"", "outcome = \"drive\"", "is it \"drives\"?"),
+            (
+                "\"supply.pressure\" = \"96 psig\"",
+                "\"supply.presure\" = \"96 psig\"",
+                "supply.pressure",
+            ),
+            (
+                "\"supply.pressure\" = \"gauge\"",
+                "\"supply.pressure\" = \"caliper\"",
+                "a length",
+            ),
+            (
+                "[instrument]",
+                "[direct]\n\"piston.mas\" = { value = \"1 g\", error = \"1 g\" }\n[instrument]",
+                "`piston.mass`",
+            ),
+            (
+                "[instrument]",
+                "[direct]\n\"supply.pressure\" = { value = \"96 psig\", error = \"1 kPa\" }\n[instrument]",
+                "measured in [direct]",
+            ),
+            (
+                "[instrument]",
+                "correlation = [{ ids = [\"m\", \"n\"], r = 0.3 }]\n[instrument]",
+                "is no measurement",
+            ),
+        ] {
+            assert!(good.contains(from), "{from}");
+            let got = fault(&good.replacen(from, to, 1));
+            assert!(got.contains(words), "{to}\n{got}");
+        }
+        assert!(fault(&file("")).contains("`nailnoise study` is enough"));
+    }
+}

@@ -19,11 +19,19 @@ use crate::study::{Drawn, Kind, Variable};
 /// Name and version of the layout.
 const SCHEMA: &str = "nailnoise-calibrated/1";
 
-/// Ratio of the widths now and before below which an input has moved.
+/// Largest ratio of the widths now and before at which an input has moved.
 const MOVED: f64 = 0.9;
 
-/// Rank correlation of inputs from which a pair is listed.
+/// Least rank correlation of inputs of a pair.
 const CORRELATED: f64 = 0.3;
+
+/// Relative standard error of the width between P5 and P95 of n normal draws, and standard error of a rank correlation,
+/// both times the square root of n.
+const ERROR_OF_WIDTH: f64 = 0.9;
+const ERROR_OF_CORRELATION: f64 = 1.0;
+
+/// Standard errors by which a change of an input must exceed what chance makes of draws without a change.
+const BEYOND_CHANCE: f64 = 2.0;
 
 /// Most pairs that are listed.
 const MOST_PAIRS: usize = 12;
@@ -61,6 +69,9 @@ pub struct CalibrationResult {
     pub measurements: Vec<MeasurementRow>,
     /// Measurements that contradict each other or the ranges.
     pub conflicts: Vec<ConflictRow>,
+    /// Ratio of widths below which an input has moved: the draws count as their ancestors, so that few ancestors ask
+    /// for a larger change.
+    pub moved_below: f64,
     /// Inputs, those that moved most first.
     pub inputs: Vec<InputRow>,
     /// Inputs that are narrower together than each is.
@@ -338,14 +349,16 @@ pub(super) fn result(
         })
         .collect();
     let rows: Vec<InputRow> = (0..variables).map(|k| input(posterior, k, &values[k])).collect();
-    let mut moved: Vec<usize> = (0..variables).filter(|&k| rows[k].ratio < MOVED).collect();
+    let by_chance = BEYOND_CHANCE / (posterior.diagnostics.ancestors.max(1) as f64).sqrt();
+    let moved_below = MOVED.min(1.0 - ERROR_OF_WIDTH * by_chance);
+    let mut moved: Vec<usize> = (0..variables).filter(|&k| rows[k].ratio < moved_below).collect();
     moved.sort_by(|&a, &b| rows[a].ratio.total_cmp(&rows[b].ratio));
     let middle = medoid(posterior, &moved);
-    let pairs = pairs(posterior, &values);
+    let pairs = pairs(posterior, &values, CORRELATED.max(ERROR_OF_CORRELATION * by_chance));
     let in_pair = |name: &String| pairs.iter().any(|own| own.inputs.contains(name));
     let unidentified = rows[..posterior.tool.keys().min(rows.len())]
         .iter()
-        .filter(|own| own.ratio >= MOVED && !in_pair(&own.name))
+        .filter(|own| own.ratio >= moved_below && !in_pair(&own.name))
         .count();
     let mut inputs: Vec<InputRow> = rows
         .into_iter()
@@ -390,6 +403,7 @@ pub(super) fn result(
             .iter()
             .map(|own| conflict(posterior, measured, own))
             .collect(),
+        moved_below,
         inputs,
         pairs,
         unidentified,
@@ -429,12 +443,12 @@ fn input(posterior: &Posterior, variable: usize, values: &[f64]) -> InputRow {
     }
 }
 
-fn pairs(posterior: &Posterior, values: &[Vec<f64>]) -> Vec<PairRow> {
+fn pairs(posterior: &Posterior, values: &[Vec<f64>], least: f64) -> Vec<PairRow> {
     let mut found = Vec::new();
     for a in 0..values.len() {
         for b in 0..a {
             let rank_correlation = rank_correlation(&values[a], &values[b]);
-            if rank_correlation.abs() > CORRELATED {
+            if rank_correlation.abs() > least {
                 let inputs = [b, a].map(|k| posterior.tool.name(k).to_owned());
                 found.push(PairRow {
                     inputs,
@@ -594,7 +608,7 @@ pub(super) fn moved_keys<'a>(posterior: &'a Posterior, result: &CalibrationResul
         };
         let row = result.inputs.iter().find(|own| own.name == variable.name)?;
         let ends = [0.025, 0.975].map(|p| quantile(table.rows.iter().map(|row| row[k]), p));
-        (row.ratio < MOVED).then(|| MovedKey {
+        (row.ratio < result.moved_below).then(|| MovedKey {
             key: &variable.name,
             value: parameter.hold(row.medoid),
             // The range of a value includes it.

@@ -167,7 +167,7 @@ fn text(result: &CalibrationResult) -> String {
     let moved: Vec<Vec<String>> = result
         .inputs
         .iter()
-        .filter(|own| own.ratio < 0.9)
+        .filter(|own| own.ratio < result.moved_below)
         .take(SHOWN)
         .map(|own| {
             let ratio = format!("{:.2}", own.ratio);
@@ -183,7 +183,7 @@ fn text(result: &CalibrationResult) -> String {
     let more = result
         .inputs
         .iter()
-        .filter(|own| own.ratio < 0.9)
+        .filter(|own| own.ratio < result.moved_below)
         .count()
         .saturating_sub(SHOWN);
     text.push_str(&format!(
