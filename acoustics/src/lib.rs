@@ -33,6 +33,7 @@ pub mod fluid_loading;
 pub mod fourier;
 mod interpolation;
 pub mod levels;
+pub mod loudness;
 mod matrix;
 pub mod muffler;
 pub mod radiation;

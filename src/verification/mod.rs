@@ -6,6 +6,7 @@
 
 mod cycle;
 mod jets;
+mod loudness;
 mod panels;
 mod plates;
 mod radiation;
@@ -62,7 +63,7 @@ const FIELDS: [Field; 4] = [
     },
     Field {
         name: "levels",
-        parts: &[signals::rows],
+        parts: &[signals::rows, loudness::rows],
     },
 ];
 
