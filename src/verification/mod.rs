@@ -5,6 +5,7 @@
 //! agree.
 
 mod cycle;
+mod garteur;
 mod jets;
 mod loudness;
 mod panels;
@@ -12,6 +13,7 @@ mod plates;
 mod radiation;
 mod row;
 mod signals;
+mod spruce;
 mod structures;
 mod table;
 mod valves;
@@ -55,6 +57,8 @@ const FIELDS: [Field; 4] = [
             structures::cylinder,
             structures::double_cell_box,
             structures::composite,
+            garteur::rows,
+            spruce::rows,
         ],
     },
     Field {

@@ -14,5 +14,6 @@ mod elimination;
 mod material;
 mod modes;
 mod spheres;
+mod stress;
 mod supports;
 mod symmetry;
