@@ -2,14 +2,14 @@ use thiserror::Error;
 
 use crate::bem::error::BemError;
 use crate::checks::{InputError, ReceiverError};
-use crate::exhaust::error::ExhaustError;
-use crate::fluid_loading::FluidLoadingError;
-use crate::fourier::FourierError;
-use crate::interpolation::error::SamplingError;
-use crate::levels::error::LevelsError;
-use crate::loudness::error::LoudnessError;
+use crate::jets::error::ExhaustError;
 use crate::muffler::error::MufflerError;
 use crate::radiation::error::RadiationError;
+use crate::radiation::fluid_loading::FluidLoadingError;
+use crate::signals::error::LevelsError;
+use crate::signals::fourier::FourierError;
+use crate::signals::interpolation::error::SamplingError;
+use crate::signals::loudness::error::LoudnessError;
 
 /// Any error of this crate; each module has its own.
 #[derive(Debug, Error)]

@@ -3,8 +3,8 @@
 use std::f64::consts::{PI, TAU};
 
 use nailnoise_acoustics::AcousticsError;
-use nailnoise_acoustics::levels::REFERENCE_PRESSURE;
-use nailnoise_acoustics::loudness::{
+use nailnoise_acoustics::signals::REFERENCE_PRESSURE;
+use nailnoise_acoustics::signals::loudness::{
     BANDS, LoudnessError, SAMPLE_RATE, SoundField, stationary, steady_levels, time_varying,
 };
 
