@@ -38,7 +38,7 @@ pub mod stages;
 pub mod staging;
 pub mod store;
 pub mod study;
-mod table;
+mod tables;
 mod threads;
 pub mod verification;
 pub mod virtual_test;

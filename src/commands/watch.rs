@@ -11,7 +11,6 @@ use clap::Args;
 use miette::{Diagnostic, GraphicalReportHandler, GraphicalTheme};
 
 use super::progress::note;
-use super::table::decibels;
 use super::{Changes, Keeping, Memory, Threads, print, progress};
 use crate::artifacts::ReportedRun;
 use crate::cost;
@@ -21,6 +20,7 @@ use crate::graph::Graph;
 use crate::stages::{Observer, Progress, Task};
 use crate::store::Store;
 use crate::study::StudySource;
+use crate::tables::decibels;
 use crate::watch::{Board, Differences, Server, Shot, Watched};
 use crate::wording::change;
 
