@@ -1,9 +1,8 @@
 //! `nailnoise compare --measured`: predictions next to measurements, like with like.
 
 use std::path::Path;
-use std::process::ExitCode;
 
-use super::compare::Arguments;
+use super::{Status, compare::Arguments};
 use super::{print, print_json, progress, table};
 use crate::cost;
 use crate::design::Design;
@@ -20,7 +19,7 @@ use crate::wording::drawn_structures;
 /// Draws where `--draws` gives no number.
 const DRAWS: u32 = 64;
 
-pub(super) fn execute(arguments: &Arguments, file: &Path) -> Result<ExitCode, Error> {
+pub(super) fn execute(arguments: &Arguments, file: &Path) -> Result<Status, Error> {
     arguments.threads.start()?;
     let progress = progress();
     let cache = arguments.keeping.cache()?;
@@ -72,7 +71,7 @@ pub(super) fn execute(arguments: &Arguments, file: &Path) -> Result<ExitCode, Er
         print(&text(&comparison))?;
         print(&format!("\n  as a page: {}\n", page.display()))?;
     }
-    Ok(ExitCode::SUCCESS)
+    Ok(Status::SUCCESS)
 }
 
 fn prediction(

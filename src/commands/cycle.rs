@@ -1,13 +1,12 @@
 //! `nailnoise cycle`: one nailing cycle without its sound.
 
 use std::path::{Path, PathBuf};
-use std::process::ExitCode;
 
 use clap::{Args, ValueEnum};
 use nailnoise_dynamics::{CycleRecord, EnergyFlow, Work, simulate};
 use serde::Serialize;
 
-use super::{Common, print, print_json, progress, status_of, table};
+use super::{Common, Status, print, print_json, progress, status_of, table};
 use crate::chain;
 use crate::cost;
 use crate::design::inputs::cycle::{cycle_settings, parameters};
@@ -94,7 +93,7 @@ struct CycleResult<'a> {
     figures: Vec<String>,
 }
 
-pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
+pub(super) fn execute(arguments: &Arguments) -> Result<Status, Error> {
     let common = &arguments.common;
     let design = common.begin()?;
     cost::refuse(&design, &[cost::of_cycle(&design)], common.memory.limit())?;

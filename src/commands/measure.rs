@@ -2,11 +2,10 @@
 
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
-use std::process::ExitCode;
 
 use clap::{Args, ValueEnum};
 
-use super::progress::noted;
+use super::{Status, progress::noted};
 use super::{Threads, folder_of, message, print, print_json, progress, table};
 use crate::error::Error;
 use crate::measurement::processing::{CorrectedShot, Measured, process_recordings};
@@ -75,7 +74,7 @@ impl From<ZeroedLines> for Reading {
     }
 }
 
-pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
+pub(super) fn execute(arguments: &Arguments) -> Result<Status, Error> {
     arguments.threads.start()?;
     let path = &arguments.manifest;
     let progress = progress();
@@ -131,7 +130,7 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
     } else {
         print(&text(&measured, &folder))?;
     }
-    Ok(ExitCode::SUCCESS)
+    Ok(Status::SUCCESS)
 }
 
 /// Name of a test: of its manifest, or of the folder where the manifest is called so.
