@@ -2,6 +2,8 @@
 
 use std::path::Path;
 
+use nailnoise_pipeline::PipelineError;
+
 use super::{Status, compare::Arguments};
 use super::{print, print_json, progress, table};
 use crate::cost;
@@ -80,7 +82,7 @@ fn prediction(
     (test, shot): (&VirtualTest<'_>, &crate::virtual_test::BareShot),
     (request, drawn): (&Request, &Draws),
 ) -> Result<Predicted, Error> {
-    let levels = nominal(graph, design, request)?.ok_or(Error::Upstream { stage: "levels" })?;
+    let levels = nominal(graph, design, request)?.ok_or(PipelineError::Upstream { stage: "levels" })?;
     predict(test, design, shot, (&levels, drawn), request.seed)
 }
 

@@ -40,7 +40,7 @@ use crate::model::sources::by_name;
 use crate::result::RunResult;
 use crate::run::Run;
 use crate::stages::spectra::{Driven, MovingBody};
-use crate::stages::{Code, Input, Postcard, Progress, Stage, code};
+use crate::stages::{Code, Postcard, Progress, Stage, code};
 use crate::study::{PairedStudy, StudyResult};
 use crate::tables::cycle::events;
 use crate::tables::run as run_tables;
@@ -99,6 +99,7 @@ pub struct BodyPictures {
 
 impl Stage for BodyPictures {
     type Output = Pictures;
+    type Error = Error;
     type Codec = Postcard;
     const NAME: &'static str = "pictures of the bodies";
     const CODE: Code = code!(
@@ -122,10 +123,6 @@ impl Stage for BodyPictures {
         stages_ranking,
         report
     );
-
-    fn inputs(&self) -> Vec<&dyn Input> {
-        self.moving.iter().flat_map(MovingBody::inputs).collect()
-    }
 
     fn compute(&self, _: &Progress) -> Result<Pictures, Error> {
         let moving: Vec<Driven> = self.moving.iter().map(MovingBody::get).collect::<Result<_, _>>()?;
