@@ -37,7 +37,7 @@ pub mod shipped;
 pub mod stages;
 pub mod staging;
 pub mod study;
-mod table;
+mod tables;
 pub mod verification;
 pub mod virtual_test;
 pub mod watch;
