@@ -1,13 +1,12 @@
 //! `nailnoise calibrate`: the ranges of a design conditioned on measurements.
 
 use std::path::PathBuf;
-use std::process::ExitCode;
 
 use clap::Args;
 use nailnoise_quantities::rounded;
 
 use super::table::{table, texts};
-use super::{Common, Keeping, message, print, print_json, progress};
+use super::{Common, Keeping, Status, message, print, print_json, progress};
 use crate::calibration::{self, CalibrationResult, ConflictRow, Request, Treatment};
 use crate::error::Error;
 use crate::staging::Staging;
@@ -55,7 +54,7 @@ pub(super) struct Arguments {
     store: Option<PathBuf>,
 }
 
-pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
+pub(super) fn execute(arguments: &Arguments) -> Result<Status, Error> {
     let common = &arguments.common;
     let design = common.begin()?;
     let folder = common.out(&design)?.join("calibration");
@@ -96,11 +95,11 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
         ))?;
     }
     Ok(if !result.converged {
-        ExitCode::from(3)
+        Status::from(3)
     } else if !result.conflicts.is_empty() {
-        ExitCode::from(1)
+        Status::from(1)
     } else {
-        ExitCode::SUCCESS
+        Status::SUCCESS
     })
 }
 

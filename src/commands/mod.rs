@@ -37,9 +37,11 @@ mod prf;
 mod progress;
 mod provide;
 mod python;
+mod red;
 mod run;
 mod schema;
 mod sensitivity;
+mod status;
 mod study;
 mod study_text;
 mod sweep;
@@ -51,7 +53,6 @@ mod watch;
 
 use std::io::{ErrorKind, IsTerminal, Write};
 use std::path::{Path, PathBuf};
-use std::process::ExitCode;
 
 use clap::Args;
 
@@ -62,8 +63,10 @@ use crate::result::Check;
 use crate::staging::is_file_name;
 use crate::store::{Store, StoreError};
 use crate::wording::visible;
-pub use cli::main;
+pub use cli::{main, main_with};
 pub(super) use progress::progress;
+use red::red;
+pub use status::Status;
 use table::texts;
 
 /// Arguments common to all commands that compute.
@@ -265,7 +268,7 @@ fn coloured() -> bool {
 }
 
 /// Status 0 if all checks pass, else 3 with the failed ones on standard error.
-fn status_of(checks: &[Check]) -> ExitCode {
+fn status_of(checks: &[Check]) -> Status {
     let failed: Vec<&Check> = checks.iter().filter(|check| !check.ok).collect();
     for check in &failed {
         message(&format!(
@@ -274,9 +277,9 @@ fn status_of(checks: &[Check]) -> ExitCode {
         ));
     }
     if failed.is_empty() {
-        ExitCode::SUCCESS
+        Status::SUCCESS
     } else {
-        ExitCode::from(3)
+        Status::from(3)
     }
 }
 
@@ -288,16 +291,6 @@ fn message(text: &str) {
 /// Shows an error or a warning with its place and remedy on standard error.
 fn report(diagnostic: impl miette::Diagnostic + Send + Sync + 'static) {
     message(format!("{:?}", miette::Report::new(diagnostic)).trim_end_matches('\n'));
-}
-
-/// Text for standard output in red; unchanged if standard output is not a terminal, or NO_COLOR is set.
-fn red(text: &str) -> String {
-    let colour = std::io::stdout().is_terminal() && std::env::var_os("NO_COLOR").is_none_or(|value| value.is_empty());
-    if colour {
-        format!("\u{1b}[1;31m{text}\u{1b}[0m")
-    } else {
-        text.to_owned()
-    }
 }
 
 /// The headline of a shot for standard output, the sentence in red; empty for a shot that drives.

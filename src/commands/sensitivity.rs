@@ -1,11 +1,11 @@
 //! `nailnoise cycle --sensitivity`: effect of the ranges of a design on its shot, parameter by parameter.
 
 use std::fmt::Write as _;
-use std::process::ExitCode;
 
 use serde::Serialize;
 
-use super::table::{dash, table};
+use super::Status;
+use super::table::table;
 use super::{Common, print, print_json, progress};
 use crate::design::Design;
 use crate::error::Error;
@@ -13,6 +13,7 @@ use crate::output;
 use crate::result::DesignId;
 use crate::sensitivity::{self, Derivative, End, OutputSensitivity, ParameterOutcome, Sensitivity, USUAL};
 use crate::staging;
+use crate::tables::dash;
 
 /// Parameters shown for each figure; the file has them all.
 const SHOWN: usize = 10;
@@ -31,7 +32,7 @@ pub(super) fn execute(
     design: &Design,
     outputs: &[String],
     parameters: &[String],
-) -> Result<ExitCode, Error> {
+) -> Result<Status, Error> {
     let keys: Vec<&str> = parameters.iter().map(|key| key.trim()).collect();
     let keys = (!keys.is_empty()).then_some(keys.as_slice());
     let outputs = if outputs.is_empty() {
@@ -56,7 +57,7 @@ pub(super) fn execute(
         print(&text(design.name(), &sensitivity))?;
         print(&format!("\n  all parameters in {}\n", path.display()))?;
     }
-    Ok(ExitCode::SUCCESS)
+    Ok(Status::SUCCESS)
 }
 
 fn text(name: &str, sensitivity: &Sensitivity) -> String {

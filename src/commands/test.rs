@@ -1,12 +1,12 @@
 //! `nailnoise test`: a virtual wrapping test of a design, as recordings or only in energies.
 
 use std::path::Path;
-use std::process::ExitCode;
 
 use clap::{Args, ValueEnum};
 use serde::Serialize;
 
-use super::table::{decibels, table};
+use super::Status;
+use super::table::table;
 use super::{Common, Keeping, folder_of, print, print_json, progress};
 use crate::chain;
 use crate::cost;
@@ -18,6 +18,7 @@ use crate::measurement::wrapping::{Configuration, Role, Wrapping};
 use crate::output::virtual_test::{SensorPeaks, manifest, sensors, sounds};
 use crate::result::DesignId;
 use crate::staging::Staging;
+use crate::tables::decibels;
 use crate::virtual_test::bare::{BareLevels, BareSource};
 use crate::virtual_test::exact::{ExactTest, exact};
 use crate::virtual_test::{VirtualTest, wrapping};
@@ -75,7 +76,7 @@ struct TestResult {
     shots: usize,
 }
 
-pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
+pub(super) fn execute(arguments: &Arguments) -> Result<Status, Error> {
     let common = &arguments.common;
     let design = common.begin()?;
     cost::refuse(&design, &cost::of_run(&design)?, common.memory.limit())?;
@@ -120,7 +121,7 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
         print(&super::alarm(&lines))?;
         print(&text(&result))?;
     }
-    Ok(ExitCode::SUCCESS)
+    Ok(Status::SUCCESS)
 }
 
 /// Writes the recordings of all configurations with their manifest; returns the number of shots, and their sources

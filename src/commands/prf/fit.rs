@@ -1,7 +1,6 @@
 //! `nailnoise prf fit`: a penetration law from measured drives.
 
 use std::path::{Path, PathBuf};
-use std::process::ExitCode;
 
 use clap::{Args, ValueEnum};
 use nailnoise_dynamics::prf::fit::{Cleaning, Drive, FitFile, Form, Leave, Method, Start};
@@ -9,8 +8,9 @@ use nailnoise_quantities::dimension::FORCE;
 use nailnoise_quantities::measure;
 use serde::Serialize;
 
+use crate::commands::Status;
 use crate::commands::progress::note;
-use crate::commands::table::{dash, fixed, table};
+use crate::commands::table::table;
 use crate::commands::{Threads, print, print_json};
 use crate::error::Error;
 use crate::figures;
@@ -18,6 +18,7 @@ use crate::output;
 use crate::penetration::fitting::{Fitting, Options, fit_files};
 use crate::penetration::{PenetrationError, file_of};
 use crate::staging::Staging;
+use crate::tables::{dash, fixed};
 
 /// The form of the published general law (Eq. 2.2).
 const FORM: &str = "poly(x,7) + rate + slender";
@@ -139,7 +140,7 @@ struct FitResult<'a> {
     files: Vec<String>,
 }
 
-pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
+pub(super) fn execute(arguments: &Arguments) -> Result<Status, Error> {
     let form: Form = arguments.form.parse().map_err(PenetrationError::Form)?;
     let options = Options {
         form,
@@ -189,7 +190,7 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
     } else {
         print(&text(&result))?;
     }
-    Ok(ExitCode::SUCCESS)
+    Ok(Status::SUCCESS)
 }
 
 fn shortened(form: &str) -> String {
