@@ -14,6 +14,7 @@
 
 pub mod artifacts;
 pub mod atomic_write;
+pub mod calibration;
 pub mod chain;
 pub mod commands;
 pub mod comparison;
@@ -37,7 +38,7 @@ pub mod sensitivity;
 pub mod shipped;
 pub mod stages;
 pub mod study;
-mod table;
+mod tables;
 pub mod verification;
 pub mod virtual_test;
 pub mod watch;

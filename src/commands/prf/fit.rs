@@ -11,13 +11,14 @@ use serde::Serialize;
 use crate::atomic_write::AtomicWrite;
 use crate::commands::Status;
 use crate::commands::progress::note;
-use crate::commands::table::{dash, fixed, table};
+use crate::commands::table::table;
 use crate::commands::{Threads, print, print_json};
 use crate::error::Error;
 use crate::figures;
 use crate::output;
 use crate::penetration::fitting::{Fitting, Options, fit_files};
 use crate::penetration::{PenetrationError, file_of};
+use crate::tables::{dash, fixed};
 
 /// The form of the published general law (Eq. 2.2).
 const FORM: &str = "poly(x,7) + rate + slender";

@@ -5,12 +5,12 @@ use std::f64::consts::{FRAC_1_SQRT_2, SQRT_2};
 use statrs::function::erf::erfc_inv;
 
 /// Phi(z), the probability of a value below `z`.
-pub(super) fn cumulative(z: f64) -> f64 {
+pub fn cumulative(z: f64) -> f64 {
     0.5 * libm::erfc(-z * FRAC_1_SQRT_2)
 }
 
 /// Phi^-1(p) for 0 < p < 1.
-pub(super) fn quantile(p: f64) -> f64 {
+pub fn quantile(p: f64) -> f64 {
     // From the nearer end, where the share has all its digits.
     let z = SQRT_2 * erfc_inv(2.0 * p.min(1.0 - p));
     z.copysign(p - 0.5)
