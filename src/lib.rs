@@ -13,6 +13,7 @@
 #![forbid(unsafe_code)]
 
 pub mod artifacts;
+pub mod calibration;
 pub mod chain;
 pub mod commands;
 pub mod comparison;

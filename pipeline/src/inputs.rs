@@ -11,7 +11,15 @@ use std::sync::Arc;
 use serde::{Serialize, Serializer};
 
 use crate::store::Digest;
-use crate::stored::{Input, Stored};
+
+/// An input of a stage, of any type.
+pub trait Input<E>: Send + Sync {
+    /// Makes the value, if it is not made yet.
+    ///
+    /// # Errors
+    /// That of the stage that makes it.
+    fn prepare(&self) -> Result<(), E>;
+}
 
 thread_local! {
     /// The inputs found so far while this thread serialises a stage, with the keys of their stages.
@@ -30,13 +38,12 @@ pub(crate) fn during<T, E: 'static>(work: impl FnOnce() -> T) -> (T, Vec<Arc<dyn
     (value, inputs.collect())
 }
 
-/// Counts a value as an input of the stage that is being serialised, if one is.
-pub(crate) fn found<T: Send + Sync + 'static, E: 'static>(input: &Stored<T, E>) {
+/// Counts the output of the stage `key` as an input of the stage that is being serialised, if one is.
+pub(crate) fn found<E: 'static>(key: &Digest, input: impl FnOnce() -> Arc<dyn Input<E>>) {
     FOUND.with_borrow_mut(|found| {
         let Some(found) = found else { return };
-        if found.iter().all(|(known, _)| known != input.key()) {
-            let any: Arc<dyn Input<E>> = Arc::new(input.clone());
-            found.push((*input.key(), Box::new(any)));
+        if found.iter().all(|(known, _)| known != key) {
+            found.push((*key, Box::new(input())));
         }
     });
 }

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use serde::{Serialize, Serializer};
 
-use crate::inputs;
+use crate::inputs::{self, Input};
 use crate::store::Digest;
 
 /// The output of a stage, made when it is first read and shared by all who read it.
@@ -66,7 +66,7 @@ impl<T, E> Clone for Stored<T, E> {
 
 impl<T: Send + Sync + 'static, E: 'static> Serialize for Stored<T, E> {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        inputs::found(self);
+        inputs::found(&self.key, || -> Arc<dyn Input<E>> { Arc::new(self.clone()) });
         serializer.serialize_bytes(&self.key)
     }
 }
@@ -77,15 +77,6 @@ impl<T: Send + Sync + 'static, E: 'static> Serialize for Stored<T, E> {
 /// Those of the stages that make them.
 pub fn all<T, E>(inputs: &[Stored<T, E>]) -> Result<Vec<Arc<T>>, E> {
     inputs.iter().map(Stored::get).collect()
-}
-
-/// An input of a stage, of any type.
-pub trait Input<E>: Send + Sync {
-    /// Makes the value, if it is not made yet.
-    ///
-    /// # Errors
-    /// That of the stage that makes it.
-    fn prepare(&self) -> Result<(), E>;
 }
 
 impl<T: Send + Sync, E> Input<E> for Stored<T, E> {

@@ -12,6 +12,7 @@ macro_rules! examples {
 
 mod bodies;
 mod cache;
+mod calibrate;
 mod check;
 mod cli;
 mod compare;

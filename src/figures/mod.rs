@@ -4,6 +4,7 @@
 //!
 //! Time runs in ms from the trigger on; the events t0 to t18 appear over each chart of time.
 
+mod calibration;
 mod chart;
 mod cycle;
 mod energy;
@@ -23,6 +24,7 @@ use crate::error::Error;
 use crate::run::Run;
 use crate::staging::Staging;
 
+pub use calibration::calibration;
 pub(crate) use chart::subscripts;
 pub use chart::{Axis, Chart, Event, Panel, Series, Shape};
 pub use cycle::cycle;

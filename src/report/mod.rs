@@ -7,6 +7,7 @@
 
 mod assumptions;
 mod axis;
+mod calibration;
 mod chart;
 mod compared;
 mod declared;
@@ -31,6 +32,7 @@ use maud::{Markup, PreEscaped, html};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
+use crate::calibration::CalibrationResult;
 use crate::comparison::Comparison;
 use crate::design::Design;
 use crate::error::Error;
@@ -265,6 +267,11 @@ fn surfaces(result: &RunResult, pictures: &Pictures, view: &str) -> Markup {
 /// The report of a study with these charts.
 pub fn study(result: &StudyResult, charts: &[figures::Chart], scatter: &[figures::Chart]) -> String {
     study::page(result, charts, scatter).html()
+}
+
+/// The page of a calibration with these charts.
+pub fn calibration(result: &CalibrationResult, charts: &[figures::Chart]) -> String {
+    calibration::page(result, charts).html()
 }
 
 /// The page of predictions next to measurements.

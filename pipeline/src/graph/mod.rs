@@ -15,11 +15,11 @@ use stopwatch::Stopwatch;
 
 use crate::codec::Codec;
 use crate::error::{PipelineError, StageError, first_cause};
-use crate::inputs;
+use crate::inputs::{self, Input};
 use crate::progress::{Observer, Progress, Silent, WithoutStages};
 use crate::stage::Stage;
 use crate::store::{Digest, Key, Store};
-use crate::stored::{Input, Source, Stored};
+use crate::stored::{Source, Stored};
 use crate::threads::{Begun, beside};
 use crate::timing::Timing;
 
