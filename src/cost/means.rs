@@ -121,7 +121,7 @@ mod tests {
 
     /// `nailnoise run` notes 17 900 panels, computed from the meshes themselves.
     #[test]
-    fn the_panels_of_the_finest_mesh_are_counted() {
+    fn regression_panels_of_the_finest_mesh() {
         let cost = tool(8000.0);
         let panels = cost.counts[0].1;
         assert!((panels / 17_858.0 - 1.0).abs() < 0.1, "{panels}");

@@ -13,6 +13,7 @@ mod options;
 mod presets;
 mod reference;
 mod reference_agrees;
+mod regression;
 mod work;
 
 use std::sync::LazyLock;

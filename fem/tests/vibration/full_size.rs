@@ -30,7 +30,7 @@ fn the_block_bounces_and_loses_energy_in_its_contacts() {
 }
 
 #[test]
-fn the_run_needs_as_much_work_as_before() {
+fn regression_counts_of_work() {
     let r = &*RESPONSE;
     // The number of static iterations depends on rounding.
     assert!(r.work.static_iterations <= 12, "{:?}", r.work);

@@ -1,4 +1,4 @@
-//! The modes of the wood block, proven complete: `cargo run --release --example block`.
+//! The modes of the wood block, proven complete: `cargo run --release --example 04_block`.
 
 use nailnoise::Design;
 use nailnoise::chain::BodyStages;
@@ -18,6 +18,11 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     for (hz, _) in elastic.take(5) {
         println!("{hz:.0} Hz");
     }
-    println!("{} modes found, {} there are", basis.hz.len(), basis.sturm.count);
+    println!(
+        "{} modes found, {} by the Sturm count",
+        basis.hz.len(),
+        basis.sturm.count
+    );
+    assert_eq!(basis.hz.len(), basis.sturm.count);
     Ok(())
 }

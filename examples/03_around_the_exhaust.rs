@@ -1,5 +1,5 @@
 //! Sound exposure levels around the exhaust of one shot, 1 m away and above a floor:
-//! `cargo run --release --example around_the_exhaust designs/n80cb.toml`.
+//! `cargo run --release --example 03_around_the_exhaust designs/n80cb.toml`.
 
 use nailnoise::model::sources::exhaust;
 use nailnoise::{Design, chain};
