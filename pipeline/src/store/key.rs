@@ -22,22 +22,19 @@ impl Write for Digesting<'_> {
     }
 }
 
+/// Digest of all that a value depends on.
+pub type Digest = [u8; 32];
+
+/// Bytes in hexadecimal digits.
+pub fn hexadecimal(bytes: &[u8]) -> String {
+    bytes.iter().map(|byte| format!("{byte:02x}")).collect()
+}
+
 /// Collects the inputs of a stage.
 #[derive(Debug, Clone)]
 pub struct Key(Sha256);
 
-impl Default for Key {
-    fn default() -> Self {
-        Self::new()
-    }
-}
-
 impl Key {
-    /// Depends on the code of the entire program.
-    pub fn new() -> Self {
-        Self::empty().with(env!("NAILNOISE_SOURCES"))
-    }
-
     /// Depends on nothing yet.
     pub fn empty() -> Self {
         Self(Sha256::new())
@@ -59,7 +56,8 @@ impl Key {
         self
     }
 
-    pub(crate) fn digest(self) -> [u8; 32] {
+    /// The digest of all of it.
+    pub fn digest(self) -> Digest {
         self.0.finalize().into()
     }
 }
@@ -71,14 +69,14 @@ mod tests {
     #[test]
     fn inputs_do_not_run_into_each_other() {
         let keys = [
-            Key::new(),
-            Key::new().with("ab").with("c"),
-            Key::new().with("a").with("bc"),
-            Key::new().with("abc"),
-            Key::new().with(&[1.0, 2.0][..]).with(&[3.0][..]),
-            Key::new().with(&[1.0][..]).with(&[2.0, 3.0][..]),
-            Key::new().with(&0.0),
-            Key::new().with(&-0.0),
+            Key::empty(),
+            Key::empty().with("ab").with("c"),
+            Key::empty().with("a").with("bc"),
+            Key::empty().with("abc"),
+            Key::empty().with(&[1.0, 2.0][..]).with(&[3.0][..]),
+            Key::empty().with(&[1.0][..]).with(&[2.0, 3.0][..]),
+            Key::empty().with(&0.0),
+            Key::empty().with(&-0.0),
         ];
         let digests: std::collections::BTreeSet<_> = keys.into_iter().map(Key::digest).collect();
         assert_eq!(digests.len(), 8);

@@ -4,25 +4,40 @@
 //! The graph contains no physics: it only handles keys, codecs and inputs of stages. Within one graph every output is
 //! made once, as long as somebody refers to it: an output is freed when no pending stage reads it.
 
-mod timing;
+mod stopwatch;
 
 use std::any::Any;
 use std::collections::HashMap;
+use std::marker::PhantomData;
 use std::sync::{Arc, Mutex, PoisonError, Weak};
 
-use timing::Stopwatch;
+use stopwatch::Stopwatch;
 
-use crate::error::Error;
-use crate::result::Timing;
-use crate::stages::{Codec, Digest, Input, Observer, Progress, Silent, Source, Stage, Stored, WithoutStages};
-use crate::store::{Key, Store};
+use crate::codec::Codec;
+use crate::error::{PipelineError, StageError, first_cause};
+use crate::inputs::{self, Input};
+use crate::progress::{Observer, Progress, Silent, WithoutStages};
+use crate::stage::Stage;
+use crate::store::{Digest, Key, Store};
+use crate::stored::{Source, Stored};
 use crate::threads::{Begun, beside};
+use crate::timing::Timing;
 
 /// A set of stages that share a store, an observer and a clock.
-#[derive(Clone)]
-pub struct Graph {
+pub struct Graph<E> {
     context: Arc<Context>,
     nodes: Arc<Mutex<HashMap<Digest, Weak<dyn Any + Send + Sync>>>>,
+    errors: PhantomData<fn() -> E>,
+}
+
+impl<E> Clone for Graph<E> {
+    fn clone(&self) -> Self {
+        Self {
+            context: Arc::clone(&self.context),
+            nodes: Arc::clone(&self.nodes),
+            errors: PhantomData,
+        }
+    }
 }
 
 /// Common data of all nodes of a graph.
@@ -32,7 +47,7 @@ struct Context {
     timing: Mutex<Timing>,
 }
 
-impl Graph {
+impl<E: StageError> Graph<E> {
     /// An empty graph.
     pub fn new(store: Arc<Store>, observer: Arc<dyn Observer>) -> Self {
         Self {
@@ -42,6 +57,7 @@ impl Graph {
                 timing: Mutex::default(),
             }),
             nodes: Arc::default(),
+            errors: PhantomData,
         }
     }
 
@@ -51,8 +67,8 @@ impl Graph {
     }
 
     /// Adds a stage; its output is made when it is first read. Stages of one key share one output.
-    pub fn add<S: Stage>(&self, stage: S) -> Stored<S::Output> {
-        let key = key(&stage);
+    pub fn add<S: Stage<Error = E>>(&self, stage: S) -> Stored<S::Output, E> {
+        let (key, inputs) = inputs::during(|| key(&stage));
         let mut nodes = self.nodes.lock().unwrap_or_else(PoisonError::into_inner);
         let known = nodes
             .get(&key)
@@ -62,7 +78,7 @@ impl Graph {
             let node = Arc::new(Node {
                 key,
                 context: Arc::clone(&self.context),
-                state: Mutex::new(State::Pending(stage)),
+                state: Mutex::new(State::Pending(stage, inputs)),
             });
             let any: Arc<dyn Any + Send + Sync> = Arc::clone(&node) as _;
             nodes.insert(key, Arc::downgrade(&any));
@@ -74,16 +90,16 @@ impl Graph {
     /// The output of a stage.
     ///
     /// # Errors
-    /// [`Error`] of the stage or of one of its inputs.
-    pub fn get<S: Stage>(&self, stage: S) -> Result<Arc<S::Output>, Error> {
+    /// That of the stage or of one of its inputs.
+    pub fn get<S: Stage<Error = E>>(&self, stage: S) -> Result<Arc<S::Output>, E> {
         self.add(stage).get()
     }
 
     /// Makes several outputs side by side.
     ///
     /// # Errors
-    /// The first [`Error`] that is a cause rather than a consequence of another.
-    pub fn prepare(&self, inputs: &[&dyn Input]) -> Result<(), Error> {
+    /// The first one that is a cause rather than a consequence of another.
+    pub fn prepare(&self, inputs: &[&dyn Input<E>]) -> Result<(), E> {
         prepare(inputs)
     }
 
@@ -112,7 +128,7 @@ impl Graph {
     }
 }
 
-impl Default for Graph {
+impl<E: StageError> Default for Graph<E> {
     /// An empty graph that stores nothing and reports no progress.
     fn default() -> Self {
         Self::new(Arc::default(), Arc::new(Silent))
@@ -143,14 +159,14 @@ struct Node<S: Stage> {
 }
 
 enum State<S: Stage> {
-    /// With the inputs, which are let go once the output is made.
-    Pending(S),
+    /// With its inputs, which are let go once the output is made.
+    Pending(S, Vec<Arc<dyn Input<S::Error>>>),
     Done(Arc<S::Output>),
     Failed,
 }
 
-impl<S: Stage> Source<S::Output> for Node<S> {
-    fn get(&self) -> Result<Arc<S::Output>, Error> {
+impl<S: Stage> Source<S::Output, S::Error> for Node<S> {
+    fn get(&self) -> Result<Arc<S::Output>, S::Error> {
         // The output that it would wait for here may need a thread of a parallel loop.
         debug_assert!(
             rayon::current_thread_index().is_none(),
@@ -159,8 +175,8 @@ impl<S: Stage> Source<S::Output> for Node<S> {
         let mut state = Stopwatch::wait(|| self.state.lock().unwrap_or_else(PoisonError::into_inner));
         let made = match &*state {
             State::Done(value) => return Ok(Arc::clone(value)),
-            State::Failed => return Err(Error::Upstream { stage: S::NAME }),
-            State::Pending(stage) => self.make(stage),
+            State::Failed => return Err(PipelineError::Upstream { stage: S::NAME }.into()),
+            State::Pending(stage, inputs) => self.make(stage, inputs),
         };
         match made {
             Ok(value) => {
@@ -178,7 +194,7 @@ impl<S: Stage> Source<S::Output> for Node<S> {
 
 impl<S: Stage> Node<S> {
     /// The output from the store, else computed and stored.
-    fn make(&self, stage: &S) -> Result<S::Output, Error> {
+    fn make(&self, stage: &S, inputs: &[Arc<dyn Input<S::Error>>]) -> Result<S::Output, S::Error> {
         let Context { store, progress, .. } = &*self.context;
         let before = if S::Codec::KEPT {
             store.stamp(S::NAME, &self.key)
@@ -188,7 +204,10 @@ impl<S: Stage> Node<S> {
         if let Some(value) = self.kept() {
             return Ok(value);
         }
-        Stopwatch::wait(|| prepare(&stage.inputs()))?;
+        Stopwatch::wait(|| {
+            let inputs: Vec<&dyn Input<S::Error>> = inputs.iter().map(|input| &**input).collect();
+            prepare(&inputs)
+        })?;
         // In scope until the output is stored. Inputs are made before, so that a process waits only for its inputs.
         let _claim = S::Codec::KEPT.then(|| {
             let step = || {
@@ -229,24 +248,15 @@ impl<S: Stage> Node<S> {
 }
 
 /// Makes inputs side by side, each on a separate thread: the thread pool stays free for the work within each.
-fn prepare(inputs: &[&dyn Input]) -> Result<(), Error> {
+fn prepare<E: StageError>(inputs: &[&dyn Input<E>]) -> Result<(), E> {
     let Some((last, others)) = inputs.split_last() else {
         return Ok(());
     };
     let others: Vec<_> = others.iter().map(|input| || input.prepare()).collect();
-    let results: Vec<Result<(), Error>> = std::thread::scope(|scope| {
+    let results: Vec<Result<(), E>> = std::thread::scope(|scope| {
         let others: Vec<_> = others.iter().map(|work| beside(scope, work)).collect();
         let last = last.prepare();
         others.into_iter().map(Begun::join).chain([last]).collect()
     });
     first_cause(results.into_iter().filter_map(Result::err))
-}
-
-/// Fails with the first error that is a cause rather than a consequence of another, if there are errors.
-///
-/// # Errors
-/// That one.
-pub(crate) fn first_cause(errors: impl Iterator<Item = Error>) -> Result<(), Error> {
-    let (causes, consequences): (Vec<Error>, Vec<Error>) = errors.partition(Error::is_cause);
-    causes.into_iter().chain(consequences).next().map_or(Ok(()), Err)
 }

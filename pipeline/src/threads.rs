@@ -4,7 +4,7 @@ use std::panic::resume_unwind;
 use std::thread::{Builder, Scope, ScopedJoinHandle};
 
 /// Work that [`beside`] has begun.
-pub(crate) enum Begun<'scope, T> {
+pub enum Begun<'scope, T> {
     /// On a thread.
     There(ScopedJoinHandle<'scope, T>),
     /// Done, for want of a thread.
@@ -12,7 +12,7 @@ pub(crate) enum Begun<'scope, T> {
 }
 
 /// Begins work on a thread of a scope. Without a thread it is done at once.
-pub(crate) fn beside<'scope, T: Send + 'scope>(
+pub fn beside<'scope, T: Send + 'scope>(
     scope: &'scope Scope<'scope, '_>,
     work: &'scope (impl Fn() -> T + Sync),
 ) -> Begun<'scope, T> {
@@ -24,7 +24,7 @@ pub(crate) fn beside<'scope, T: Send + 'scope>(
 
 impl<T> Begun<'_, T> {
     /// The result. A panic continues unchanged.
-    pub(crate) fn join(self) -> T {
+    pub fn join(self) -> T {
         match self {
             Self::There(thread) => thread.join().unwrap_or_else(|panic| resume_unwind(panic)),
             Self::Here(done) => done,

@@ -21,15 +21,15 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::SystemTime;
 
-pub(crate) use checksum::{Checksum, checksum};
+pub use checksum::{Checksum, checksum};
 pub use claim::Claim;
 use claim::{Patience, Unclaimed};
 pub use entry::Damage;
 pub use error::{Obstacle, StoreError};
 pub use folder::{LIMIT, Listed};
-pub use key::Key;
+pub use key::{Digest, Key, hexadecimal};
 
-use crate::stages::{Codec, Digest};
+use crate::codec::Codec;
 
 /// The store for results of expensive stages, if any.
 #[derive(Debug, Clone, Default)]
@@ -86,7 +86,7 @@ impl Place {
 /// The key of an entry: that of the stage's output, and the code that lays values out in bytes. Programs that lay them
 /// out differently share a folder without reading each other's entries.
 fn in_this_layout(key: &Digest) -> Digest {
-    Key::empty().with(env!("NAILNOISE_CODE_layout")).with(key).digest()
+    Key::empty().with(env!("NAILNOISE_LAYOUT")).with(key).digest()
 }
 
 impl Store {

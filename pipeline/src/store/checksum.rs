@@ -8,10 +8,10 @@ use std::io::{self, Read, Write};
 use twox_hash::XxHash3_128;
 
 /// XXH3-128, little-endian.
-pub(crate) type Checksum = [u8; 16];
+pub type Checksum = [u8; 16];
 
 /// Of these bytes.
-pub(crate) fn checksum(bytes: &[u8]) -> Checksum {
+pub fn checksum(bytes: &[u8]) -> Checksum {
     XxHash3_128::oneshot(bytes).to_le_bytes()
 }
 

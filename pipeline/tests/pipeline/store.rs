@@ -3,21 +3,13 @@
 use std::cell::Cell;
 use std::fs;
 use std::io::{self, Read, Write};
-use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, SystemTime};
 
-use crate::common::body;
-use nailnoise::design::Design;
-use nailnoise::stages::bodies::{Body, BodyKind};
-use nailnoise::stages::{Codec, Digest, Entry, Postcard, Undecodable};
-use nailnoise::store::{LIMIT, Store};
+use nailnoise_pipeline::store::{Digest, LIMIT, Store};
+use nailnoise_pipeline::{Codec, Entry, Postcard, Undecodable};
 
-fn folder(name: &str) -> PathBuf {
-    let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("cache").join(name);
-    let _ = fs::remove_dir_all(&folder);
-    folder
-}
+use crate::folder;
 
 /// A stage that counts how often it is computed.
 fn squares(cache: &Store, n: usize, computed: &Cell<usize>) -> Vec<f64> {
@@ -261,40 +253,4 @@ fn threads_share_a_folder() {
         threads.into_iter().map(|thread| thread.join().unwrap()).collect()
     });
     assert!(values.iter().all(|value| *value == values[0]));
-}
-
-/// A body out of the cache moves like the one that was solved. Its shapes on all nodes are read on demand, computed
-/// once more if they are lost, and refused if they are not those of its motion.
-#[test]
-fn a_cached_body_is_read_back_with_its_mode_shapes() {
-    let cache = Store::at(folder("shapes"), LIMIT);
-    let design = Design::load(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data/small.toml")).unwrap();
-    let workpiece = || body(&design, BodyKind::Workpiece, true, cache.clone());
-    let solved = workpiece().body.get().unwrap();
-    let kept = workpiece().body.get().unwrap();
-    assert_eq!(
-        (&kept.skin, &kept.basis, &kept.loads),
-        (&solved.skin, &solved.basis, &solved.loads)
-    );
-    let first = workpiece().modes.get().unwrap();
-    let shapes = &first.shapes;
-    for (point, node) in solved.surface.volume_nodes.iter().enumerate() {
-        let on_surface = solved.skin.rows(3 * point, 3).map(f64::from);
-        let difference = (shapes.rows(3 * node, 3) - on_surface).amax();
-        assert!(
-            difference <= f64::from(f32::EPSILON) * shapes.amax(),
-            "{point}: {difference:e}"
-        );
-    }
-    assert_eq!(*solved.shapes(&first).unwrap(), *shapes);
-    let entries = cache.entries().unwrap();
-    let whole = entries.iter().find(|entry| entry.stage == "modes").unwrap();
-    fs::remove_file(&whole.path).unwrap();
-    let modes = workpiece().modes.get().unwrap();
-    assert_eq!(modes.shapes, *shapes);
-    assert!(whole.path.exists(), "kept again");
-    let mut other = Body::clone(&kept);
-    other.skin.neg_mut();
-    let error = other.shapes(&modes).unwrap_err().to_string();
-    assert!(error.contains("the modes of the workpiece are not those"), "{error}");
 }

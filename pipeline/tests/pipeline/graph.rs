@@ -3,13 +3,11 @@
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use nailnoise::Error;
-use nailnoise::graph::{Graph, key};
-use nailnoise::stages::{Code, Input, Postcard, Progress, Silent, Stage, Stored, Uncached};
-use nailnoise::store::{LIMIT, Store};
+use nailnoise_pipeline::store::{LIMIT, Store};
+use nailnoise_pipeline::{Code, PipelineError, Postcard, Progress, Silent, Stage, Uncached, key};
 use serde::Serialize;
 
-use crate::common::folder;
+use crate::{Failure, Graph, Stored, folder};
 
 /// Squares of the first numbers; counts how often it is computed.
 #[derive(Serialize)]
@@ -21,11 +19,12 @@ struct Squares {
 
 impl Stage for Squares {
     type Output = Vec<u64>;
+    type Error = Failure;
     type Codec = Postcard;
     const NAME: &'static str = "squares";
     const CODE: Code = Code(&[("test", "1")]);
 
-    fn compute(&self, _: &Progress) -> Result<Vec<u64>, Error> {
+    fn compute(&self, _: &Progress) -> Result<Vec<u64>, Failure> {
         self.computed.fetch_add(1, Ordering::Relaxed);
         Ok((0..self.count).map(|n| n * n).collect())
     }
@@ -39,15 +38,12 @@ struct Sum {
 
 impl Stage for Sum {
     type Output = u64;
+    type Error = Failure;
     type Codec = Uncached;
     const NAME: &'static str = "sum";
     const CODE: Code = Code(&[("test", "1")]);
 
-    fn inputs(&self) -> Vec<&dyn Input> {
-        vec![&self.terms]
-    }
-
-    fn compute(&self, _: &Progress) -> Result<u64, Error> {
+    fn compute(&self, _: &Progress) -> Result<u64, Failure> {
         Ok(self.terms.get()?.iter().sum())
     }
 }
@@ -60,11 +56,12 @@ struct OtherSquares {
 
 impl Stage for OtherSquares {
     type Output = Vec<u64>;
+    type Error = Failure;
     type Codec = Postcard;
     const NAME: &'static str = "squares";
     const CODE: Code = Code(&[("test", "2")]);
 
-    fn compute(&self, _: &Progress) -> Result<Vec<u64>, Error> {
+    fn compute(&self, _: &Progress) -> Result<Vec<u64>, Failure> {
         Ok(Vec::new())
     }
 }
@@ -75,12 +72,13 @@ struct Failing;
 
 impl Stage for Failing {
     type Output = Vec<u64>;
+    type Error = Failure;
     type Codec = Postcard;
     const NAME: &'static str = "failing";
     const CODE: Code = Code(&[]);
 
-    fn compute(&self, _: &Progress) -> Result<Vec<u64>, Error> {
-        Err(Error::NoBody)
+    fn compute(&self, _: &Progress) -> Result<Vec<u64>, Failure> {
+        Err(Failure::Own)
     }
 }
 
@@ -154,6 +152,9 @@ fn the_error_of_an_input_is_reported_once() {
     let graph = graph(Store::none());
     let failing = graph.add(Failing);
     let sum = graph.add(Sum { terms: failing.clone() });
-    assert!(matches!(sum.get(), Err(Error::NoBody)));
-    assert!(matches!(failing.get(), Err(Error::Upstream { stage: "failing" })));
+    assert!(matches!(sum.get(), Err(Failure::Own)));
+    assert!(matches!(
+        failing.get(),
+        Err(Failure::Pipeline(PipelineError::Upstream { stage: "failing" }))
+    ));
 }

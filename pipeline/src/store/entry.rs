@@ -15,8 +15,8 @@ use std::time::SystemTime;
 use thiserror::Error;
 
 use super::checksum::{Checksum, Summed, checksum};
+use super::key::hexadecimal;
 use super::replace::replace;
-use crate::wording::hexadecimal;
 
 const MAGIC: &[u8; 18] = b"nailnoise cache 2\n";
 
