@@ -1,7 +1,9 @@
 //! Sound at the operator's ear: exposure, C-weighted peak and loudness of the emission sound pressure.
 
 use nailnoise_acoustics::AcousticsError;
-use nailnoise_acoustics::signals::loudness::{LoudnessError, LoudnessHistory, SoundField, loudness_level, time_varying};
+use nailnoise_acoustics::signals::loudness::{
+    LoudnessError, LoudnessHistory, SoundField, loudness_level, time_varying,
+};
 use nailnoise_acoustics::signals::{Weighting, energy_level, peak_level};
 use rayon::prelude::*;
 
