@@ -32,8 +32,10 @@ const INTERVAL: f64 = 2e-5;
 const REFERENCE_TEMPERATURE: f64 = 293.15;
 const REFERENCE_DENSITY: f64 = 1.185;
 
-/// Heat transfer that holds the temperature within some millikelvin \[W/(m² K)\].
-const ISOTHERMAL_TRANSFER: f64 = 1e9;
+/// Heat transfer \[W/(m² K)\] to a wall \[m²\], as of a vessel filled with metal wool, that holds the temperature within
+/// a tenth of a kelvin.
+const HEAT_TRANSFER: f64 = 1e5;
+const WALL: f64 = 5.0;
 
 /// The volume above a head valve that cannot move, as a vessel of one litre that discharges through the trigger's vent,
 /// with this heat transfer to its walls.
@@ -44,6 +46,7 @@ fn vessel(wall_heat_transfer: f64) -> Result<Parameters, Error> {
     p.contacts.seat_stiffness = 1e12;
     p.chambers.above_valve = 1e-3;
     p.chambers.wall_heat_transfer = wall_heat_transfer;
+    p.chambers.wall_above_valve = WALL;
     p.trigger.vent_area = 2e-4;
     Ok(p)
 }
@@ -146,9 +149,9 @@ pub(super) fn rows() -> Result<Vec<Row>, Error> {
     let p = vessel(0.0)?;
     let of = Discharge::of(&p);
     let mut rows = choked(ISENTROPIC, &pressures(&p, 0.03)?, |t| of.isentropic(t), 1e-5);
-    let p = vessel(ISOTHERMAL_TRANSFER)?;
+    let p = vessel(HEAT_TRANSFER)?;
     let record = pressures(&p, 0.06)?;
-    rows.extend(choked(ISOTHERMAL, &record, |t| of.isothermal(t), 1e-4));
+    rows.extend(choked(ISOTHERMAL, &record, |t| of.isothermal(t), 1e-3));
 
     // ISO 6358-2: the conductance where the flow is choked, the critical ratio from where it is not.
     let choked = flow_per_pressure(&of, &record, 250);

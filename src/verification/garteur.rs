@@ -19,7 +19,8 @@ const BONDED: Case = Case {
 const SOURCE: &str = "measured (participant C), Balmes and Wright, DETC 1997, and TP-115 (1999); geometry and masses by \
                       P. Krysl, FinEtoolsFlexStructuresTutorials.jl";
 
-/// Differences \[Hz\] of the model with the bonded layer, see `docs/limits.md`.
+/// Differences \[Hz\] of the models with the loose and with the bonded layer, see `docs/limits.md`.
+const SOFTER: [f64; 2] = [-0.7, 0.0];
 const STIFFER: [f64; 2] = [0.0, 5.5];
 
 /// Measured frequencies: wing bending, roll of the fuselage, antisymmetric and symmetric torsion of the wing \[Hz\].
@@ -127,6 +128,7 @@ pub(super) fn rows() -> Result<Vec<Row>, Error> {
         rows.extend(frequencies(case, &basis, &MEASURED, 5e-2));
         Ok(rows)
     };
+    let loose = solve(LOOSE, SOFT)?.into_iter().map(|row| row.documented(SOFTER));
     let bonded = solve(BONDED, 1.0)?.into_iter().map(|row| row.documented(STIFFER));
-    Ok(solve(LOOSE, SOFT)?.into_iter().chain(bonded).collect())
+    Ok(loose.chain(bonded).collect())
 }
