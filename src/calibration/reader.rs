@@ -20,11 +20,14 @@ pub(super) const SCHEMA: &str = "nailnoise-calibration/1";
 /// The largest file that is read \[byte\].
 const LARGEST: u64 = 1 << 20;
 
+/// Standard deviations at which the distribution of a measured key is cut.
+const CUT: f64 = 3.0;
+
 /// Most shots of a measurement.
 const MOST_SHOTS: usize = 100_000;
 
 /// Keys of a measurement.
-const MEASURED: [&str; 17] = [
+const MEASURED: [&str; 16] = [
     "condition",
     "quantity",
     "of",
@@ -41,7 +44,6 @@ const MEASURED: [&str; 17] = [
     "k",
     "instrument",
     "discrepancy",
-    "note",
 ];
 
 /// Keys of measurements of sound, vibration and traces, which are not built.
@@ -145,16 +147,21 @@ impl Reader<'_> {
             table.only(&["value", "error", "rounding", "k"])?;
             let dimension = self.dimension(key).ok_or_else(|| self.unknown(table, key))?;
             let entry = self.design.entries().into_iter().find(|entry| entry.key == *key);
-            if entry.is_none_or(|entry| entry.range.is_none_or(|[low, high]| low >= high)) {
+            let Some([low, high]) = entry.and_then(|entry| entry.range).filter(|[low, high]| low < high) else {
                 let help = "give it a range in the design, or set its value there";
                 return Err(table.error("", "has no range in the design, so that nothing can be narrowed", help));
-            }
+            };
             let value = table.required("value", "\"11.4 mm\"")?;
             let value = scalar(table, "value", value, dimension, Some(self.design.ambient.pressure))?;
+            let deviation = error(table, dimension)?.at(value);
+            if (value - value.clamp(low, high)).abs() >= CUT * deviation {
+                let problem = format!("is more than three standard deviations outside the design's {low} .. {high}");
+                return Err(table.error("value", problem, "correct the value, or widen the range in the design"));
+            }
             Ok(Direct {
                 key: key.clone(),
                 value,
-                deviation: error(table, dimension)?.at(value),
+                deviation,
             })
         };
         all.iter().map(read).collect()

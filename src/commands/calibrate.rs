@@ -96,7 +96,7 @@ pub(super) fn execute(arguments: &Arguments) -> Result<Status, Error> {
     }
     Ok(if !result.converged {
         Status::from(3)
-    } else if !result.conflicts.is_empty() {
+    } else if result.has_conflict() {
         Status::from(1)
     } else {
         Status::SUCCESS
