@@ -695,7 +695,8 @@ mod tests {
     /// A file with one condition and this measurement.
     fn file(measured: &str) -> String {
         format!(
-            "schema = \"{SCHEMA}\"\n[instrument]\ncaliper = {{ error = \"1 % + 0.05 mm\" }}\ngauge = {{ error = \"2 %\" }}\n\
+            "schema = \"{SCHEMA}\"\n[instrument]\ncaliper = {{ error = \"1 % + 0.05 mm\" }}\n\
+             gauge = {{ error = \"2 %\" }}\n\
              [condition]\na = {{ set = {{ \"supply.pressure\" = \"96 psig\" }}, \
              instrument = {{ \"supply.pressure\" = \"gauge\" }}, outcome = \"drives\" }}\n[measured]\n{measured}\n"
         )
@@ -754,7 +755,8 @@ mod tests {
     #[test]
     fn gauge_pressures_count_from_ambient_and_gauges_err_by_what_they_show() {
         let all = read(&file(
-            "m = { condition = \"a\", quantity = \"peak_pressure\", of = \"supply\", value = \"90 psig\", error = \"1 psi\" }",
+            "m = { condition = \"a\", quantity = \"peak_pressure\", of = \"supply\", value = \"90 psig\", \
+             error = \"1 psi\" }",
         ))
         .unwrap();
         let psi = 6_894.757_293_168_361;

@@ -570,8 +570,8 @@ fn conflict(posterior: &Posterior, measured: &Measurements, found: &Found) -> Co
 fn notes(posterior: &Posterior, measured: &Measurements) -> Vec<String> {
     let mut notes = measured.notes.clone();
     notes.push(
-        "the draws are of this tool with the wood, nails and support as measured; keys of bodies (bore, valve diameters, \
-         masses) are drawn for the cycle"
+        "the draws are of this tool with the wood, nails and support as measured; keys of bodies (bore, valve \
+         diameters, masses) are drawn for the cycle"
             .to_owned(),
     );
     let left_out: Vec<&str> = posterior

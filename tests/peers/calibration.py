@@ -3,8 +3,8 @@
     calibration.py NAILNOISE DESIGN WORK [DRAWS] [MOVES]
 
 The virtual tool is DESIGN (designs/n80cb.toml) with the values of TRUTH. `nailnoise cycle` computes its shots at three
-supply pressures; the readings are rounded as an owner would read them. WORK is a folder for the files. The script prints
-the table of docs/calibration.md: the true figures of the shot, and the 90 % intervals before and after. It fails if
+supply pressures; the readings are rounded as an owner would read them. WORK is a folder for the files. The script
+prints the table of docs/calibration.md: the true figures of the shot, and the 90 % intervals before and after. It fails if
 more than one of five figures lies outside its interval.
 """
 
@@ -98,7 +98,8 @@ def main():
         value = truth[row["name"]]
         (low, _, high), (now_low, _, now_high) = row["before"], row["now"]
         covered += now_low <= value <= now_high
-        print(f"| {row['name']} [{row['unit']}] | {value:.3g} | {low:.3g} .. {high:.3g} | {now_low:.3g} .. {now_high:.3g} |")
+        before, now = f"{low:.3g} .. {high:.3g}", f"{now_low:.3g} .. {now_high:.3g}"
+        print(f"| {row['name']} [{row['unit']}] | {value:.3g} | {before} | {now} |")
     print(f"{covered} of {len(truth)} true figures lie in their intervals; converged: {result['converged']}")
     if covered < len(truth) - 1:
         sys.exit("too few")
