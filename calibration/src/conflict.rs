@@ -4,7 +4,8 @@
 //! together. Three looks find such readings. [`unreached`] compares each reading with the prior's predictions.
 //! [`left_out_probability`] predicts each reading from the others: the draws are weighted by 1/L_k, cut at sqrt(N)
 //! times the mean weight (Ionides, "Truncated importance sampling", Journal of Computational and Graphical Statistics
-//! 17, 295 (2008)). [`at_ends`] names the inputs and shared errors that the draws press against the ends of their ranges.
+//! 17, 295 (2008)). [`at_ends`] names the inputs and shared errors that the draws press against the ends of their
+//! ranges.
 
 use serde::{Deserialize, Serialize};
 

@@ -4,8 +4,8 @@
 
 The virtual tool is DESIGN (designs/n80cb.toml) with the values of TRUTH. `nailnoise cycle` computes its shots at three
 supply pressures; the readings are rounded as an owner would read them. WORK is a folder for the files. The script
-prints the table of docs/calibration.md: the true figures of the shot, and the 90 % intervals before and after. It fails if
-more than one of five figures lies outside its interval.
+prints the table of docs/calibration.md: the true figures of the shot, and the 90 % intervals before and after. It
+fails if more than one of five figures lies outside its interval.
 """
 
 import json
