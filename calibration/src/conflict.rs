@@ -2,9 +2,10 @@
 //!
 //! A precise posterior of contradicting readings is wrong: its draws lie between values that the model cannot reach
 //! together. Three looks find such readings. [`unreached`] compares each reading with the prior's predictions.
-//! [`left_out_probability`] predicts each reading from the others: the draws are weighted by 1/L_k, cut at sqrt(N) times
-//! the mean weight (Ionides, "Truncated importance sampling", Journal of Computational and Graphical Statistics 17, 295
-//! (2008)). [`at_ends`] names the inputs and shared errors that the draws press against the ends of their ranges.
+//! [`left_out_probability`] predicts each reading from the others: the draws are weighted by 1/L_k, cut at sqrt(N)
+//! times the mean weight (Ionides, "Truncated importance sampling", Journal of Computational and Graphical Statistics
+//! 17, 295 (2008)). [`at_ends`] names the inputs and shared errors that the draws press against the ends of their
+//! ranges.
 
 use serde::{Deserialize, Serialize};
 

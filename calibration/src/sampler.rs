@@ -11,10 +11,10 @@
 //! w' = sqrt(1-b^2) (z - V y) + b (I - V V^T) xi,   z' = V y' + w'
 //! ```
 //!
-//! The first is reversible for a Student t of 5 degrees of freedom around m with L L^T, the second for the prior (Cotter,
-//! Roberts, Stuart and White, "MCMC methods for functions", Statistical Science 28, 424 (2013)). m and L come from the
-//! other half of the particles, so that a particle does not fit the proposal that moves it. Without the halves the
-//! evidence is too low and directions without data become too narrow.
+//! The first is reversible for a Student t of 5 degrees of freedom around m with L L^T, the second for the prior
+//! (Cotter, Roberts, Stuart and White, "MCMC methods for functions", Statistical Science 28, 424 (2013)). m and L come
+//! from the other half of the particles, so that a particle does not fit the proposal that moves it. Without the halves
+//! the evidence is too low and directions without data become too narrow.
 //!
 //! All random numbers are functions of seed, step, move and particle: results depend neither on threads nor on
 //! interruptions between moves.

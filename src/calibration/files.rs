@@ -80,9 +80,9 @@ pub(super) fn files(
 fn calibrated(design: &Design, result: &CalibrationResult, moved: &[MovedKey<'_>]) -> String {
     let mut text = format!(
         "# {} calibrated with {}: {} draws, seed {}.\n\
-         # Values are those of the draw in the middle of all; ranges are 95 % of the draws of each key alone. The draws\n\
-         # are correlated: a study of this file draws the keys independently, so that its intervals are wider than\n\
-         # those of the draws in posterior.csv.\n",
+         # Values are those of the draw in the middle of all; ranges are 95 % of the draws of each key alone.\n\
+         # The draws are correlated: a study of this file draws the keys independently, so that its intervals are\n\
+         # wider than those of the draws in posterior.csv.\n",
         design.name(),
         result.measured,
         result.draws,

@@ -1,9 +1,9 @@
 //! The posterior of a tool's inputs, and what became of readings that contradict each other.
 //!
-//! A posterior is never sharpened through a conflict. Readings that no candidate comes near are left out first. Then the
-//! sampler runs; while a reading has a predictive probability below 1 % by the others, it is left out, with its partner
-//! if the two contradict only each other, and the sampler runs again. With widening, the errors of these readings are
-//! multiplied in the end by the factor with which they agree.
+//! A posterior is never sharpened through a conflict. Readings that no candidate comes near are left out first. Then
+//! the sampler runs. While a reading has a predictive probability below 1 % by the others, it is left out, with its
+//! partner if the two contradict only each other, and the sampler runs again. With widening, the errors of these
+//! readings are multiplied in the end by the factor with which they agree.
 
 use std::collections::BTreeMap;
 

@@ -20,11 +20,14 @@ pub(super) const SCHEMA: &str = "nailnoise-calibration/1";
 /// The largest file that is read \[byte\].
 const LARGEST: u64 = 1 << 20;
 
+/// Standard deviations at which the distribution of a measured key is cut.
+const CUT: f64 = 3.0;
+
 /// Most shots of a measurement.
 const MOST_SHOTS: usize = 100_000;
 
 /// Keys of a measurement.
-const MEASURED: [&str; 17] = [
+const MEASURED: [&str; 16] = [
     "condition",
     "quantity",
     "of",
@@ -41,7 +44,6 @@ const MEASURED: [&str; 17] = [
     "k",
     "instrument",
     "discrepancy",
-    "note",
 ];
 
 /// Keys of measurements of sound, vibration and traces, which are not built.
@@ -145,16 +147,21 @@ impl Reader<'_> {
             table.only(&["value", "error", "rounding", "k"])?;
             let dimension = self.dimension(key).ok_or_else(|| self.unknown(table, key))?;
             let entry = self.design.entries().into_iter().find(|entry| entry.key == *key);
-            if entry.is_none_or(|entry| entry.range.is_none_or(|[low, high]| low >= high)) {
+            let Some([low, high]) = entry.and_then(|entry| entry.range).filter(|[low, high]| low < high) else {
                 let help = "give it a range in the design, or set its value there";
                 return Err(table.error("", "has no range in the design, so that nothing can be narrowed", help));
-            }
+            };
             let value = table.required("value", "\"11.4 mm\"")?;
             let value = scalar(table, "value", value, dimension, Some(self.design.ambient.pressure))?;
+            let deviation = error(table, dimension)?.at(value);
+            if (value - value.clamp(low, high)).abs() >= CUT * deviation {
+                let problem = format!("is more than three standard deviations outside the design's {low} .. {high}");
+                return Err(table.error("value", problem, "correct the value, or widen the range in the design"));
+            }
             Ok(Direct {
                 key: key.clone(),
                 value,
-                deviation: error(table, dimension)?.at(value),
+                deviation,
             })
         };
         all.iter().map(read).collect()
@@ -688,7 +695,8 @@ mod tests {
     /// A file with one condition and this measurement.
     fn file(measured: &str) -> String {
         format!(
-            "schema = \"{SCHEMA}\"\n[instrument]\ncaliper = {{ error = \"1 % + 0.05 mm\" }}\ngauge = {{ error = \"2 %\" }}\n\
+            "schema = \"{SCHEMA}\"\n[instrument]\ncaliper = {{ error = \"1 % + 0.05 mm\" }}\n\
+             gauge = {{ error = \"2 %\" }}\n\
              [condition]\na = {{ set = {{ \"supply.pressure\" = \"96 psig\" }}, \
              instrument = {{ \"supply.pressure\" = \"gauge\" }}, outcome = \"drives\" }}\n[measured]\n{measured}\n"
         )
@@ -740,14 +748,15 @@ mod tests {
             "m = { condition = \"a\", quantity = \"air_per_shot\", value = \"24 l\", shots = 20, error = \"1 l\", \
              scatter = \"0 l\" }",
         );
-        assert_eq!(own.reading, Reading::Value(1.2e-3));
+        assert!(matches!(own.reading, Reading::Value(value) if (value / 1.2e-3 - 1.0).abs() < 1e-12));
         assert!((own.error / 5e-5 - 1.0).abs() < 1e-12);
     }
 
     #[test]
     fn gauge_pressures_count_from_ambient_and_gauges_err_by_what_they_show() {
         let all = read(&file(
-            "m = { condition = \"a\", quantity = \"peak_pressure\", of = \"supply\", value = \"90 psig\", error = \"1 psi\" }",
+            "m = { condition = \"a\", quantity = \"peak_pressure\", of = \"supply\", value = \"90 psig\", \
+             error = \"1 psi\" }",
         ))
         .unwrap();
         let psi = 6_894.757_293_168_361;
@@ -787,7 +796,7 @@ mod tests {
     fn every_fault_has_its_place_and_remedy() {
         let depth = "condition = \"a\", quantity = \"head_depth\", value = \"2 mm\"";
         for (measured, words) in [
-            (format!("m = {{ {depth} }}"), &["line 7", "no instrument is exact"][..]),
+            (format!("m = {{ {depth} }}"), &["line 8", "no instrument is exact"][..]),
             (
                 format!("m = {{ {depth}, error = \"0 mm\" }}"),
                 &["`measured.m.error` is 0", "rounding"],

@@ -84,6 +84,14 @@ pub struct CalibrationResult {
     pub notes: Vec<String>,
 }
 
+impl CalibrationResult {
+    /// Whether a measurement contradicts others or is not reached, one that was held out among them.
+    pub fn has_conflict(&self) -> bool {
+        let is_met = |own: &MeasurementRow| matches!(own.verdict, Verdict::Met | Verdict::Predicted);
+        !self.measurements.iter().all(is_met)
+    }
+}
+
 /// What became of a measurement.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
@@ -562,8 +570,8 @@ fn conflict(posterior: &Posterior, measured: &Measurements, found: &Found) -> Co
 fn notes(posterior: &Posterior, measured: &Measurements) -> Vec<String> {
     let mut notes = measured.notes.clone();
     notes.push(
-        "the draws are of this tool with the wood, nails and support as measured; keys of bodies (bore, valve diameters, \
-         masses) are drawn for the cycle"
+        "the draws are of this tool with the wood, nails and support as measured; keys of bodies (bore, valve \
+         diameters, masses) are drawn for the cycle"
             .to_owned(),
     );
     let left_out: Vec<&str> = posterior

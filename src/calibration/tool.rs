@@ -1,5 +1,5 @@
-//! The tool of a design as a simulator of what was measured: variables of the study, errors that readings share, and one
-//! cycle for each condition.
+//! The tool of a design as a simulator of what was measured: variables of the study, errors that readings share, and
+//! one cycle for each condition.
 
 use std::collections::BTreeMap;
 

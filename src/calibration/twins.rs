@@ -2,7 +2,8 @@
 //! cover the hidden inputs and figures in 90 % of the cases.
 //!
 //! ```sh
-//! NAILNOISE_TWINS=0..20 NAILNOISE_TWINS_STORE=/tmp/twins cargo test --release --lib hidden_twins -- --ignored --nocapture
+//! export NAILNOISE_TWINS=0..20 NAILNOISE_TWINS_STORE=/tmp/twins
+//! cargo test --release --lib hidden_twins -- --ignored --nocapture
 //! ```
 //!
 //! A twin that was interrupted goes on from the store. `NAILNOISE_TWINS_WRONG=drive` multiplies one reading by 1.3.
@@ -33,20 +34,83 @@ const FILE: &str = r#"
 schema = "nailnoise-calibration/1"
 [instrument]
 gauge = { error = "1 %" }
-[condition]
-"96" = { set = { "supply.pressure" = "96 psig" }, instrument = { "supply.pressure" = "gauge" }, outcome = "drives" }
-"70" = { set = { "supply.pressure" = "70 psig" }, instrument = { "supply.pressure" = "gauge" } }
-"110" = { set = { "supply.pressure" = "110 psig" }, instrument = { "supply.pressure" = "gauge" } }
-[measured]
-depth-96 = { condition = "96", quantity = "head_depth", value = "<0> m", shots = 5, scatter = "1.5 mm", error = "0.2 mm" }
-depth-70 = { condition = "70", quantity = "head_depth", value = "<1> m", shots = 5, scatter = "1.5 mm", error = "0.2 mm" }
-depth-110 = { condition = "110", quantity = "head_depth", value = "<2> m", shots = 5, scatter = "1.5 mm", error = "0.2 mm" }
-air = { condition = "96", quantity = "air_per_shot", value = "<3> m3", scatter = "1 %", error = "4 %" }
-drive = { condition = "96", quantity = "interval", events = ["t6", "t9"], value = "<4> s", scatter = "3 %", shots = 5, error = "0.1 ms" }
-valve = { condition = "96", quantity = "interval", events = ["t0", "t6"], value = "<5> s", scatter = "3 %", shots = 5, error = "0.2 ms" }
-blow = { condition = "96", quantity = "interval", events = ["t6", "t14"], value = "<6> s", scatter = "3 %", shots = 5, error = "0.2 ms" }
-speed = { condition = "96", quantity = "mean_drive_speed", value = "<7> m/s", scatter = "3 %", shots = 5, error = "2 %" }
-p1 = { condition = "96", quantity = "peak_pressure", of = "above_piston", value = "<8> Pa", scatter = "1 %", error = "2 %" }
+[condition.96]
+set = { "supply.pressure" = "96 psig" }
+instrument = { "supply.pressure" = "gauge" }
+outcome = "drives"
+[condition.70]
+set = { "supply.pressure" = "70 psig" }
+instrument = { "supply.pressure" = "gauge" }
+[condition.110]
+set = { "supply.pressure" = "110 psig" }
+instrument = { "supply.pressure" = "gauge" }
+[measured.depth-96]
+condition = "96"
+quantity = "head_depth"
+value = "<0> m"
+scatter = "1.5 mm"
+shots = 5
+error = "0.2 mm"
+[measured.depth-70]
+condition = "70"
+quantity = "head_depth"
+value = "<1> m"
+scatter = "1.5 mm"
+shots = 5
+error = "0.2 mm"
+[measured.depth-110]
+condition = "110"
+quantity = "head_depth"
+value = "<2> m"
+scatter = "1.5 mm"
+shots = 5
+error = "0.2 mm"
+[measured.air]
+condition = "96"
+quantity = "air_per_shot"
+value = "<3> m3"
+scatter = "1 %"
+shots = 1
+error = "4 %"
+[measured.drive]
+condition = "96"
+quantity = "interval"
+events = ["t6", "t9"]
+value = "<4> s"
+scatter = "3 %"
+shots = 5
+error = "0.1 ms"
+[measured.valve]
+condition = "96"
+quantity = "interval"
+events = ["t0", "t6"]
+value = "<5> s"
+scatter = "3 %"
+shots = 5
+error = "0.2 ms"
+[measured.blow]
+condition = "96"
+quantity = "interval"
+events = ["t6", "t14"]
+value = "<6> s"
+scatter = "3 %"
+shots = 5
+error = "0.2 ms"
+[measured.speed]
+condition = "96"
+quantity = "mean_drive_speed"
+value = "<7> m/s"
+scatter = "3 %"
+shots = 5
+error = "2 %"
+[measured.p1]
+condition = "96"
+quantity = "peak_pressure"
+of = "above_piston"
+value = "<8> Pa"
+scatter = "1 %"
+shots = 1
+error = "2 %"
 "#;
 
 /// A seed apart from those of calibrations.

@@ -23,7 +23,8 @@ const SHOWN: usize = 12;
 #[command(after_help = examples!(
     "nailnoise calibrate my-tool.toml --measured my-shots.toml" => "the inputs that the shots determine, and what is \
         predicted now",
-    "nailnoise calibrate my-tool.toml --measured my-shots.toml --hold-out depth-60" => "with one measurement as a check",
+    "nailnoise calibrate my-tool.toml --measured my-shots.toml --hold-out depth-60" => "with one measurement as a \
+        check",
     "nailnoise calibrate my-tool.toml --measured my-shots.toml --draws 256 --moves 12" => "a quick look",
 ))]
 pub(super) struct Arguments {
@@ -96,7 +97,7 @@ pub(super) fn execute(arguments: &Arguments) -> Result<Status, Error> {
     }
     Ok(if !result.converged {
         Status::from(3)
-    } else if !result.conflicts.is_empty() {
+    } else if result.has_conflict() {
         Status::from(1)
     } else {
         Status::SUCCESS

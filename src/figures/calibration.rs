@@ -24,8 +24,8 @@ pub fn calibration(result: &CalibrationResult) -> Vec<Chart> {
         chart(
             "calibration-measurements",
             "Predictions before and now",
-            "90 % of the predictions of each measurement, as places in its interval before: 0 is P5, 1 is P95. The line \
-             across the black bar is the measurement.",
+            "90 % of the predictions of each measurement, as places in its interval before: 0 is P5, 1 is P95. The \
+             line across the black bar is the measurement.",
             measurements(result),
         ),
         chart(

@@ -114,8 +114,8 @@ fn inputs(result: &CalibrationResult) -> Markup {
             thead { tr { th { "input" } th { "unit" } th.n { "before, 90 %" } th.n { "now, 90 %" } th.n { "ratio" }
                 th.n { "middle draw" } } }
             tbody { @for own in result.inputs.iter().filter(|own| own.ratio < result.moved_below) { tr {
-                td.key-name { (own.name) } td { (own.unit) } td.n { (interval(own.before)) } td.n { (interval(own.now)) }
-                td.n { (format!("{:.2}", own.ratio)) } td.n { (number(own.medoid)) }
+                td.key-name { (own.name) } td { (own.unit) } td.n { (interval(own.before)) }
+                td.n { (interval(own.now)) } td.n { (format!("{:.2}", own.ratio)) } td.n { (number(own.medoid)) }
             } } }
         } }
         p { (result.unidentified) " inputs are not identified by these measurements." }
