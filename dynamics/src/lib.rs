@@ -6,6 +6,7 @@ mod error;
 mod geometry;
 mod log;
 pub mod machine;
+pub mod network;
 mod parameters;
 mod presets;
 pub mod prf;

@@ -1,0 +1,8 @@
+//! A tool as a network of blocks: gas volumes, passages, bodies, contacts, springs, friction, a fastener, triggers.
+//!
+//! An [`Assembly`] is the topology with every number in SI. It is compiled once into a plan, which is integrated into a
+//! record of named channels.
+
+pub mod assembly;
+
+pub use assembly::Assembly;
