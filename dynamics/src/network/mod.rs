@@ -4,5 +4,7 @@
 //! record of named channels.
 
 pub mod assembly;
+mod text;
 
 pub use assembly::Assembly;
+pub use text::{AssemblyError, AssemblyText, BUILT_IN, DeclaredKey, Fault, KeyValue, Keys, Literal, Resolved};
