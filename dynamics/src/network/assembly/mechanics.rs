@@ -280,4 +280,6 @@ pub struct Seated {
     pub unloading: f64,
     /// Friction of the guide on the fastener \[N\].
     pub guide_friction: f64,
+    /// v_0 of the guide's friction, F tanh(v/v_0) \[m/s\].
+    pub guide_width: f64,
 }
