@@ -32,7 +32,8 @@ mod tolerances;
 mod wood;
 
 pub(crate) use gas::{Air, Gas};
-pub(crate) use real::Real;
+pub(crate) use locate::locate;
+pub(crate) use real::{Dual, Real};
 
 use crate::{CouplingWork, CycleError, CycleRecord, Parameters, Settings, Workpiece};
 
