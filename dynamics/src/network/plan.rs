@@ -334,11 +334,6 @@ impl Plan {
     pub(crate) fn ground(&self) -> usize {
         self.bodies.len()
     }
-
-    /// Pressure and temperature of a gas at the start, volumes before reservoirs.
-    pub(crate) fn reservoir(&self, gas: usize) -> Option<&super::assembly::Reservoir> {
-        gas.checked_sub(self.volumes.len()).map(|i| &self.assembly.reservoirs[i])
-    }
 }
 
 /// Hands out places of integrals, switches and memories.

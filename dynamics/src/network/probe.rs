@@ -37,8 +37,6 @@ pub(crate) enum Probe {
     MassFlow(usize),
     /// Pressure before a restriction of a passage.
     Before(usize, usize),
-    /// Pressure behind a restriction of a passage.
-    Behind(usize, usize),
     /// Temperature of the gas where a passage's flow comes from.
     Upstream(usize),
     Choked(usize),
@@ -112,7 +110,7 @@ impl Probe {
 
     pub(crate) fn need(self) -> Need {
         match self {
-            Self::MassFlow(_) | Self::Before(..) | Self::Behind(..) | Self::Upstream(_) | Self::Choked(_) => {
+            Self::MassFlow(_) | Self::Before(..) | Self::Upstream(_) | Self::Choked(_) => {
                 Need::Flows
             }
             Self::Acceleration(_)
@@ -145,7 +143,6 @@ impl Probe {
             Self::Volume(i) => w.volume[i],
             Self::MassFlow(i) => w.flow[i].mass,
             Self::Before(i, restriction) => plan.around(i, restriction, w)[0],
-            Self::Behind(i, restriction) => plan.around(i, restriction, w)[1],
             Self::Upstream(i) => {
                 let passage = &plan.passages[i];
                 let forward = w.flow[i].mass >= 0.0;

@@ -483,11 +483,6 @@ impl Recorder {
         }
     }
 
-    /// Number of samples so far.
-    pub(crate) fn len(&self) -> usize {
-        self.samples
-    }
-
     /// Time of the next sample; infinite where nothing is sampled.
     pub(crate) fn next_time(&self) -> f64 {
         self.interval.map_or(f64::INFINITY, |interval| self.samples as f64 * interval)
