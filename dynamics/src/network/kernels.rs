@@ -308,7 +308,8 @@ impl PassagePlan {
     /// Whether gate and restrictions let gas pass.
     #[inline]
     pub(crate) fn is_open(&self, mode: &Mode) -> bool {
-        self.gate.is_none_or(|gate| mode.is_on(gate))
+        !self.shut
+            && self.gate.is_none_or(|gate| mode.is_on(gate))
             && self.condition.is_none_or(|condition| mode.is_on(condition))
             && self
                 .restrictions

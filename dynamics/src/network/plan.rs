@@ -142,8 +142,10 @@ pub(crate) struct PassagePlan {
     pub(crate) travels: [Option<Pair>; 2],
     /// Places of the mass and the enthalpy that cross it.
     pub(crate) ledger: Option<FlowLedger>,
-    /// Jet thrust that a force takes from it.
+    /// Whether a force takes its jet's thrust.
     pub(crate) jet: bool,
+    /// Whether a restriction without area shuts it for good.
+    pub(crate) shut: bool,
 }
 
 /// Places of a passage's integrals.
@@ -686,7 +688,9 @@ fn passages(c: &mut Compiler<'_>, airs: &mut Vec<Air>, full: bool) -> Result<Vec
             let jet = |force: &super::assembly::Force| {
                 matches!(force.law, ForceLaw::Jet { passage, .. } if passage == index)
             };
+            let shut = |r: &RestrictionPlan| matches!(r.area, AreaPlan::Constant(area) if area <= 0.0);
             Ok(PassagePlan {
+                shut: restrictions.list.iter().any(shut),
                 from: c.gas(passage.from),
                 to: c.gas(passage.to),
                 restrictions: restrictions.list,

@@ -100,6 +100,7 @@ impl Probe {
             (Family::Motor, Quantity::Force) => Self::Motor(i),
             (Family::Hold, Quantity::Force) => Self::Hold(i),
             (Family::Fastener, Quantity::Force) => Self::Resistance(i),
+            (Family::Fastener, Quantity::GuideForce) => Self::Guide(i),
             (Family::Fastener, Quantity::Depth) => Self::Depth(i),
             (Family::Fastener, Quantity::Deepest) => Self::Deepest(i),
             (Family::Fastener, Quantity::Advance) => Self::Advance(i),

@@ -1,9 +1,11 @@
 //! Events, triggers and outcomes.
 
+use serde::Serialize;
+
 use super::{BlockRef, Comparison};
 
 /// Named event of the cycle.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Event {
     /// Name.
     pub name: String,
@@ -26,7 +28,7 @@ pub struct Event {
 }
 
 /// When an event happens.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub enum Edge {
     /// At a time \[s\].
     At(f64),
@@ -39,14 +41,14 @@ pub enum Edge {
 }
 
 /// Conditions that must all be satisfied.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Condition {
     /// Comparisons, all of which must be satisfied.
     pub all: Vec<Comparison>,
 }
 
 /// Which of several edges counts.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 pub enum Pick {
     /// The first.
     First,
@@ -55,7 +57,7 @@ pub enum Pick {
 }
 
 /// A change that a block logs.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize)]
 pub struct Word {
     /// Block.
     pub block: BlockRef,
@@ -66,7 +68,7 @@ pub struct Word {
 }
 
 /// Changes of blocks; the word of the log is the name in lower case.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize)]
 pub enum Action {
     /// Contact closes; force becomes active.
     Closes,
@@ -145,7 +147,7 @@ impl Action {
 }
 
 /// Boolean signal.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Trigger {
     /// Name.
     pub name: String,
@@ -160,7 +162,7 @@ pub struct Trigger {
 }
 
 /// Outcome of a shot.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Outcome {
     /// Word.
     pub name: String,
@@ -169,7 +171,7 @@ pub struct Outcome {
 }
 
 /// Test of an outcome, at the end of the record.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub enum OutcomeTest {
     /// An event happened (index).
     Happened(usize),

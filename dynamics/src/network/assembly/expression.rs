@@ -1,9 +1,11 @@
 //! Expressions over the state.
 
+use serde::Serialize;
+
 use super::BlockRef;
 
 /// Scalar expression; numbers and keys are resolved to constants in SI.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub enum Expression {
     /// Constant.
     Constant(f64),
@@ -20,7 +22,7 @@ pub enum Expression {
 }
 
 /// Binary operations.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 pub enum Binary {
     /// a + b.
     Add,
@@ -35,7 +37,7 @@ pub enum Binary {
 }
 
 /// Functions of expressions.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 pub enum Function {
     /// Square root.
     Sqrt,
@@ -56,7 +58,7 @@ pub enum Function {
 }
 
 /// A quantity of a block.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize)]
 pub struct Channel {
     /// Block.
     pub block: BlockRef,
@@ -65,7 +67,7 @@ pub struct Channel {
 }
 
 /// Quantities of blocks, in SI.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize)]
 pub enum Quantity {
     /// Body: position from its parent \[m\].
     Travel,
@@ -105,12 +107,14 @@ pub enum Quantity {
     Deepest,
     /// Fastener: dz/dt \[m/s\].
     Advance,
+    /// Fastener: friction of the guide on the fastener, down on `guide` \[N\].
+    GuideForce,
     /// Trigger: 1 when on, else 0.
     On,
 }
 
 /// Comparison of two expressions; `and`/`or` combine comparisons.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Comparison {
     /// The condition is satisfied while this is positive (or zero, unless `strict`).
     pub margin: Expression,
@@ -119,7 +123,7 @@ pub struct Comparison {
 }
 
 /// Named expression with a channel of its own.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Sensor {
     /// Name.
     pub name: String,

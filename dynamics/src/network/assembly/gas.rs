@@ -1,9 +1,11 @@
 //! Volumes, reservoirs, faces and passages.
 
+use serde::Serialize;
+
 use super::{Base, Expression, Space};
 
 /// Gas of constant pressure and temperature, without a state.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Reservoir {
     /// Name.
     pub name: String,
@@ -14,7 +16,7 @@ pub struct Reservoir {
 }
 
 /// Gas volume of uniform state.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Volume {
     /// Name.
     pub name: String,
@@ -33,7 +35,7 @@ pub struct Volume {
 }
 
 /// Wall that exchanges heat with the gas of a volume.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Wall {
     /// Area with all faces at their zero \[m2\].
     pub area: f64,
@@ -44,7 +46,7 @@ pub struct Wall {
 }
 
 /// Area on which gas acts on a body: force and swept volume.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Face {
     /// Name.
     pub name: String,
@@ -65,7 +67,7 @@ pub struct Face {
 }
 
 /// Passage between two spaces; a flow from `from` to `to` is positive.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Passage {
     /// Name.
     pub name: String,
@@ -86,7 +88,7 @@ pub struct Passage {
 }
 
 /// A restriction of a passage: an area and a discharge coefficient.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Restriction {
     /// Name inside its series; empty for a single restriction.
     pub name: String,
@@ -99,7 +101,7 @@ pub struct Restriction {
 }
 
 /// Area of a restriction over the state.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub enum Opens {
     /// Constant area \[m2\].
     Constant {
@@ -148,7 +150,7 @@ pub enum Opens {
 }
 
 /// Shape of a conical seat.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 pub enum Cone {
     /// The free diameter decreases with the opening (minus sign).
     Narrows,
@@ -157,7 +159,7 @@ pub enum Cone {
 }
 
 /// Discharge coefficient.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub enum Coefficient {
     /// Constant.
     Constant(f64),
@@ -173,7 +175,7 @@ pub enum Coefficient {
 }
 
 /// Pipe in a restriction: C A = A/sqrt(1/C^2 + friction L/d).
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Pipe {
     /// Length \[m\].
     pub length: f64,
@@ -184,7 +186,7 @@ pub struct Pipe {
 }
 
 /// Flow function of a passage.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub enum PassageLaw {
     /// Ideal nozzle (Saint-Venant and Wantzel 1839).
     Nozzle,
@@ -196,7 +198,7 @@ pub enum PassageLaw {
 }
 
 /// Switching of a passage by a trigger.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Gate {
     /// Index of the trigger.
     pub trigger: usize,

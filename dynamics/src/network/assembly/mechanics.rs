@@ -1,9 +1,11 @@
 //! Bodies and the forces between them.
 
+use serde::Serialize;
+
 use super::Base;
 
 /// Direction along the tool's axis.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 pub enum Push {
     /// +y, towards the workpiece.
     Down,
@@ -22,7 +24,7 @@ impl Push {
 }
 
 /// Rigid body that moves along the axis.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Body {
     /// Name.
     pub name: String,
@@ -39,7 +41,7 @@ pub struct Body {
 }
 
 /// State of a body at the start.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub enum Start {
     /// In equilibrium on a contact or a spring.
     RestOn(super::BlockRef),
@@ -53,7 +55,7 @@ pub enum Start {
 }
 
 /// Sizes against which the error of the integration is measured.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Weights {
     /// Position \[m\].
     pub position: f64,
@@ -62,7 +64,7 @@ pub struct Weights {
 }
 
 /// One-sided contact: overlap u = x - at (stop below) or at - x (stop above), x = y_on - y_against.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Contact {
     /// Name.
     pub name: String,
@@ -85,7 +87,7 @@ pub struct Contact {
 }
 
 /// Side of a stop as seen from the body that strikes it.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 pub enum Stop {
     /// The body moves down onto the stop.
     Below,
@@ -94,7 +96,7 @@ pub enum Stop {
 }
 
 /// Damping of a contact.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub enum ContactDamping {
     /// Dashpot \[N s/m\].
     Dashpot(f64),
@@ -103,7 +105,7 @@ pub enum ContactDamping {
 }
 
 /// Spring: e = preload - s (x - free), force s F(e) on `on`.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Spring {
     /// Name.
     pub name: String,
@@ -128,7 +130,7 @@ pub struct Spring {
 }
 
 /// Force of a spring over its compression.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub enum SpringLaw {
     /// Stiffness \[N/m\].
     Linear(f64),
@@ -137,7 +139,7 @@ pub enum SpringLaw {
 }
 
 /// Smooth friction: [F_d + (F_s - F_d) exp(-(v/v_st)^2)] tanh(v/v_0) + beta v.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Friction {
     /// Name.
     pub name: String,
@@ -160,7 +162,7 @@ pub struct Friction {
 }
 
 /// Imposed force or jet thrust, down on `on`.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Force {
     /// Name.
     pub name: String,
@@ -173,7 +175,7 @@ pub struct Force {
 }
 
 /// Law of an imposed force.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub enum ForceLaw {
     /// Constant, down \[N\].
     Constant(f64),
@@ -189,7 +191,7 @@ pub enum ForceLaw {
 }
 
 /// Motor: f = s stall max(0, 1 - s v/free_speed) while its trigger is on.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Motor {
     /// Name.
     pub name: String,
@@ -208,7 +210,7 @@ pub struct Motor {
 }
 
 /// Latch: a spring and dashpot that catch a body where it is, while a trigger is on.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Hold {
     /// Name.
     pub name: String,
@@ -227,7 +229,7 @@ pub struct Hold {
 }
 
 /// Fastener that a driver strikes and pushes into the workpiece.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Fastener {
     /// Name.
     pub name: String,
@@ -256,7 +258,7 @@ pub struct Fastener {
 }
 
 /// Resistance F_r(z) of the work, 0 for z <= 0 \[N\].
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub enum FastenerLaw {
     /// F_r = H l [p(z/l) + offset]^2 with the polynomial of thesis 4.59.
     SolidWood {
@@ -272,7 +274,7 @@ pub enum FastenerLaw {
 }
 
 /// Head and unloading of a fastener.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Seated {
     /// k_h, stiffness of the head on the surface \[N/m\].
     pub head_stiffness: f64,

@@ -3,6 +3,8 @@
 //! Coordinates: +y points down the tool's axis, towards the workpiece; t = 0 is the start of the record. Blocks that a
 //! design switches off are absent. The order of each list is the order of the file.
 
+use serde::Serialize;
+
 mod event;
 mod expression;
 mod gas;
@@ -21,7 +23,7 @@ pub use output::{Load, Opening, PressurePatch, PressureSurface};
 pub use reference::{Base, BlockRef, Family, Space};
 
 /// A tool as a network of blocks.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Assembly {
     /// Name of the assembly.
     pub name: String,
@@ -105,7 +107,7 @@ impl Assembly {
 }
 
 /// Early end of the record: `tail` after `event`, and never past another event.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Finish {
     /// Index of the event in [`Assembly::events`].
     pub event: usize,
@@ -116,7 +118,7 @@ pub struct Finish {
 }
 
 /// Balances that are integrated with the state.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 pub enum Ledger {
     /// What crosses the boundary, heat, work and losses.
     Lean,

@@ -1,9 +1,11 @@
 //! What noise and structure need of the cycle.
 
+use serde::Serialize;
+
 use super::{Expression, Space};
 
 /// Opening to the atmosphere that makes noise.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Opening {
     /// Name.
     pub name: String,
@@ -22,7 +24,7 @@ pub struct Opening {
 }
 
 /// Force on a named surface of a body, down \[N\].
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Load {
     /// Index of the body.
     pub body: usize,
@@ -33,7 +35,7 @@ pub struct Load {
 }
 
 /// Pressures on walls of a body that leave no net force.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct PressureSurface {
     /// Index of the body.
     pub body: usize,
@@ -44,7 +46,7 @@ pub struct PressureSurface {
 }
 
 /// Gas that acts on a wall.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub enum PressurePatch {
     /// One space.
     Uniform(Space),

@@ -1,7 +1,9 @@
 //! References between blocks.
 
+use serde::Serialize;
+
 /// One side of a passage or a face.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize)]
 pub enum Space {
     /// Index in [`Assembly::volumes`](super::Assembly::volumes).
     Volume(usize),
@@ -10,7 +12,7 @@ pub enum Space {
 }
 
 /// What a motion is measured from, or a force reacts on.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize)]
 pub enum Base {
     /// The body at rest.
     Ground,
@@ -19,7 +21,7 @@ pub enum Base {
 }
 
 /// Families of blocks that have channels or log words.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize)]
 pub enum Family {
     /// Reservoir: pressure, gauge, temperature.
     Reservoir,
@@ -43,14 +45,14 @@ pub enum Family {
     Motor,
     /// Latch: force.
     Hold,
-    /// Fastener: depth, deepest, advance, force.
+    /// Fastener: depth, deepest, advance, force, guide force.
     Fastener,
     /// Trigger: on (1) or off (0).
     Trigger,
 }
 
 /// A block by family and index in that family's list.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize)]
 pub struct BlockRef {
     /// Family of the block.
     pub family: Family,
