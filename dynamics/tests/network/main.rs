@@ -4,6 +4,11 @@
 #[path = "../common/assembly.rs"]
 mod assembly;
 mod closed_forms;
+#[path = "../common/mod.rs"]
+mod common;
+mod n80cb;
+#[path = "../common/n80cb_assembly.rs"]
+mod n80cb_assembly;
 
 use nailnoise_dynamics::network::{Assembly, Numerics, Record, simulate};
 
