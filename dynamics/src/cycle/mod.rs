@@ -20,6 +20,8 @@ mod integrate;
 mod locate;
 mod marks;
 mod mode;
+#[cfg(test)]
+mod network_agrees;
 mod rates;
 mod real;
 mod recorder;

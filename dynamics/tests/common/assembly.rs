@@ -124,11 +124,6 @@ pub(crate) fn channel(family: Family, index: usize, quantity: Quantity) -> Expre
     })
 }
 
-/// a > b.
-pub(crate) fn above(a: Expression, b: f64) -> Condition {
-    compare(a, b, true)
-}
-
 /// a >= b, or a > b if `strict`.
 pub(crate) fn compare(a: Expression, b: f64, strict: bool) -> Condition {
     Condition {

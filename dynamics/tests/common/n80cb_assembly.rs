@@ -4,7 +4,7 @@ use nailnoise_dynamics::network::Assembly;
 use nailnoise_dynamics::network::assembly::*;
 use nailnoise_dynamics::{Geometry, Parameters};
 
-use crate::assembly::{at_most, body, channel, compare, contact, empty, event, passage, restriction, volume};
+use crate::assembly::{at_most, body, channel, compare, constant, contact, empty, event, passage, restriction, volume};
 
 const PISTON: usize = 0;
 const VALVE: usize = 1;
@@ -129,7 +129,6 @@ fn passages(p: &Parameters, g: &Geometry) -> Vec<Passage> {
             to: 0.913,
         },
     );
-    // The coefficient's range is that of the ratio.
     let exhaust = [
         restriction(
             seat(Push::Down, valve.exhaust_lap, valve.exhaust_seat_diameter, valve.exhaust_angle, Cone::Widens),
@@ -152,7 +151,7 @@ fn passages(p: &Parameters, g: &Geometry) -> Vec<Passage> {
         passage("intake", gas(SUPPLY), gas(ABOVE), intake),
         Passage {
             restrictions: exhaust.to_vec(),
-            ..passage("exhaust", gas(ABOVE), outside, hole(0.0))
+            ..passage("exhaust", gas(ABOVE), outside, constant(0.0))
         },
         Passage {
             one_way: true,

@@ -109,7 +109,7 @@ fn a_gas_spring_turns_where_its_energy_is_back() {
     spring.faces.push(face("back", Space::Reservoir(1), Push::Up));
     let speed = || channel(Family::Body, 0, Quantity::Speed);
     spring.events.push(event("turns", Edge::Becomes(at_most(speed(), 0.0))));
-    let mut back = event("back", Edge::Becomes(above(speed(), 0.0)));
+    let mut back = event("back", Edge::Becomes(compare(speed(), 0.0, true)));
     back.after = Some(0);
     spring.events.push(back);
     let numerics = Numerics {

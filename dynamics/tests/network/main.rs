@@ -6,6 +6,7 @@ mod assembly;
 mod closed_forms;
 #[path = "../common/mod.rs"]
 mod common;
+mod expansion;
 mod n80cb;
 #[path = "../common/n80cb_assembly.rs"]
 mod n80cb_assembly;
