@@ -21,7 +21,10 @@ struct Random(u64);
 
 impl Random {
     fn between(&mut self, low: f64, high: f64) -> f64 {
-        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        self.0 = self
+            .0
+            .wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(1_442_695_040_888_963_407);
         low + (high - low) * ((self.0 >> 11) as f64 / (1u64 << 53) as f64)
     }
 
@@ -79,8 +82,16 @@ fn mode(system: &System, plan: &Plan, random: &mut Random) -> (Mode, Switches) {
     on(&mut network, opening("exhaust"), fixed.exhaust);
     on(&mut network, opening("check"), fixed.check_holes);
     fixed.channel = [Channel::Closed, Channel::Venting, Channel::Filling][random.between(0.0, 3.0) as usize];
-    on(&mut network, plan.passages[passage("vent")].gate.unwrap(), fixed.channel == Channel::Venting);
-    on(&mut network, plan.passages[passage("fill")].gate.unwrap(), fixed.channel == Channel::Filling);
+    on(
+        &mut network,
+        plan.passages[passage("vent")].gate.unwrap(),
+        fixed.channel == Channel::Venting,
+    );
+    on(
+        &mut network,
+        plan.passages[passage("fill")].gate.unwrap(),
+        fixed.channel == Channel::Filling,
+    );
     let nail = &plan.fasteners[0];
     if random.coin() {
         fixed.nail = NailState::Attached;
@@ -146,7 +157,11 @@ fn rates_and_jacobian_are_those_of_the_fixed_cycle() {
                     .map(|k| jacobian.values()[column * plan.size() + k].abs())
                     .filter(|_| row >= 2 * NETWORK_BODIES)
                     .fold(0.0, f64::max);
-                let stiff = if row < 2 * NETWORK_BODIES && column < 2 * NETWORK_BODIES { 1e12 } else { whole };
+                let stiff = if row < 2 * NETWORK_BODIES && column < 2 * NETWORK_BODIES {
+                    1e12
+                } else {
+                    whole
+                };
                 agree(&format!("{trial}: {row} by {column}"), found, slope, stiff);
             }
         }

@@ -94,7 +94,11 @@ impl Plan {
     /// Sum of the integrals whose names begin so.
     fn integrals(&self, y: &[f64], of: impl Fn(&str) -> f64) -> f64 {
         let values = &y[self.states()..];
-        self.ledger.iter().zip(values).map(|(item, value)| of(&item.name) * value).sum()
+        self.ledger
+            .iter()
+            .zip(values)
+            .map(|(item, value)| of(&item.name) * value)
+            .sum()
     }
 
     /// Mass and enthalpy that came in through the openings, less what went out.
@@ -124,10 +128,18 @@ impl Plan {
 
     /// Work of motors, tables of force and jets, less dissipation.
     fn work_less_losses(&self, y: &[f64]) -> f64 {
-        let driven = self.forces.iter().filter_map(|f| f.work).chain(self.motors.iter().map(|m| m.work));
+        let driven = self
+            .forces
+            .iter()
+            .filter_map(|f| f.work)
+            .chain(self.motors.iter().map(|m| m.work));
         let losing = |name: &str| {
             let lost = ["dashpot.", "friction.", "penetration.", "guide."];
-            if lost.iter().any(|prefix| name.starts_with(prefix)) { 1.0 } else { 0.0 }
+            if lost.iter().any(|prefix| name.starts_with(prefix)) {
+                1.0
+            } else {
+                0.0
+            }
         };
         driven.map(|place| y[place]).sum::<f64>() - self.integrals(y, losing)
     }
@@ -154,7 +166,9 @@ impl Audit {
 
     /// Mass and energy of a volume less what came in; nothing without a full ledger.
     fn volume(&self, plan: &Plan, y: &[f64], volume: usize) -> [f64; 2] {
-        let Some(ledger) = plan.volumes[volume].ledger else { return [0.0; 2] };
+        let Some(ledger) = plan.volumes[volume].ledger else {
+            return [0.0; 2];
+        };
         let mut mass = y[plan.mass() + volume];
         let mut energy = y[plan.energy() + volume] - y[ledger.heat] + y[ledger.work];
         for passage in &plan.passages {
@@ -185,7 +199,10 @@ impl Audit {
         worst(&mut self.worst_mechanics, stored - outer - work - driven + lost);
         self.turnover = self.turnover.max(work.abs() + outer.abs() + now.kinetic + now.elastic);
         let impulse = y[plan.outer_impulse] - y[plan.ground_impulse];
-        worst(&mut self.worst_momentum, now.momentum - self.start.momentum - impulse - self.momentum_jump);
+        worst(
+            &mut self.worst_momentum,
+            now.momentum - self.start.momentum - impulse - self.momentum_jump,
+        );
         for (i, start) in self.volumes.iter().enumerate() {
             if plan.volumes[i].ledger.is_some() {
                 let found = self.volume(plan, y, i);
@@ -197,7 +214,14 @@ impl Audit {
     }
 
     /// Takes up an event of a block that changed mode and velocities; `w` holds the positions.
-    pub(crate) fn cross(&mut self, plan: &Plan, name: &str, before: (&Mode, &[f64]), after: (&Mode, &[f64]), w: &mut Workspace) {
+    pub(crate) fn cross(
+        &mut self,
+        plan: &Plan,
+        name: &str,
+        before: (&Mode, &[f64]),
+        after: (&Mode, &[f64]),
+        w: &mut Workspace,
+    ) {
         plan.instant(before.1, w);
         let old = plan.stock(before.1, before.0, w);
         plan.instant(after.1, w);
@@ -242,8 +266,16 @@ impl Audit {
             Check::at_most("momentum balance [N s]", self.worst_momentum, 1e-9),
         ];
         if plan.volumes.iter().any(|volume| volume.ledger.is_some()) {
-            checks.push(Check::at_most("mass balance of a volume [kg]", self.worst_volume[0], 1e-12));
-            checks.push(Check::at_most("energy balance of a volume [J]", self.worst_volume[1], 1e-6));
+            checks.push(Check::at_most(
+                "mass balance of a volume [kg]",
+                self.worst_volume[0],
+                1e-12,
+            ));
+            checks.push(Check::at_most(
+                "energy balance of a volume [J]",
+                self.worst_volume[1],
+                1e-6,
+            ));
         }
         checks
     }

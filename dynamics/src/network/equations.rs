@@ -4,8 +4,8 @@ use std::cell::{Cell, RefCell};
 
 use diffsol::matrix::dense_nalgebra_serial::NalgebraMat;
 use diffsol::{
-    ConstantOp, Matrix as _, NalgebraContext, NalgebraVec, NonLinearOp, NonLinearOpJacobian,
-    OdeEquations, OdeEquationsRef, Op, ParameterisedOp, UnitCallable,
+    ConstantOp, Matrix as _, NalgebraContext, NalgebraVec, NonLinearOp, NonLinearOpJacobian, OdeEquations,
+    OdeEquationsRef, Op, ParameterisedOp, UnitCallable,
 };
 
 use super::jacobian::Jacobian;

@@ -59,8 +59,10 @@ pub enum RunError {
         force: f64,
     },
     /// No equilibrium of the bodies at rest was found.
-    #[error("the bodies that rest at the start find no equilibrium: {unbalanced} N remain on \"{body}\"; give it a \
-         contact or a spring that carries it, or a travel")]
+    #[error(
+        "the bodies that rest at the start find no equilibrium: {unbalanced} N remain on \"{body}\"; give it a \
+         contact or a spring that carries it, or a travel"
+    )]
     NoEquilibrium {
         /// Body with the largest force.
         body: String,

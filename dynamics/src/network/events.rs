@@ -138,7 +138,11 @@ impl Events {
     /// Takes the passage of one level, to a height of the new sign; the state there is in the workspace.
     pub(crate) fn pass(&mut self, level: usize, time: f64, height: f64, plan: &Plan, mode: &Mode, w: &Workspace) {
         self.heights[level] = height;
-        for watched in self.watched.iter_mut().filter(|watched| watched.levels.contains(&level)) {
+        for watched in self
+            .watched
+            .iter_mut()
+            .filter(|watched| watched.levels.contains(&level))
+        {
             let satisfied = all_satisfied(&self.levels, &watched.levels, &self.heights);
             if satisfied == watched.satisfied {
                 continue;
@@ -185,7 +189,9 @@ impl Events {
     /// Times of all events, known at `now`.
     pub(crate) fn times(&self, plan: &Plan, now: f64) -> Vec<Option<f64>> {
         let mut known = vec![None; self.traces.len()];
-        (0..self.traces.len()).map(|i| self.time(plan, i, now, &mut known, 0)).collect()
+        (0..self.traces.len())
+            .map(|i| self.time(plan, i, now, &mut known, 0))
+            .collect()
     }
 
     /// Time of one event, known at `now`.
@@ -236,12 +242,18 @@ impl Events {
             _ => trace.changes.partition_point(|change| change.time < start),
         };
         let begins = at_once.then_some((start.max(0.0), first));
-        let rising = trace.changes[from..].iter().enumerate().filter(|(_, c)| c.rising && c.admitted);
+        let rising = trace.changes[from..]
+            .iter()
+            .enumerate()
+            .filter(|(_, c)| c.rising && c.admitted);
         let rising = rising.map(|(k, c)| (c.time, from + k + 1));
         let fits = |(time, next): &(f64, usize)| {
             let over = trace.changes.get(*next..).into_iter().flatten().find(|c| !c.rising);
             let lasts = over.map_or(end, |c| c.time) - time >= event.lasting;
-            *time < before && *time <= end && (until == f64::INFINITY || *time < until) && (event.lasting == 0.0 || lasts)
+            *time < before
+                && *time <= end
+                && (until == f64::INFINITY || *time < until)
+                && (event.lasting == 0.0 || lasts)
         };
         let mut candidates = begins.into_iter().chain(rising).filter(fits);
         let found = match event.pick {

@@ -179,7 +179,8 @@ impl<'p> Run<'p> {
             };
             let name = self.plan.assembly.name_of(word.block);
             let states = (&before, &self.y[..]);
-            self.audit.cross(self.plan, name, states, (&self.mode, &self.y), &mut self.w);
+            self.audit
+                .cross(self.plan, name, states, (&self.mode, &self.y), &mut self.w);
             self.tell(word);
         }
     }
@@ -245,7 +246,8 @@ impl<'p> Run<'p> {
         let mut stop = self.stop_time();
         solver.set_stop_time(stop).map_err(|cause| self.failure(&cause))?;
         let mut scratch = NalgebraVec::<f64>::zeros(self.y.len(), Default::default());
-        self.plan.observe(self.slots.need, self.t, &self.y, &self.mode, &mut self.w);
+        self.plan
+            .observe(self.slots.need, self.t, &self.y, &self.mode, &mut self.w);
         self.slots.margins(self.plan, &self.mode, &self.w, &mut self.margin);
         let limit = STEP_LIMIT * (self.plan.assembly.end.ceil().max(1.0) as usize);
         loop {

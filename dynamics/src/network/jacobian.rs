@@ -307,7 +307,15 @@ impl Plan {
             let push = contact.push(u, rate);
             let power = contact.loss.map(|row| (row, push.dashpot * rate));
             let force = push.force * -contact.side;
-            self.scatter(mode, &Element { pair: contact.pair, force, power }, j);
+            self.scatter(
+                mode,
+                &Element {
+                    pair: contact.pair,
+                    force,
+                    power,
+                },
+                j,
+            );
         }
         for spring in &self.springs {
             if spring.switch.is_none_or(|switch| mode.is_on(switch)) {
@@ -315,7 +323,15 @@ impl Plan {
                 let found = spring.force(x, v);
                 let power = spring.loss.map(|row| (row, -found.dashpot * v));
                 let force = found.force;
-                self.scatter(mode, &Element { pair: spring.pair, force, power }, j);
+                self.scatter(
+                    mode,
+                    &Element {
+                        pair: spring.pair,
+                        force,
+                        power,
+                    },
+                    j,
+                );
             }
         }
         for friction in &self.frictions {
@@ -323,7 +339,15 @@ impl Plan {
             let force = friction.force(v);
             let power = Some((friction.loss, force * v));
             let pair = friction.pair;
-            self.scatter(mode, &Element { pair, force: -force, power }, j);
+            self.scatter(
+                mode,
+                &Element {
+                    pair,
+                    force: -force,
+                    power,
+                },
+                j,
+            );
         }
         for imposed in &self.forces {
             if let (ForceLaw::Table(points), Some(work)) = (&imposed.law, imposed.work) {
@@ -342,14 +366,30 @@ impl Plan {
             let found = hold.force(mode.memory[hold.place], x, v);
             let power = hold.loss.map(|row| (row, -found.dashpot * v));
             let force = found.force;
-            self.scatter(mode, &Element { pair: hold.pair, force, power }, j);
+            self.scatter(
+                mode,
+                &Element {
+                    pair: hold.pair,
+                    force,
+                    power,
+                },
+                j,
+            );
         }
         for fastener in &self.fasteners {
             let [x, v] = seeded(w.travel(fastener.work), w.speed(fastener.work));
             let force = fastener.force(mode, x - fastener.tip_at);
             let power = Some((fastener.penetration, force * v));
             let pair = fastener.work;
-            self.scatter(mode, &Element { pair, force: -force, power }, j);
+            self.scatter(
+                mode,
+                &Element {
+                    pair,
+                    force: -force,
+                    power,
+                },
+                j,
+            );
             if let Some(row) = fastener.guide_loss
                 && mode.switches[fastener.head] == head::ATTACHED
             {
@@ -357,7 +397,15 @@ impl Plan {
                 let force = fastener.guide(v);
                 let power = Some((row, force * v));
                 let pair = fastener.guide;
-                self.scatter(mode, &Element { pair, force: -force, power }, j);
+                self.scatter(
+                    mode,
+                    &Element {
+                        pair,
+                        force: -force,
+                        power,
+                    },
+                    j,
+                );
             }
         }
     }

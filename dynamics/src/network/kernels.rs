@@ -147,8 +147,7 @@ impl FrictionPlan {
         let level = self.sliding_force + fall;
         let turn = saturating_tanh(x / self.width);
         let force = level * turn + self.viscous * x;
-        let slope =
-            level * (1.0 - turn * turn) / self.width - 2.0 * w / self.stribeck * fall * turn + self.viscous;
+        let slope = level * (1.0 - turn * turn) / self.width - 2.0 * w / self.stribeck * fall * turn + self.viscous;
         v.chain(force, slope)
     }
 }
@@ -273,10 +272,7 @@ impl RestrictionPlan {
                     let opening = (travel[way.input] - way.at) * way.sign;
                     // Segment of the circle, (p - sin p cos p)/pi of its area with cos p = 1 - 2 Y/d.
                     let p = (1.0 - 2.0 * opening.value() / d).clamp(-1.0, 1.0).acos();
-                    opening.chain(
-                        area * (p - p.sin() * p.cos()) / PI,
-                        4.0 * area * p.sin() / (PI * d),
-                    )
+                    opening.chain(area * (p - p.sin() * p.cos()) / PI, 4.0 * area * p.sin() / (PI * d))
                 }
             },
         };

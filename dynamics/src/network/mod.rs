@@ -5,7 +5,7 @@
 //!
 //! | part | modules |
 //! |---|---|
-//! | description | `assembly` |
+//! | description | `assembly`, `text` (its reader) |
 //! | compilation | `plan`, `probe` (channels and expressions), `start` |
 //! | physics | `kernels`, `rates` (right-hand side), `jacobian` |
 //! | modes | `mode`, `switching`, `signals` (triggers and gates), `events` |
@@ -29,6 +29,7 @@ mod record;
 mod signals;
 mod start;
 mod switching;
+mod text;
 mod tolerances;
 
 pub use assembly::Assembly;
@@ -36,6 +37,7 @@ pub use error::RunError;
 pub use record::{
     Channel, Effort, EventTime, FlowHistory, LedgerEntry, LoadHistory, LogEntry, Peak, PressureHistory, Record, Strike,
 };
+pub use text::{AssemblyError, AssemblyText, BUILT_IN, DeclaredKey, Fault, KeyValue, Keys, Literal, Resolved};
 
 use crate::Method;
 

@@ -102,11 +102,7 @@ pub(crate) struct TravelPlan {
 #[derive(Debug, Clone)]
 pub(crate) enum CoefficientPlan {
     Constant(f64),
-    Ratio {
-        polynomial: Vec<f64>,
-        from: f64,
-        to: f64,
-    },
+    Ratio { polynomial: Vec<f64>, from: f64, to: f64 },
 }
 
 /// A restriction.
@@ -565,7 +561,9 @@ impl Plan {
             .collect();
         let atmosphere = assembly.reservoirs.iter().position(|r| r.name == "atmosphere");
         let stops = assembly.contacts.iter().map(|c| c.at.abs());
-        let reach = stops.chain(assembly.faces.iter().map(|f| f.zero.abs())).fold(0.0, f64::max);
+        let reach = stops
+            .chain(assembly.faces.iter().map(|f| f.zero.abs()))
+            .fold(0.0, f64::max);
         let plan = Self {
             gas_constant: assembly.gas_constant,
             gamma: assembly.heat_capacity_ratio,
@@ -685,9 +683,8 @@ fn passages(c: &mut Compiler<'_>, airs: &mut Vec<Air>, full: bool) -> Result<Vec
                 }
             };
             let restrictions = c.restrictions(passage)?;
-            let jet = |force: &super::assembly::Force| {
-                matches!(force.law, ForceLaw::Jet { passage, .. } if passage == index)
-            };
+            let jet =
+                |force: &super::assembly::Force| matches!(force.law, ForceLaw::Jet { passage, .. } if passage == index);
             let shut = |r: &RestrictionPlan| matches!(r.area, AreaPlan::Constant(area) if area <= 0.0);
             Ok(PassagePlan {
                 shut: restrictions.list.iter().any(shut),

@@ -111,9 +111,7 @@ impl Probe {
 
     pub(crate) fn need(self) -> Need {
         match self {
-            Self::MassFlow(_) | Self::Before(..) | Self::Upstream(_) | Self::Choked(_) => {
-                Need::Flows
-            }
+            Self::MassFlow(_) | Self::Before(..) | Self::Upstream(_) | Self::Choked(_) => Need::Flows,
             Self::Acceleration(_)
             | Self::Contact(_)
             | Self::Spring(_)
@@ -247,7 +245,10 @@ impl Program {
         };
         let deepest = program.push(plan, owner, expression, 0)?;
         if deepest > DEPTH {
-            return Err(Self::refuse(owner, "is nested too deeply; name a part of it as a sensor"));
+            return Err(Self::refuse(
+                owner,
+                "is nested too deeply; name a part of it as a sensor",
+            ));
         }
         Ok(program)
     }
@@ -277,7 +278,10 @@ impl Program {
                 let sensor = plan.assembly.sensors.get(*index);
                 let sensor = sensor.ok_or_else(|| Self::refuse(owner, "reads a sensor that does not exist"))?;
                 if sensors > plan.assembly.sensors.len() {
-                    return Err(Self::refuse(owner, "reads sensors that depend on each other in a circle"));
+                    return Err(Self::refuse(
+                        owner,
+                        "reads sensors that depend on each other in a circle",
+                    ));
                 }
                 self.push(plan, owner, &sensor.value, sensors + 1)?
             }

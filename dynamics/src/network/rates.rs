@@ -260,7 +260,11 @@ impl Plan {
         for (i, fastener) in self.fasteners.iter().enumerate() {
             let resistance = fastener.force(mode, w.travel(fastener.work) - fastener.tip_at);
             let guided = fastener.guide_loss.is_some() && mode.switches[fastener.head] == head::ATTACHED;
-            let guide = if guided { fastener.guide(w.speed(fastener.guide)) } else { 0.0 };
+            let guide = if guided {
+                fastener.guide(w.speed(fastener.guide))
+            } else {
+                0.0
+            };
             w.fastener[i] = [resistance, guide];
         }
     }

@@ -185,17 +185,26 @@ impl Record {
 
     /// Time of an event by its name; none if it did not happen or is not defined.
     pub fn event(&self, name: &str) -> Option<f64> {
-        self.events.iter().find(|event| event.name == name).and_then(|event| event.time)
+        self.events
+            .iter()
+            .find(|event| event.name == name)
+            .and_then(|event| event.time)
     }
 
     /// An integral by its name.
     pub fn integral(&self, name: &str) -> Option<f64> {
-        self.ledger.iter().find(|entry| entry.name == name).map(|entry| entry.value)
+        self.ledger
+            .iter()
+            .find(|entry| entry.name == name)
+            .map(|entry| entry.value)
     }
 
     /// Largest force of a contact or a fastener \[N\].
     pub fn peak(&self, block: &str) -> Option<f64> {
-        self.peaks.iter().find(|peak| peak.block == block).map(|peak| peak.force)
+        self.peaks
+            .iter()
+            .find(|peak| peak.block == block)
+            .map(|peak| peak.force)
     }
 
     /// Whether mass, energy and momentum are conserved.
@@ -225,7 +234,11 @@ impl Record {
             outcome,
             openings: recorder.openings.into_iter().map(|opening| opening.history).collect(),
             loads: recorder.loads.into_iter().map(|load| load.history).collect(),
-            pressures: recorder.pressures.into_iter().map(|pressure| pressure.history).collect(),
+            pressures: recorder
+                .pressures
+                .into_iter()
+                .map(|pressure| pressure.history)
+                .collect(),
             ledger,
             peaks,
             strikes,
@@ -367,7 +380,12 @@ impl Recorder {
         for (i, passage) in a.passages.iter().enumerate() {
             probe(&passage.name, "mass_flow", "kg/s", Probe::MassFlow(i));
             if passage.restrictions.len() > 1 {
-                probe(&passage.name, "plenum", "Pa", Probe::Before(i, passage.restrictions.len() - 1));
+                probe(
+                    &passage.name,
+                    "plenum",
+                    "Pa",
+                    Probe::Before(i, passage.restrictions.len() - 1),
+                );
             }
         }
         for (i, block) in a.contacts.iter().enumerate() {
@@ -456,7 +474,10 @@ impl Recorder {
                     (gas(*above), Some((gas(*below), Program::new(plan, &owner, at)?)))
                 }
                 PressurePatch::Plenum(passage) => {
-                    let last = plan.passages.get(*passage).map_or(0, |p| p.restrictions.len().saturating_sub(1));
+                    let last = plan
+                        .passages
+                        .get(*passage)
+                        .map_or(0, |p| p.restrictions.len().saturating_sub(1));
                     (Probe::Before(*passage, last), None)
                 }
             };
@@ -485,7 +506,8 @@ impl Recorder {
 
     /// Time of the next sample; infinite where nothing is sampled.
     pub(crate) fn next_time(&self) -> f64 {
-        self.interval.map_or(f64::INFINITY, |interval| self.samples as f64 * interval)
+        self.interval
+            .map_or(f64::INFINITY, |interval| self.samples as f64 * interval)
     }
 
     /// Appends a sample of a state.
@@ -506,7 +528,9 @@ impl Recorder {
             history.mass_flow.push(mass);
             history.pressure.push(before);
             history.back_pressure.push(behind);
-            history.temperature.push(Probe::Upstream(opening.passage).value(plan, mode, w));
+            history
+                .temperature
+                .push(Probe::Upstream(opening.passage).value(plan, mode, w));
             history.choked.push(open && behind < critical * before);
         }
         for load in &mut self.loads {
@@ -540,6 +564,10 @@ pub(crate) fn restriction_name(plan: &Plan, family: Family, index: usize, restri
     if family != Family::Passage {
         return String::new();
     }
-    let found = plan.assembly.passages.get(index).and_then(|passage| passage.restrictions.get(restriction));
+    let found = plan
+        .assembly
+        .passages
+        .get(index)
+        .and_then(|passage| passage.restrictions.get(restriction));
     found.map_or_else(String::new, |restriction| restriction.name.clone())
 }

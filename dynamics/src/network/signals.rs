@@ -32,7 +32,6 @@ struct Pending {
     on: bool,
 }
 
-
 /// Triggers in time.
 #[derive(Debug, Clone)]
 pub(crate) struct Signals {

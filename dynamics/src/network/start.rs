@@ -55,7 +55,11 @@ impl Plan {
         for (i, fastener) in self.fasteners.iter().enumerate() {
             let z = self.depth(i, &w);
             if z > 0.0 {
-                mode.switches[fastener.depth] = if z < fastener.length { depth::LOADING } else { depth::SEATED };
+                mode.switches[fastener.depth] = if z < fastener.length {
+                    depth::LOADING
+                } else {
+                    depth::SEATED
+                };
             }
         }
         Ok(Origin { y, mode, signals })
@@ -83,7 +87,13 @@ impl Plan {
         // As many rounds as bodies reach from the ground to the last body of a chain.
         for _ in 0..self.bodies.len() {
             for (body, described) in self.assembly.bodies.iter().enumerate() {
-                let at = |y: &[f64], other: usize| if other == ground { [0.0; 2] } else { [y[2 * other], y[2 * other + 1]] };
+                let at = |y: &[f64], other: usize| {
+                    if other == ground {
+                        [0.0; 2]
+                    } else {
+                        [y[2 * other], y[2 * other + 1]]
+                    }
+                };
                 let [position, velocity] = match described.start {
                     Start::At { travel, speed } => {
                         let [base, rate] = at(y, self.bodies[body].parent);
@@ -117,10 +127,11 @@ impl Plan {
         self.place(y, w);
         for (i, contact) in self.contacts.iter().enumerate() {
             let u = contact.overlap(w.travel(contact.pair), 0.0).0;
-            let rested = seats
-                && self.assembly.bodies.iter().any(|body| {
-                    matches!(body.start, Start::RestOn(b) if b.family == Family::Contact && b.index == i)
-                });
+            let rested =
+                seats
+                    && self.assembly.bodies.iter().any(
+                        |body| matches!(body.start, Start::RestOn(b) if b.family == Family::Contact && b.index == i),
+                    );
             mode.switches[contact.switch] = u8::from(u > 0.0 || rested);
         }
         for spring in &self.springs {
@@ -166,7 +177,11 @@ impl Plan {
                 force[*carrier] += own;
             }
         }
-        size += self.faces.iter().map(|face| (w.pressure[face.gas] * face.area).abs()).sum::<f64>();
+        size += self
+            .faces
+            .iter()
+            .map(|face| (w.pressure[face.gas] * face.area).abs())
+            .sum::<f64>();
         size += w.contact.iter().map(|contact| contact.force.abs()).sum::<f64>();
         size += w.imposed.iter().chain(&w.motor).map(|force| force.abs()).sum::<f64>();
         (force, size)
@@ -175,7 +190,9 @@ impl Plan {
     /// Newton's method for the positions of the resting bodies; contacts open and close with their overlap.
     fn settle(&self, y: &mut [f64], mode: &mut Mode, w: &mut Workspace) -> Result<(), RunError> {
         let carriers = self.carriers();
-        let resting: Vec<usize> = (0..self.bodies.len()).filter(|body| carriers[*body] == Some(*body)).collect();
+        let resting: Vec<usize> = (0..self.bodies.len())
+            .filter(|body| carriers[*body] == Some(*body))
+            .collect();
         if resting.is_empty() {
             return Ok(());
         }
@@ -253,12 +270,17 @@ impl Plan {
     /// Refuses bodies that are lifted off the contact they rest on, unless a latch holds them.
     fn check_seats(&self, y: &[f64], mode: &Mode) -> Result<(), RunError> {
         for (body, described) in self.assembly.bodies.iter().enumerate() {
-            let Start::RestOn(block) = described.start else { continue };
+            let Start::RestOn(block) = described.start else {
+                continue;
+            };
             if block.family != Family::Contact {
                 continue;
             }
             let contact = &self.contacts[block.index];
-            let held = self.holds.iter().any(|h| mode.is_on(h.switch) && (h.pair.on == body || h.pair.against == body));
+            let held = self
+                .holds
+                .iter()
+                .any(|h| mode.is_on(h.switch) && (h.pair.on == body || h.pair.against == body));
             if mode.is_on(contact.switch) || held {
                 continue;
             }

@@ -66,7 +66,13 @@ impl Slots {
         let rounding = 16.0 * f64::EPSILON * plan.reach;
         let noise = list
             .iter()
-            .map(|slot| if matches!(slot, Slot::Contact(_)) { rounding } else { 0.0 })
+            .map(|slot| {
+                if matches!(slot, Slot::Contact(_)) {
+                    rounding
+                } else {
+                    0.0
+                }
+            })
             .collect();
         Ok(Self { list, noise, need })
     }
@@ -119,7 +125,9 @@ impl Slot {
                 }
             }
             Self::Condition { passage, program } => {
-                let on = plan.passages[*passage].condition.is_some_and(|switch| mode.is_on(switch));
+                let on = plan.passages[*passage]
+                    .condition
+                    .is_some_and(|switch| mode.is_on(switch));
                 signed(on, program.value(plan, mode, w))
             }
             Self::Head(i) => {
@@ -167,7 +175,9 @@ impl Slot {
                 Some(word(Family::Passage, *passage, *restriction, action))
             }
             Self::Condition { passage, .. } => {
-                let on = plan.passages[*passage].condition.is_some_and(|switch| toggle(mode, switch));
+                let on = plan.passages[*passage]
+                    .condition
+                    .is_some_and(|switch| toggle(mode, switch));
                 let action = if on { Action::GateOpens } else { Action::GateShuts };
                 Some(word(Family::Passage, *passage, 0, action))
             }

@@ -18,9 +18,17 @@ pub(crate) fn tolerances(plan: &Plan, relative: f64) -> Vec<f64> {
         size[2 * body] = described.weights.position;
         size[2 * body + 1] = described.weights.velocity;
     }
-    let pressures = a.volumes.iter().map(|v| v.pressure).chain(a.reservoirs.iter().map(|r| r.pressure));
+    let pressures = a
+        .volumes
+        .iter()
+        .map(|v| v.pressure)
+        .chain(a.reservoirs.iter().map(|r| r.pressure));
     let pressure = pressures.fold(0.0, f64::max);
-    let ambient = a.reservoirs.iter().find(|r| r.name == "atmosphere").map(|r| r.temperature);
+    let ambient = a
+        .reservoirs
+        .iter()
+        .find(|r| r.name == "atmosphere")
+        .map(|r| r.temperature);
     for (i, volume) in a.volumes.iter().enumerate() {
         let energy = pressure * volume.dead;
         size[plan.energy() + i] = energy / (plan.gamma - 1.0);

@@ -12,8 +12,14 @@ pub(crate) fn chain(count: usize) -> Assembly {
     for i in 0..count {
         let pressure = if i == 0 { 800e3 } else { 101_325.0 };
         chain.volumes.push(volume(&format!("volume{i}"), 100e-6, pressure));
-        let next = if i + 1 < count { Space::Volume(i + 1) } else { Space::Reservoir(0) };
-        chain.passages.push(passage(&format!("passage{i}"), Space::Volume(i), next, constant(20e-6)));
+        let next = if i + 1 < count {
+            Space::Volume(i + 1)
+        } else {
+            Space::Reservoir(0)
+        };
+        chain
+            .passages
+            .push(passage(&format!("passage{i}"), Space::Volume(i), next, constant(20e-6)));
         let start = Start::At {
             travel: 0.0,
             speed: 0.0,
@@ -29,8 +35,12 @@ pub(crate) fn chain(count: usize) -> Assembly {
             zero: 0.0,
             perimeter: 0.0,
         };
-        chain.faces.push(face(format!("inside{i}"), Space::Volume(i), Push::Down));
-        chain.faces.push(face(format!("outside{i}"), Space::Reservoir(0), Push::Up));
+        chain
+            .faces
+            .push(face(format!("inside{i}"), Space::Volume(i), Push::Down));
+        chain
+            .faces
+            .push(face(format!("outside{i}"), Space::Reservoir(0), Push::Up));
         chain.springs.push(Spring {
             name: format!("spring{i}"),
             on: i,

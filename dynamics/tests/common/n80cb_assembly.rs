@@ -86,12 +86,33 @@ fn faces(p: &Parameters, g: &Geometry) -> Vec<Face> {
         },
         Face {
             perimeter: bore,
-            ..made("piston_ring", gas(BELOW), PISTON, Push::Up, g.ring_area, p.piston.stroke)
+            ..made(
+                "piston_ring",
+                gas(BELOW),
+                PISTON,
+                Push::Up,
+                g.ring_area,
+                p.piston.stroke,
+            )
         },
         made("piston_rod", Space::Reservoir(0), PISTON, Push::Up, g.rod_area, 0.0),
         made("valve_top", gas(CONTROL), VALVE, Push::Down, g.valve_control_area, 0.0),
-        made("valve_outer", gas(SUPPLY), VALVE, Push::Up, g.valve_supply_area, p.head_valve.lift),
-        made("valve_inner", gas(ABOVE), VALVE, Push::Up, g.valve_cylinder_area, p.head_valve.lift),
+        made(
+            "valve_outer",
+            gas(SUPPLY),
+            VALVE,
+            Push::Up,
+            g.valve_supply_area,
+            p.head_valve.lift,
+        ),
+        made(
+            "valve_inner",
+            gas(ABOVE),
+            VALVE,
+            Push::Up,
+            g.valve_cylinder_area,
+            p.head_valve.lift,
+        ),
     ]
 }
 
@@ -122,7 +143,13 @@ fn passages(p: &Parameters, g: &Geometry) -> Vec<Passage> {
         })
     };
     let intake = restriction(
-        seat(Push::Up, valve.intake_lap, p.piston.bore, valve.intake_angle, Cone::Narrows),
+        seat(
+            Push::Up,
+            valve.intake_lap,
+            p.piston.bore,
+            valve.intake_angle,
+            Cone::Narrows,
+        ),
         Coefficient::RatioPolynomial {
             coefficients: vec![1.1, -0.71, 0.49, -0.14],
             from: 0.390,
@@ -131,7 +158,13 @@ fn passages(p: &Parameters, g: &Geometry) -> Vec<Passage> {
     );
     let exhaust = [
         restriction(
-            seat(Push::Down, valve.exhaust_lap, valve.exhaust_seat_diameter, valve.exhaust_angle, Cone::Widens),
+            seat(
+                Push::Down,
+                valve.exhaust_lap,
+                valve.exhaust_seat_diameter,
+                valve.exhaust_angle,
+                Cone::Widens,
+            ),
             cd.clone(),
         ),
         hole(g.exhaust_area),
@@ -161,11 +194,21 @@ fn passages(p: &Parameters, g: &Geometry) -> Vec<Passage> {
         passage("leak", gas(BELOW), outside, hole(c.leak_area)),
         Passage {
             gate: gate(true),
-            ..passage("vent", gas(CONTROL), outside, attenuated(p.trigger.vent_area, g.attenuation_vent))
+            ..passage(
+                "vent",
+                gas(CONTROL),
+                outside,
+                attenuated(p.trigger.vent_area, g.attenuation_vent),
+            )
         },
         Passage {
             gate: gate(false),
-            ..passage("fill", gas(SUPPLY), gas(CONTROL), attenuated(p.trigger.fill_area, g.attenuation_fill))
+            ..passage(
+                "fill",
+                gas(SUPPLY),
+                gas(CONTROL),
+                attenuated(p.trigger.fill_area, g.attenuation_fill),
+            )
         },
         Passage {
             one_way: true,
@@ -183,13 +226,53 @@ fn contacts(p: &Parameters, g: &Geometry) -> Vec<Contact> {
     let nose = ratio(c.nose_damping_ratio, c.nose_stiffness, p.tool.mass);
     let guard = c.guard_stiffness * c.nose_stiffness / (c.guard_stiffness + c.nose_stiffness);
     vec![
-        contact("bumper", PISTON, tool, Stop::Below, stroke, c.bumper_stiffness, c.bumper_damping),
-        contact("stopper", PISTON, tool, Stop::Above, 0.0, c.stopper_stiffness, c.stopper_damping),
-        contact("cap", VALVE, tool, Stop::Above, 0.0, c.cap_stiffness, valve(c.cap_stiffness)),
-        contact("seat", VALVE, tool, Stop::Below, lift, c.seat_stiffness, valve(c.seat_stiffness)),
+        contact(
+            "bumper",
+            PISTON,
+            tool,
+            Stop::Below,
+            stroke,
+            c.bumper_stiffness,
+            c.bumper_damping,
+        ),
+        contact(
+            "stopper",
+            PISTON,
+            tool,
+            Stop::Above,
+            0.0,
+            c.stopper_stiffness,
+            c.stopper_damping,
+        ),
+        contact(
+            "cap",
+            VALVE,
+            tool,
+            Stop::Above,
+            0.0,
+            c.cap_stiffness,
+            valve(c.cap_stiffness),
+        ),
+        contact(
+            "seat",
+            VALVE,
+            tool,
+            Stop::Below,
+            lift,
+            c.seat_stiffness,
+            valve(c.seat_stiffness),
+        ),
         contact("nose", TOOL, wood, Stop::Below, 0.0, c.nose_stiffness, nose),
         contact("guard", TOOL, wood, Stop::Below, -c.guard_travel, guard, 0.0),
-        contact("support", WORKPIECE, Base::Ground, Stop::Below, 0.0, p.support.stiffness, g.support_damping),
+        contact(
+            "support",
+            WORKPIECE,
+            Base::Ground,
+            Stop::Below,
+            0.0,
+            p.support.stiffness,
+            g.support_damping,
+        ),
     ]
 }
 
@@ -248,13 +331,21 @@ fn events(p: &Parameters, g: &Geometry) -> Vec<Event> {
     vec![
         event("t0", Edge::At(0.0)),
         after("t1", becomes(lifted(10e-6)), 0),
-        after("t2", becomes(at_most(pressure(CONTROL), ambient + 0.1 * (supply - ambient))), 0),
+        after(
+            "t2",
+            becomes(at_most(pressure(CONTROL), ambient + 0.1 * (supply - ambient))),
+            0,
+        ),
         after("t3", becomes(lifted(p.head_valve.intake_lap)), 0),
         after("t4", becomes(compare(travel(), 0.1e-3, true)), 0),
         after("t5", becomes(compare(travel(), g.head_gap, true)), 0),
         after("t6", becomes(compare(nail(Quantity::Depth), 0.0, true)), 0),
         after("t7", becomes(compare(travel(), 50.51e-3, true)), 0),
-        after("t8", becomes(compare(travel(), p.chambers.check_hole_position, true)), 0),
+        after(
+            "t8",
+            becomes(compare(travel(), p.chambers.check_hole_position, true)),
+            0,
+        ),
         after("t9", becomes(at_most(nail(Quantity::Advance), 0.0)), 6),
         after("t10", Edge::Is(compare(travel(), p.piston.stroke, false)), 9),
         Event {
@@ -265,7 +356,11 @@ fn events(p: &Parameters, g: &Geometry) -> Vec<Event> {
         after("t12", becomes(at_most(overlap, 0.0)), 0),
         Event {
             condition: Some(compare(pressure(ABOVE), ambient, true)),
-            ..after("t13", becomes(compare(valve(), lift - p.head_valve.exhaust_lap, false)), 12)
+            ..after(
+                "t13",
+                becomes(compare(valve(), lift - p.head_valve.exhaust_lap, false)),
+                12,
+            )
         },
         Event {
             before: Some(15),

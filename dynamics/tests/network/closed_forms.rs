@@ -1,7 +1,7 @@
 //! Closed forms: a vessel that empties, two vessels, a gas spring, a bumper.
 
-use nailnoise_dynamics::network::{Assembly, Numerics, simulate};
 use nailnoise_dynamics::network::assembly::*;
+use nailnoise_dynamics::network::{Assembly, Numerics, simulate};
 
 use crate::assembly::*;
 use crate::{close, run};
@@ -46,7 +46,8 @@ fn two_vessels_come_to_one_pressure_each_at_its_temperature() {
         temperature: 350.0,
         ..volume("second", 2e-3, 101_325.0)
     });
-    pair.passages.push(passage("pipe", VESSEL, Space::Volume(1), constant(20e-6)));
+    pair.passages
+        .push(passage("pipe", VESSEL, Space::Volume(1), constant(20e-6)));
     for (name, family, index, quantity) in [
         ("p1", Family::Volume, 0, Quantity::Pressure),
         ("p2", Family::Volume, 1, Quantity::Pressure),
@@ -119,9 +120,19 @@ fn a_gas_spring_turns_where_its_energy_is_back() {
     };
     let record = simulate(&spring, &numerics).unwrap();
     assert!(record.is_certified(), "{:#?}", record.checks);
-    close("half a period", record.event("turns").unwrap(), 0.031_669_013_933_536_96, 1e-8);
+    close(
+        "half a period",
+        record.event("turns").unwrap(),
+        0.031_669_013_933_536_96,
+        1e-8,
+    );
     close("period", record.event("back").unwrap(), 0.063_338_027_867_073_92, 1e-8);
-    close("amplitude", record.get("piston.travel").unwrap()[1], 0.157_502_468_606_746_22, 1e-8);
+    close(
+        "amplitude",
+        record.get("piston.travel").unwrap()[1],
+        0.157_502_468_606_746_22,
+        1e-8,
+    );
 }
 
 /// 131 g at 10 m/s onto 980 N/mm with 265 N s/m.
@@ -136,7 +147,9 @@ fn a_bumper_gives_back_what_its_dashpot_leaves() {
             speed: 10.0,
         },
     ));
-    bumper.contacts.push(contact("bumper", 0, Base::Ground, Stop::Below, 0.0, 980e3, 265.0));
+    bumper
+        .contacts
+        .push(contact("bumper", 0, Base::Ground, Stop::Below, 0.0, 980e3, 265.0));
     for (name, action) in [("hits", Action::Closes), ("leaves", Action::Opens)] {
         let word = Word {
             block: BlockRef {
@@ -159,6 +172,16 @@ fn a_bumper_gives_back_what_its_dashpot_leaves() {
     close("contact", time, 0.938_127_719_690_546_7e-3, 1e-7);
     let rebound = -record.get("piston.speed").unwrap().last().unwrap();
     close("rebound", rebound, 3.871_784_271_469_028, 1e-8);
-    close("dashpot", record.integral("dashpot.bumper").unwrap(), 5.031_004_773_620_664, 1e-8);
-    close("spring", record.integral("lost.bumper").unwrap(), 0.537_103_495_745_268, 1e-7);
+    close(
+        "dashpot",
+        record.integral("dashpot.bumper").unwrap(),
+        5.031_004_773_620_664,
+        1e-8,
+    );
+    close(
+        "spring",
+        record.integral("lost.bumper").unwrap(),
+        0.537_103_495_745_268,
+        1e-7,
+    );
 }

@@ -27,5 +27,8 @@ fn run(assembly: &Assembly, tolerance: f64) -> Record {
 
 /// Asserts that a value is near another, as a part of it.
 fn close(what: &str, found: f64, expected: f64, part: f64) {
-    assert!((found / expected - 1.0).abs() <= part, "{what}: {found} instead of {expected}");
+    assert!(
+        (found / expected - 1.0).abs() <= part,
+        "{what}: {found} instead of {expected}"
+    );
 }

@@ -30,13 +30,19 @@ fn events_and_peaks_equal_those_of_the_fixed_cycle() {
     assert!(network.is_certified(), "{:#?}", network.checks);
     for (i, time) in fixed.events.to_array().into_iter().enumerate() {
         let found = network.event(&format!("t{i}"));
-        println!("t{i}: {time:?} {found:?} {:e}", found.unwrap_or(0.0) - time.unwrap_or(0.0));
+        println!(
+            "t{i}: {time:?} {found:?} {:e}",
+            found.unwrap_or(0.0) - time.unwrap_or(0.0)
+        );
     }
     println!("{:?}\n{:?}", fixed.work, network.work);
     println!("{} {}", fixed.len(), network.channels[0].values.len());
     for (i, time) in fixed.events.to_array().into_iter().enumerate() {
         let found = network.event(&format!("t{i}"));
-        assert!((found.unwrap() - time.unwrap()).abs() < 1e-6, "t{i}: {found:?} {time:?}");
+        assert!(
+            (found.unwrap() - time.unwrap()).abs() < 1e-6,
+            "t{i}: {found:?} {time:?}"
+        );
     }
     let s = &fixed.summary;
     for (name, expected) in [
