@@ -116,6 +116,36 @@ pub enum Action {
     Stops,
 }
 
+impl Action {
+    /// The word of the log.
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::Closes => "closes",
+            Self::Opens => "opens",
+            Self::GateOpens => "gate opens",
+            Self::Shuts => "shuts",
+            Self::GateShuts => "gate shuts",
+            Self::Uncovered => "uncovered",
+            Self::Covered => "covered",
+            Self::Choked => "choked",
+            Self::Unchoked => "unchoked",
+            Self::Reverses => "reverses",
+            Self::Struck => "struck",
+            Self::Left => "left",
+            Self::Enters => "enters",
+            Self::Seats => "seats",
+            Self::Unloads => "unloads",
+            Self::Reloads => "reloads",
+            Self::Sticks => "sticks",
+            Self::Slips => "slips",
+            Self::Catches => "catches",
+            Self::Releases => "releases",
+            Self::Runs => "runs",
+            Self::Stops => "stops",
+        }
+    }
+}
+
 /// Boolean signal.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Trigger {

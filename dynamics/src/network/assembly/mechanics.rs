@@ -282,6 +282,6 @@ pub struct Seated {
     pub unloading: f64,
     /// Friction of the guide on the fastener \[N\].
     pub guide_friction: f64,
-    /// Speed over which the guide's friction changes its sign \[m/s\].
+    /// v_0 of the guide's friction, F tanh(v/v_0) \[m/s\].
     pub guide_width: f64,
 }

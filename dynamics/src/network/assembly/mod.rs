@@ -83,6 +83,29 @@ pub struct Assembly {
     pub pressures: Vec<PressureSurface>,
 }
 
+impl Assembly {
+    /// Name of a block; empty if its index is out of range.
+    pub fn name_of(&self, block: BlockRef) -> &str {
+        let i = block.index;
+        let name = match block.family {
+            Family::Reservoir => self.reservoirs.get(i).map(|b| &b.name),
+            Family::Body => self.bodies.get(i).map(|b| &b.name),
+            Family::Volume => self.volumes.get(i).map(|b| &b.name),
+            Family::Face => self.faces.get(i).map(|b| &b.name),
+            Family::Passage => self.passages.get(i).map(|b| &b.name),
+            Family::Contact => self.contacts.get(i).map(|b| &b.name),
+            Family::Spring => self.springs.get(i).map(|b| &b.name),
+            Family::Friction => self.frictions.get(i).map(|b| &b.name),
+            Family::Force => self.forces.get(i).map(|b| &b.name),
+            Family::Motor => self.motors.get(i).map(|b| &b.name),
+            Family::Hold => self.holds.get(i).map(|b| &b.name),
+            Family::Fastener => self.fasteners.get(i).map(|b| &b.name),
+            Family::Trigger => self.triggers.get(i).map(|b| &b.name),
+        };
+        name.map_or("", |name| name)
+    }
+}
+
 /// Early end of the record: `tail` after `event`, and never past another event.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Finish {
