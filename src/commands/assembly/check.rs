@@ -382,7 +382,8 @@ fn balances(assembly: &Assembly) -> Table {
                 .faces
                 .iter()
                 .filter(|face| face.body == index && face.push == push);
-            1e6 * of.map(|face| face.area).sum::<f64>()
+            // An empty sum is -0.
+            of.map(|face| 1e6 * face.area).sum::<f64>().abs()
         };
         let loads: Vec<&str> = assembly
             .loads

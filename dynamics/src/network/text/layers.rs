@@ -303,8 +303,8 @@ impl AssemblyText {
         match read {
             Ok(base) => self.add(&base, depth),
             Err(reason) => {
-                let name = name.to_owned();
-                Err(self.error("cycle.assembly", &spot, Fault::Unreadable { name, reason }))
+                let (name, known) = (name.to_owned(), BUILT_IN.map(|(name, _)| name.to_owned()).to_vec());
+                Err(self.error("cycle.assembly", &spot, Fault::Unreadable { name, reason, known }))
             }
         }
     }
@@ -404,10 +404,9 @@ impl AssemblyText {
 
     /// The error of a value whose key is not declared.
     pub(super) fn undeclared(&self, path: &str, node: &Node) -> AssemblyError {
-        let (group, key) = path.rsplit_once('.').unwrap_or(("", path));
-        let fault = Fault::Missing {
-            field: format!("keys.{path}"),
-            example: format!("[keys.{group}] {key} = {{ domain = \"1 .. 100 mm\", text = \"...\" }}"),
+        let fault = Fault::Undeclared {
+            key: path.to_owned(),
+            known: self.declared.keys().cloned().collect(),
         };
         self.error(path, &node.spot, fault)
     }

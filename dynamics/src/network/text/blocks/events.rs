@@ -3,7 +3,7 @@
 use nailnoise_quantities::dimension::TIME;
 use nailnoise_quantities::{Dimension, nonnegative};
 
-use super::{each, entries};
+use super::list::{each, entries};
 use crate::network::assembly::{
     Action, Comparison, Condition, Edge, Event, Expression, Family, Opens, Outcome, OutcomeTest, Passage, Pick, Sensor,
     Trigger, Word,
@@ -411,7 +411,9 @@ pub(super) fn outcomes(top: &Fields<'_, '_>, sensors: &[Measured]) -> Result<Vec
         None => {}
         Some((Tree::Array(items), _)) => {
             for item in items {
-                let Tree::Array(pair) = &item.value else { return Err(wrong()) };
+                let Tree::Array(pair) = &item.value else {
+                    return Err(wrong());
+                };
                 let [name, test] = &pair[..] else { return Err(wrong()) };
                 tests.push((name.text().ok_or_else(wrong)?, test));
             }
