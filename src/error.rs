@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use miette::Diagnostic;
 use nailnoise_dynamics::CycleError;
 use nailnoise_dynamics::network::RunError;
+use nailnoise_pipeline::{PipelineError, StageError};
 use thiserror::Error;
 
 use crate::design::DesignError;
@@ -13,12 +14,10 @@ use crate::design::DesignError;
 #[derive(Debug, Error, Diagnostic)]
 #[non_exhaustive]
 pub enum Error {
-    /// An input could not be computed; its own error is reported once, where it occurred.
-    #[error("{stage} could not be computed")]
-    Upstream {
-        /// Name of the stage that failed.
-        stage: &'static str,
-    },
+    /// An input of a stage could not be computed.
+    #[error(transparent)]
+    #[diagnostic(transparent)]
+    Pipeline(#[from] PipelineError),
     /// The page of a watched design cannot be served.
     #[error("the page cannot be served on this machine: {source}")]
     #[diagnostic(help("permit connections to 127.0.0.1, or use `nailnoise run`"))]
@@ -246,6 +245,10 @@ pub enum Error {
     #[error(transparent)]
     #[diagnostic(transparent)]
     Measurement(#[from] nailnoise_measurement::MeasurementError),
+    /// A design cannot be calibrated.
+    #[error(transparent)]
+    #[diagnostic(transparent)]
+    Calibration(#[from] crate::calibration::CalibrationError),
     /// A penetration law cannot be evaluated.
     #[error(transparent)]
     #[diagnostic(help("{}", _0.remedy()))]
@@ -768,6 +771,12 @@ from_modules_of_acoustics!(
     nailnoise_acoustics::radiation::RadiationError,
 );
 
+impl StageError for Error {
+    fn is_cause(&self) -> bool {
+        !matches!(self, Self::Pipeline(cause) if !cause.is_cause())
+    }
+}
+
 /// Fate of candidates if none counts: outcomes of shots, and reasons why others are not valid designs.
 fn outcomes_and_reasons(outcomes: &str, refused: &str) -> String {
     let refused = (!refused.is_empty()).then(|| format!("no designs: {refused}"));
@@ -802,11 +811,6 @@ impl Error {
     /// Whether a surface for a force is absent.
     pub(crate) fn lacks(&self, surface: &str) -> bool {
         matches!(self, Self::NoLoadSurface { group, .. } if *group == surface)
-    }
-
-    /// Whether it is a cause, not the consequence of an input that failed.
-    pub(crate) fn is_cause(&self) -> bool {
-        !matches!(self, Self::Upstream { .. })
     }
 
     /// The error in one line, followed by causes and remedy.

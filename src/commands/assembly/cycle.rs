@@ -6,13 +6,13 @@ use nailnoise_dynamics::network::{Effort, EventTime, LedgerEntry, Peak, Record, 
 use nailnoise_quantities::Check;
 use serde::Serialize;
 
-use crate::commands::table::{fixed, table};
-use crate::commands::{Status, folder_of, print, print_json, progress, status_of};
+use crate::commands::{Status, folder_of, print, print_json, progress, status_of, table};
 use crate::design::inputs::assembly::AssembledTool;
 use crate::error::Error;
 use crate::figures;
 use crate::output;
 use crate::staging::Staging;
+use crate::tables::{self, fixed};
 
 /// The last file to be written, so that a folder with it has all the rest.
 const LAST: &str = "events.csv";
@@ -119,7 +119,7 @@ fn text(tool: &AssembledTool, record: &Record) -> String {
     let mut text = format!("{}\n\n", headline(tool, record));
     let mut section = |headings: [&str; 2], rows: Vec<Vec<String>>| {
         if !rows.is_empty() {
-            text.push_str(&table(&headings, &rows));
+            text.push_str(&table::table(&headings, &rows));
             text.push('\n');
         }
     };
@@ -145,16 +145,9 @@ fn text(tool: &AssembledTool, record: &Record) -> String {
         .iter()
         .map(|entry| vec![entry.name.clone(), format!("{:.5e} {}", entry.value, entry.unit)]);
     section(["balance", "value"], ledger.collect());
-    let checks = record.checks.iter().map(|check| {
-        let verdict = if check.ok { "ok" } else { "FAILED" };
-        vec![
-            check.name.to_string(),
-            format!("{:.2e} of {:.0e}  {verdict}", check.value, check.limit),
-        ]
-    });
-    section(["check", "value of limit"], checks.collect());
+    text.push_str(&table::text(&tables::run::checks(&record.checks)));
     text.push_str(&format!(
-        "  {} steps, {} rejected, {} changes of mode, {} Jacobians\n",
+        "\n  {} steps, {} rejected, {} changes of mode, {} Jacobians\n",
         record.work.steps, record.work.rejected, record.work.events, record.work.jacobians
     ));
     text
