@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use miette::Diagnostic;
 use nailnoise_dynamics::CycleError;
+use nailnoise_dynamics::network::RunError;
 use nailnoise_pipeline::{PipelineError, StageError};
 use thiserror::Error;
 
@@ -31,6 +32,16 @@ pub enum Error {
     /// The cycle could not be computed.
     #[error("the nailing cycle of this design cannot be computed")]
     Cycle(#[from] CycleError),
+    /// The cycle of an assembly could not be computed.
+    #[error("the cycle of this assembly cannot be computed")]
+    Network(#[from] RunError),
+    /// An option for the tool of a design, given with an assembly.
+    #[error("{option} is an option for a design without `[cycle]`")]
+    #[diagnostic(help("leave it out: an assembly is computed as its file describes it"))]
+    OfDesign {
+        /// The option.
+        option: &'static str,
+    },
     /// A figure of the shot that does not exist.
     #[error("there is no output \"{name}\"")]
     #[diagnostic(help("choose from the groups speed, penetration, events, forces, masses, all, or from {known}"))]
@@ -817,6 +828,12 @@ impl Error {
             Self::Unusable { problems, .. } => problems.iter().map(Self::exit_status).min().unwrap_or(2),
             Self::Fem(_) | Self::Transient(_) | Self::Acoustics(_) | Self::Json(_) | Self::NoLevels { .. } => 3,
             Self::PythonEnded { .. } => 3,
+            Self::Network(
+                RunError::Integration { .. }
+                | RunError::Collapse { .. }
+                | RunError::Chatter { .. }
+                | RunError::Switching { .. },
+            ) => 3,
             Self::Cycle(CycleError::Integration { .. } | CycleError::Collapse { .. } | CycleError::Chatter { .. }) => 3,
             _ => 2,
         }

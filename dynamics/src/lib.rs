@@ -1,11 +1,24 @@
 #![doc = include_str!("../README.md")]
 
+#[cfg(test)]
+extern crate self as nailnoise_dynamics;
+
+#[cfg(test)]
+#[path = "../tests/common/assembly.rs"]
+mod assembly;
+#[cfg(test)]
+#[path = "../tests/common/mod.rs"]
+mod common;
 mod cycle;
 mod energy;
 mod error;
 mod geometry;
 mod log;
 pub mod machine;
+#[cfg(test)]
+#[path = "../tests/common/n80cb_assembly.rs"]
+mod n80cb_assembly;
+pub mod network;
 mod parameters;
 mod presets;
 pub mod prf;

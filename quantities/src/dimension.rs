@@ -2,6 +2,8 @@
 
 use std::fmt;
 
+use crate::units::{Unit, UnitError};
+
 /// Exponents of length, mass, time, temperature, plane angle and electric current.
 ///
 /// The angle has its own dimension, so that a degree in place of a ratio is an error.
@@ -29,7 +31,7 @@ impl Dimension {
     }
 
     /// The product `self * other^power`, or `None` where an exponent leaves the range of `i8`.
-    pub(crate) fn times(self, other: Self, power: i32) -> Option<Self> {
+    pub fn times(self, other: Self, power: i32) -> Option<Self> {
         let exponent = |a: i8, b: i8| i8::try_from(i32::from(b).checked_mul(power)?.checked_add(i32::from(a))?).ok();
         Some(Self {
             length: exponent(self.length, other.length)?,
@@ -39,6 +41,29 @@ impl Dimension {
             angle: exponent(self.angle, other.angle)?,
             current: exponent(self.current, other.current)?,
         })
+    }
+
+    /// The dimension whose square is `self`, or `None` where an exponent is odd.
+    pub fn square_root(self) -> Option<Self> {
+        let exponents = [
+            self.length,
+            self.mass,
+            self.time,
+            self.temperature,
+            self.angle,
+            self.current,
+        ];
+        let even = exponents.iter().all(|exponent| exponent % 2 == 0);
+        let [length, mass, time, temperature, angle, current] = exponents.map(|exponent| exponent / 2);
+        even.then_some(Self::new(length, mass, time, temperature, angle, current))
+    }
+
+    /// The dimension of a unit; a plain number for the empty text.
+    ///
+    /// # Errors
+    /// [`UnitError`], the text is not a unit.
+    pub fn of_unit(unit: &str) -> Result<Self, UnitError> {
+        Unit::parse(unit).map(|unit| unit.dimension)
     }
 
     /// The SI unit that the design uses for a quantity of this dimension; empty for a plain number.

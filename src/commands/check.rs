@@ -84,6 +84,9 @@ struct Group {
 
 pub(super) fn execute(arguments: &Arguments) -> Result<Status, Error> {
     arguments.input.start_threads()?;
+    if let Some(tool) = arguments.input.assembled()? {
+        return super::assembly::check(&tool, arguments.input.path(), arguments.json);
+    }
     let design = arguments.input.whole_design()?;
     if let Some(file) = &arguments.drawing {
         let design = design.ok_or_else(|| Error::DrawingOfMesh {

@@ -6,10 +6,12 @@ use clap::{Args, ValueEnum};
 use nailnoise_dynamics::{CycleRecord, EnergyFlow, Work, simulate};
 use serde::Serialize;
 
+use super::assembly::Asked;
 use super::{Common, Status, print, print_json, progress, status_of, table};
 use crate::atomic_write::AtomicWrite;
 use crate::chain;
 use crate::cost;
+use crate::design::inputs::assembly::AssembledTool;
 use crate::design::inputs::cycle::{cycle_settings, parameters};
 use crate::error::Error;
 use crate::figures::{self, Chart};
@@ -95,6 +97,9 @@ struct CycleResult<'a> {
 
 pub(super) fn execute(arguments: &Arguments) -> Result<Status, Error> {
     let common = &arguments.common;
+    if let Some(tool) = AssembledTool::load(&common.design, &common.changes.set)? {
+        return of_assembly(arguments, &tool);
+    }
     let design = common.begin()?;
     cost::refuse(&design, &[cost::of_cycle(&design)], common.memory.limit())?;
     if arguments.sensitivity {
@@ -159,6 +164,28 @@ pub(super) fn execute(arguments: &Arguments) -> Result<Status, Error> {
         }
     }
     Ok(status)
+}
+
+/// The cycle of a tool that its file describes as an assembly.
+fn of_assembly(arguments: &Arguments, tool: &AssembledTool) -> Result<Status, Error> {
+    let options = [
+        ("--as-published", arguments.as_published.is_some()),
+        ("--penetration-table", arguments.penetration_table.is_some()),
+        ("--sensitivity", arguments.sensitivity),
+        ("--draw", arguments.draw.is_some()),
+    ];
+    if let Some((option, _)) = options.into_iter().find(|(_, given)| *given) {
+        return Err(Error::OfDesign { option });
+    }
+    let common = &arguments.common;
+    common.threads.start()?;
+    let asked = Asked {
+        path: &common.design,
+        out: common.out.as_deref(),
+        json: common.json,
+        figures: arguments.figures,
+    };
+    super::assembly::cycle(tool, &asked)
 }
 
 /// Writes the tables of a cycle and these charts together; returns the files of the charts.

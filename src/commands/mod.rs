@@ -10,6 +10,7 @@ macro_rules! examples {
     };
 }
 
+mod assembly;
 mod bodies;
 mod cache;
 mod calibrate;
@@ -93,7 +94,9 @@ impl Common {
     /// Starts the threads, reads the design and prints its warnings.
     fn begin(&self) -> Result<Design, Error> {
         self.threads.start()?;
-        self.changes.load(&self.design)
+        let design = self.changes.load(&self.design)?;
+        design.refuse_assembly()?;
+        Ok(design)
     }
 
     /// The folder for the output files of this design.

@@ -60,6 +60,10 @@ impl File {
         self.document.path()
     }
 
+    pub(super) fn document(&self) -> &Document {
+        &self.document
+    }
+
     pub(crate) fn place(&self, span: Range<usize>) -> Box<Place> {
         self.document.place(span)
     }

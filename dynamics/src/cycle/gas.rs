@@ -27,6 +27,8 @@ pub(crate) struct Air {
     inv_gamma: f64,
     linear: f64,
     linear_slope: f64,
+    /// Whether N is the ellipse of ISO 6358 above the critical ratio.
+    elliptic: bool,
 }
 
 impl Air {
@@ -43,13 +45,34 @@ impl Air {
             inv_gamma: 1.0 / gamma,
             linear,
             linear_slope: 0.0,
+            elliptic: false,
         };
         air.linear_slope = air.subsonic(1.0 - linear).0 / linear;
         air
     }
 
+    /// The same air with the flow function of ISO 6358-1:2013,
+    ///
+    /// ```text
+    /// N(r) = sqrt(1 - ((r - b)/(1 - b))^2)    r > b,   linear to N(1) = 0 as the ideal nozzle
+    /// ```
+    pub(crate) fn elliptic(&self, critical: f64) -> Self {
+        let mut air = Self {
+            critical,
+            elliptic: true,
+            ..self.clone()
+        };
+        air.linear_slope = air.subsonic(1.0 - self.linear).0 / self.linear;
+        air
+    }
+
     #[inline]
     fn subsonic(&self, r: f64) -> (f64, f64) {
+        if self.elliptic {
+            let x = (r - self.critical) / (1.0 - self.critical);
+            let n = (1.0 - x * x).sqrt();
+            return (n, -x / (n * (1.0 - self.critical)));
+        }
         // r^(1/gamma); half the cost of powf, and to the same digits for r near 1.
         let q = (r.ln() * self.inv_gamma).exp();
         let n = ((q * q - q * r) * self.inv_n2).sqrt();

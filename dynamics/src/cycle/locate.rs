@@ -1,16 +1,14 @@
 //! Sign changes on an interpolant.
 
-use crate::CycleError;
-
 /// Last point of the narrowest bracket of a sign change of `f` between `a` and `b` (Illinois variant of regula falsi,
 /// Dowell and Jarratt 1971), safeguarded by bisection; the point returned has the sign of `fb`.
-pub(crate) fn locate(
+pub(crate) fn locate<E>(
     mut a: f64,
     mut b: f64,
     mut fa: f64,
     mut fb: f64,
-    mut f: impl FnMut(f64) -> Result<f64, CycleError>,
-) -> Result<f64, CycleError> {
+    mut f: impl FnMut(f64) -> Result<f64, E>,
+) -> Result<f64, E> {
     let positive = fb > 0.0;
     let mut side = 0;
     for iteration in 0..60 {
@@ -59,7 +57,7 @@ mod tests {
         let mut count = 0;
         let counted = |x: f64| {
             count += 1;
-            Ok(f(x))
+            Ok::<_, std::convert::Infallible>(f(x))
         };
         (locate(0.0, 1.0, f(0.0), f(1.0), counted).unwrap(), count)
     }

@@ -20,6 +20,8 @@ mod integrate;
 mod locate;
 mod marks;
 mod mode;
+#[cfg(test)]
+mod network_agrees;
 mod rates;
 mod real;
 mod recorder;
@@ -32,7 +34,8 @@ mod tolerances;
 mod wood;
 
 pub(crate) use gas::{Air, Gas};
-pub(crate) use real::Real;
+pub(crate) use locate::locate;
+pub(crate) use real::{Dual, Real};
 
 use crate::{CouplingWork, CycleError, CycleRecord, Parameters, Settings, Workpiece};
 

@@ -103,6 +103,11 @@ impl Curve {
         }
     }
 
+    /// scale max(0, root(y/NL))^2 from its coefficients, the nail's length \[m\] and the scale \[N\].
+    pub(crate) fn of(root: [f64; 8], length: f64, scale: f64) -> Self {
+        Self { root, length, scale }
+    }
+
     /// Force at `z` with its derivative, continued smoothly above the surface.
     #[inline]
     pub(crate) fn evaluate<S: Real>(&self, z: S) -> S {

@@ -20,6 +20,7 @@ mod tables;
 
 pub use envelope::Envelope;
 pub use extension::LENGTH_FACTOR;
+pub(crate) use law::Curve;
 pub use law::{PenetrationLaw, Specimen};
 pub use penetration_curve::{CurveError, CurveLaw, PenetrationCurve};
 pub(crate) use resistance::{Resistance, Shanks};

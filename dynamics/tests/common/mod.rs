@@ -7,7 +7,8 @@ use nailnoise_dynamics::{Parameters, Support, SupportDamping};
 use nailnoise_quantities::dimension::{NUMBER, STIFFNESS};
 use nailnoise_quantities::{fraction, nonnegative, positive};
 
-use base_design::{group, number};
+use base_design::group;
+pub(crate) use base_design::number;
 
 /// The cycle's parameters of `designs/n80cb.toml`.
 pub(crate) fn n80cb() -> Parameters {

@@ -1,0 +1,287 @@
+//! Bodies and the forces between them.
+
+use serde::Serialize;
+
+use super::Base;
+
+/// Direction along the tool's axis.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+pub enum Push {
+    /// +y, towards the workpiece.
+    Down,
+    /// -y.
+    Up,
+}
+
+impl Push {
+    /// +1 for down, -1 for up.
+    pub fn sign(self) -> f64 {
+        match self {
+            Self::Down => 1.0,
+            Self::Up => -1.0,
+        }
+    }
+}
+
+/// Rigid body that moves along the axis.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Body {
+    /// Name.
+    pub name: String,
+    /// Body from which its travel is measured.
+    pub parent: Base,
+    /// Mass \[kg\].
+    pub mass: f64,
+    /// State at the start.
+    pub start: Start,
+    /// Acceleration of gravity on it, along +y \[m/s2\].
+    pub gravity: f64,
+    /// Sizes of position and velocity for the error control.
+    pub weights: Weights,
+}
+
+/// State of a body at the start.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub enum Start {
+    /// In equilibrium on a contact or a spring.
+    RestOn(super::BlockRef),
+    /// At a travel from its parent.
+    At {
+        /// Travel \[m\].
+        travel: f64,
+        /// Speed relative to the parent \[m/s\].
+        speed: f64,
+    },
+}
+
+/// Sizes against which the error of the integration is measured.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Weights {
+    /// Position \[m\].
+    pub position: f64,
+    /// Velocity \[m/s\].
+    pub velocity: f64,
+}
+
+/// One-sided contact: overlap u = x - at (stop below) or at - x (stop above), x = y_on - y_against.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Contact {
+    /// Name.
+    pub name: String,
+    /// Index of the body that strikes.
+    pub on: usize,
+    /// Body that carries the stop.
+    pub against: Base,
+    /// Side of the stop.
+    pub stop: Stop,
+    /// Position of the stop \[m\].
+    pub at: f64,
+    /// Stiffness \[N/m^exponent\].
+    pub stiffness: f64,
+    /// Damping.
+    pub damping: ContactDamping,
+    /// Exponent of the overlap.
+    pub exponent: f64,
+    /// Whether the contact may pull.
+    pub may_pull: bool,
+}
+
+/// Side of a stop as seen from the body that strikes it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+pub enum Stop {
+    /// The body moves down onto the stop.
+    Below,
+    /// The body moves up onto the stop.
+    Above,
+}
+
+/// Damping of a contact.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub enum ContactDamping {
+    /// Dashpot \[N s/m\].
+    Dashpot(f64),
+    /// Hysteresis factor a of Hunt and Crossley \[s/m\]: f = k u^n (1 + 1.5 a u').
+    HuntCrossley(f64),
+}
+
+/// Spring: e = preload - s (x - free), force s F(e) on `on`.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Spring {
+    /// Name.
+    pub name: String,
+    /// Index of the body it acts on.
+    pub on: usize,
+    /// Body that carries the reaction.
+    pub against: Base,
+    /// Direction in which a compressed spring pushes `on`.
+    pub push: Push,
+    /// Travel of zero deflection beyond the preload \[m\].
+    pub free: f64,
+    /// Compression at `free` \[m\].
+    pub preload: f64,
+    /// Force law.
+    pub law: SpringLaw,
+    /// Largest compression of the law \[m\].
+    pub limit: Option<f64>,
+    /// Whether the spring only pushes.
+    pub unilateral: bool,
+    /// Dashpot in parallel \[N s/m\].
+    pub damping: f64,
+}
+
+/// Force of a spring over its compression.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub enum SpringLaw {
+    /// Stiffness \[N/m\].
+    Linear(f64),
+    /// Polynomial sum c_i e^i, N over m.
+    Polynomial(Vec<f64>),
+}
+
+/// Smooth friction: [F_d + (F_s - F_d) exp(-(v/v_st)^2)] tanh(v/v_0) + beta v.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Friction {
+    /// Name.
+    pub name: String,
+    /// Index of the body it acts on.
+    pub on: usize,
+    /// Body that carries the reaction.
+    pub against: Base,
+    /// F_s \[N\].
+    pub static_force: f64,
+    /// F_d \[N\].
+    pub sliding_force: f64,
+    /// beta \[N s/m\].
+    pub viscous: f64,
+    /// v_0 \[m/s\].
+    pub width: f64,
+    /// v_st \[m/s\].
+    pub stribeck: f64,
+    /// Stiffness and dashpot that hold the pair while it sticks; `None` for smooth friction.
+    pub stick: Option<(f64, f64)>,
+}
+
+/// Imposed force or jet thrust, down on `on`.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Force {
+    /// Name.
+    pub name: String,
+    /// Index of the body it acts on.
+    pub on: usize,
+    /// Body that carries the reaction.
+    pub against: Base,
+    /// Law.
+    pub law: ForceLaw,
+}
+
+/// Law of an imposed force.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub enum ForceLaw {
+    /// Constant, down \[N\].
+    Constant(f64),
+    /// (t \[s\], F \[N\]), linear between the points, constant outside.
+    Table(Vec<[f64; 2]>),
+    /// Share of a passage's jet thrust.
+    Jet {
+        /// Index of the passage.
+        passage: usize,
+        /// Share along +y.
+        share: f64,
+    },
+}
+
+/// Motor: f = s stall max(0, 1 - s v/free_speed) while its trigger is on.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Motor {
+    /// Name.
+    pub name: String,
+    /// Index of the body it drives.
+    pub on: usize,
+    /// Body that carries the reaction.
+    pub against: Base,
+    /// Direction of the drive.
+    pub push: Push,
+    /// Force at zero speed \[N\].
+    pub stall: f64,
+    /// Speed at zero force \[m/s\].
+    pub free_speed: f64,
+    /// Index of the trigger that runs it.
+    pub trigger: usize,
+}
+
+/// Latch: a spring and dashpot that catch a body where it is, while a trigger is on.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Hold {
+    /// Name.
+    pub name: String,
+    /// Index of the body it holds.
+    pub on: usize,
+    /// Body that carries the reaction.
+    pub against: Base,
+    /// Travel of the latch at the start \[m\].
+    pub at: f64,
+    /// Stiffness \[N/m\].
+    pub stiffness: f64,
+    /// Dashpot \[N s/m\].
+    pub damping: f64,
+    /// Index of the trigger that closes it.
+    pub trigger: usize,
+}
+
+/// Fastener that a driver strikes and pushes into the workpiece.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Fastener {
+    /// Name.
+    pub name: String,
+    /// Index of the driving body.
+    pub driver: usize,
+    /// Index of the body it enters.
+    pub into: usize,
+    /// Body that guides it and carries the guide's friction.
+    pub guide: Base,
+    /// Travel of the driver (from its parent) at which it strikes the head \[m\].
+    pub head_at: f64,
+    /// y_driver - y_into at which the tip touches the surface \[m\].
+    pub tip_at: f64,
+    /// Length l \[m\].
+    pub length: f64,
+    /// Mass m \[kg\].
+    pub mass: f64,
+    /// Whether the mass joins the driver by a plastic impact.
+    pub impact: bool,
+    /// Resistance of the work.
+    pub law: FastenerLaw,
+    /// Whether unloading follows the same curve (published form).
+    pub reversible: bool,
+    /// Head and unloading.
+    pub seated: Seated,
+}
+
+/// Resistance F_r(z) of the work, 0 for z <= 0 \[N\].
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub enum FastenerLaw {
+    /// F_r = H l [p(z/l) + offset]^2 with the polynomial of thesis 4.59.
+    SolidWood {
+        /// H \[N/m\].
+        hardness: f64,
+        /// Offset of the bracket.
+        offset: f64,
+    },
+    /// Constant \[N\].
+    Constant(f64),
+    /// (z \[m\], F \[N\]), linear between the points.
+    Table(Vec<[f64; 2]>),
+}
+
+/// Head and unloading of a fastener.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Seated {
+    /// k_h, stiffness of the head on the surface \[N/m\].
+    pub head_stiffness: f64,
+    /// k_u, stiffness of unloading \[N/m\].
+    pub unloading: f64,
+    /// Friction of the guide on the fastener \[N\].
+    pub guide_friction: f64,
+    /// v_0 of the guide's friction, F tanh(v/v_0) \[m/s\].
+    pub guide_width: f64,
+}

@@ -1,0 +1,127 @@
+//! The blocks of a tool, resolved: every formula is evaluated, every number is in SI, every name is an index.
+//!
+//! Coordinates: +y points down the tool's axis, towards the workpiece; t = 0 is the start of the record. Blocks that a
+//! design switches off are absent. The order of each list is the order of the file.
+
+use serde::Serialize;
+
+mod event;
+mod expression;
+mod gas;
+mod mechanics;
+mod output;
+mod reference;
+
+pub use event::{Action, Condition, Edge, Event, Outcome, OutcomeTest, Pick, Trigger, Word};
+pub use expression::{Binary, Channel, Comparison, Expression, Function, Quantity, Sensor};
+pub use gas::{Coefficient, Cone, Face, Gate, Opens, Passage, PassageLaw, Pipe, Reservoir, Restriction, Volume, Wall};
+pub use mechanics::{
+    Body, Contact, ContactDamping, Fastener, FastenerLaw, Force, ForceLaw, Friction, Hold, Motor, Push, Seated, Spring,
+    SpringLaw, Start, Stop, Weights,
+};
+pub use output::{Load, Opening, PressurePatch, PressureSurface};
+pub use reference::{Base, BlockRef, Family, Space};
+
+/// A tool as a network of blocks.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Assembly {
+    /// Name of the assembly.
+    pub name: String,
+    /// Gas constant R \[J/(kg K)\].
+    pub gas_constant: f64,
+    /// Ratio of specific heats.
+    pub heat_capacity_ratio: f64,
+    /// Acceleration of gravity, along +y \[m/s2\].
+    pub gravity: f64,
+    /// Pressure ratio 1 - r below which a passage's flow is linear in the pressure difference.
+    pub linear_ratio: f64,
+    /// End of the record \[s\].
+    pub end: f64,
+    /// Event after which the record may end before [`end`](Self::end).
+    pub finish: Option<Finish>,
+    /// Balances that are integrated.
+    pub ledger: Ledger,
+    /// Whether the faces of a body may leave a resultant of a uniform pressure.
+    pub unbalanced: bool,
+    /// Infinite reservoirs. `atmosphere` is always among them.
+    pub reservoirs: Vec<Reservoir>,
+    /// Moving bodies.
+    pub bodies: Vec<Body>,
+    /// Gas volumes.
+    pub volumes: Vec<Volume>,
+    /// Faces on which gas acts on a body.
+    pub faces: Vec<Face>,
+    /// Passages between volumes and reservoirs.
+    pub passages: Vec<Passage>,
+    /// One-sided contacts.
+    pub contacts: Vec<Contact>,
+    /// Springs.
+    pub springs: Vec<Spring>,
+    /// Friction.
+    pub frictions: Vec<Friction>,
+    /// Imposed forces and jet thrusts.
+    pub forces: Vec<Force>,
+    /// Motors.
+    pub motors: Vec<Motor>,
+    /// Latches.
+    pub holds: Vec<Hold>,
+    /// Fasteners, at most one a driver.
+    pub fasteners: Vec<Fastener>,
+    /// Boolean signals that passages, motors and latches follow.
+    pub triggers: Vec<Trigger>,
+    /// Named expressions.
+    pub sensors: Vec<Sensor>,
+    /// Named events.
+    pub events: Vec<Event>,
+    /// Outcomes of the shot, in order; the first whose test is satisfied names the shot.
+    pub outcomes: Vec<Outcome>,
+    /// Openings to the atmosphere that make noise.
+    pub openings: Vec<Opening>,
+    /// Forces on named surfaces of bodies.
+    pub loads: Vec<Load>,
+    /// Pressures on walls that leave no net force.
+    pub pressures: Vec<PressureSurface>,
+}
+
+impl Assembly {
+    /// Name of a block; empty if its index is out of range.
+    pub fn name_of(&self, block: BlockRef) -> &str {
+        let i = block.index;
+        let name = match block.family {
+            Family::Reservoir => self.reservoirs.get(i).map(|b| &b.name),
+            Family::Body => self.bodies.get(i).map(|b| &b.name),
+            Family::Volume => self.volumes.get(i).map(|b| &b.name),
+            Family::Face => self.faces.get(i).map(|b| &b.name),
+            Family::Passage => self.passages.get(i).map(|b| &b.name),
+            Family::Contact => self.contacts.get(i).map(|b| &b.name),
+            Family::Spring => self.springs.get(i).map(|b| &b.name),
+            Family::Friction => self.frictions.get(i).map(|b| &b.name),
+            Family::Force => self.forces.get(i).map(|b| &b.name),
+            Family::Motor => self.motors.get(i).map(|b| &b.name),
+            Family::Hold => self.holds.get(i).map(|b| &b.name),
+            Family::Fastener => self.fasteners.get(i).map(|b| &b.name),
+            Family::Trigger => self.triggers.get(i).map(|b| &b.name),
+        };
+        name.map_or("", |name| name)
+    }
+}
+
+/// Early end of the record: `tail` after `event`, and never past another event.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Finish {
+    /// Index of the event in [`Assembly::events`].
+    pub event: usize,
+    /// Time after the event \[s\].
+    pub tail: f64,
+    /// Index of an event at which the record ends at the latest.
+    pub never_past: Option<usize>,
+}
+
+/// Balances that are integrated with the state.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+pub enum Ledger {
+    /// What crosses the boundary, heat, work and losses.
+    Lean,
+    /// Also every passage, wall and face, so that each volume closes by itself.
+    Full,
+}

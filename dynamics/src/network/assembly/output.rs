@@ -1,0 +1,64 @@
+//! What noise and structure need of the cycle.
+
+use serde::Serialize;
+
+use super::{Expression, Space};
+
+/// Opening to the atmosphere that makes noise.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Opening {
+    /// Name.
+    pub name: String,
+    /// Index of the passage.
+    pub passage: usize,
+    /// Index of the restriction inside the passage; the last one by default.
+    pub restriction: usize,
+    /// Number of equal holes.
+    pub count: f64,
+    /// Total area \[m2\].
+    pub area: f64,
+    /// Distance between holes \[m\].
+    pub pitch: Option<f64>,
+    /// Group of keys with the outlet's fitting and muffler.
+    pub outlet: Option<String>,
+}
+
+/// Force on a named surface of a body, down \[N\].
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Load {
+    /// Index of the body.
+    pub body: usize,
+    /// Name of the surface.
+    pub surface: String,
+    /// Force.
+    pub force: Expression,
+}
+
+/// Pressures on walls of a body that leave no net force.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct PressureSurface {
+    /// Index of the body.
+    pub body: usize,
+    /// Name of the surface.
+    pub surface: String,
+    /// Pressure on it.
+    pub patch: PressurePatch,
+}
+
+/// Gas that acts on a wall.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub enum PressurePatch {
+    /// One space.
+    Uniform(Space),
+    /// Two spaces that a travel divides.
+    Divided {
+        /// Space above the divide.
+        above: Space,
+        /// Space below the divide.
+        below: Space,
+        /// Position of the divide \[m\].
+        at: Expression,
+    },
+    /// Pressure before the last restriction of a passage (index).
+    Plenum(usize),
+}

@@ -1,0 +1,215 @@
+//! The network as a system of equations for diffsol.
+
+use std::cell::{Cell, RefCell};
+
+use diffsol::matrix::dense_nalgebra_serial::NalgebraMat;
+use diffsol::{
+    ConstantOp, Matrix as _, NalgebraContext, NalgebraVec, NonLinearOp, NonLinearOpJacobian, OdeEquations,
+    OdeEquationsRef, Op, ParameterisedOp, UnitCallable,
+};
+
+use super::jacobian::Jacobian;
+use super::mode::Mode;
+use super::plan::Plan;
+use super::rates::Workspace;
+
+type Matrix = NalgebraMat<f64>;
+type Vector = NalgebraVec<f64>;
+
+/// Counts of evaluations.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct Calls {
+    pub(crate) rates: usize,
+    pub(crate) jacobians: usize,
+}
+
+/// dy/dt = f(t, y) in a fixed mode.
+pub(crate) struct Equations<'p> {
+    plan: &'p Plan,
+    inside: RefCell<Inside>,
+    calls: Cell<Calls>,
+    context: NalgebraContext,
+}
+
+/// What an evaluation changes.
+struct Inside {
+    mode: Mode,
+    workspace: Workspace,
+    jacobian: Jacobian,
+}
+
+impl<'p> Equations<'p> {
+    pub(crate) fn new(plan: &'p Plan, mode: Mode) -> Self {
+        Self {
+            plan,
+            inside: RefCell::new(Inside {
+                mode,
+                workspace: Workspace::new(plan),
+                jacobian: Jacobian::new(plan),
+            }),
+            calls: Cell::default(),
+            context: NalgebraContext::default(),
+        }
+    }
+
+    pub(crate) fn set_mode(&self, mode: &Mode) {
+        self.inside.borrow_mut().mode.clone_from(mode);
+    }
+
+    pub(crate) fn calls(&self) -> Calls {
+        self.calls.get()
+    }
+
+    /// y' and y'' at a state, without the explicit dependence on time in y''.
+    pub(crate) fn derivatives(&self, t: f64, y: &[f64]) -> [Vec<f64>; 2] {
+        let mut first = vec![0.0; y.len()];
+        let mut second = vec![0.0; y.len()];
+        let inside = &mut *self.inside.borrow_mut();
+        let Inside {
+            mode,
+            workspace,
+            jacobian,
+        } = inside;
+        self.plan.rates(t, y, mode, workspace, &mut first);
+        self.plan.jacobian(t, y, mode, workspace, jacobian);
+        for (column, rate) in jacobian.values().chunks_exact(y.len()).zip(&first) {
+            for (second, value) in second.iter_mut().zip(column) {
+                *second += value * rate;
+            }
+        }
+        [first, second]
+    }
+
+    fn size(&self) -> usize {
+        self.plan.size()
+    }
+}
+
+impl Op for Equations<'_> {
+    type T = f64;
+    type V = Vector;
+    type M = Matrix;
+    type C = NalgebraContext;
+
+    fn context(&self) -> &NalgebraContext {
+        &self.context
+    }
+    fn nstates(&self) -> usize {
+        self.size()
+    }
+    fn nout(&self) -> usize {
+        self.size()
+    }
+    fn nparams(&self) -> usize {
+        0
+    }
+}
+
+/// The right-hand side.
+pub(crate) struct Rates<'a, 'p>(&'a Equations<'p>);
+
+/// The initial state; it is never used, because every segment starts from its own state.
+pub(crate) struct Initial<'a, 'p>(&'a Equations<'p>);
+
+macro_rules! same_shape {
+    ($name:ident) => {
+        impl Op for $name<'_, '_> {
+            type T = f64;
+            type V = Vector;
+            type M = Matrix;
+            type C = NalgebraContext;
+
+            fn context(&self) -> &NalgebraContext {
+                &self.0.context
+            }
+            fn nstates(&self) -> usize {
+                self.0.size()
+            }
+            fn nout(&self) -> usize {
+                self.0.size()
+            }
+            fn nparams(&self) -> usize {
+                0
+            }
+        }
+    };
+}
+same_shape!(Rates);
+same_shape!(Initial);
+
+impl ConstantOp for Initial<'_, '_> {
+    fn call_inplace(&self, _t: f64, y: &mut Vector) {
+        y.batch_as_mut_slice(0).fill(0.0);
+    }
+}
+
+impl NonLinearOp for Rates<'_, '_> {
+    fn call_inplace(&self, x: &Vector, t: f64, y: &mut Vector) {
+        let mut calls = self.0.calls.get();
+        calls.rates += 1;
+        self.0.calls.set(calls);
+        let Inside { mode, workspace, .. } = &mut *self.0.inside.borrow_mut();
+        let rate = y.batch_as_mut_slice(0);
+        self.0.plan.rates(t, x.batch_as_slice(0), mode, workspace, rate);
+    }
+}
+
+impl NonLinearOpJacobian for Rates<'_, '_> {
+    fn jac_mul_inplace(&self, x: &Vector, t: f64, v: &Vector, y: &mut Vector) {
+        let Inside {
+            mode,
+            workspace,
+            jacobian,
+        } = &mut *self.0.inside.borrow_mut();
+        self.0.plan.jacobian(t, x.batch_as_slice(0), mode, workspace, jacobian);
+        let product = y.batch_as_mut_slice(0);
+        product.fill(0.0);
+        for (column, factor) in jacobian.values().chunks_exact(product.len()).zip(v.batch_as_slice(0)) {
+            for (product, value) in product.iter_mut().zip(column) {
+                *product += value * factor;
+            }
+        }
+    }
+
+    fn jacobian_inplace(&self, x: &Vector, t: f64, matrix: &mut Matrix) {
+        let mut calls = self.0.calls.get();
+        calls.jacobians += 1;
+        self.0.calls.set(calls);
+        let Inside {
+            mode,
+            workspace,
+            jacobian,
+        } = &mut *self.0.inside.borrow_mut();
+        self.0.plan.jacobian(t, x.batch_as_slice(0), mode, workspace, jacobian);
+        // The columns of the ledger stay zero.
+        let values = jacobian.values();
+        matrix.inner_mut().as_mut_slice()[..values.len()].copy_from_slice(values);
+    }
+}
+
+impl<'a, 'p> OdeEquationsRef<'a> for Equations<'p> {
+    type Rhs = Rates<'a, 'p>;
+    type Mass = ParameterisedOp<'a, UnitCallable<Matrix>>;
+    type Root = ParameterisedOp<'a, UnitCallable<Matrix>>;
+    type Init = Initial<'a, 'p>;
+    type Out = ParameterisedOp<'a, UnitCallable<Matrix>>;
+    type Reset = ParameterisedOp<'a, UnitCallable<Matrix>>;
+}
+
+impl<'p> OdeEquations for Equations<'p> {
+    fn rhs(&self) -> Rates<'_, 'p> {
+        Rates(self)
+    }
+
+    fn mass(&self) -> Option<ParameterisedOp<'_, UnitCallable<Matrix>>> {
+        None
+    }
+
+    fn init(&self) -> Initial<'_, 'p> {
+        Initial(self)
+    }
+
+    fn set_params(&mut self, _p: &Vector) {}
+
+    fn get_params(&self, _p: &mut Vector) {}
+}

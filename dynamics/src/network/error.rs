@@ -1,0 +1,128 @@
+//! Errors of a network while it is compiled and run.
+
+use thiserror::Error;
+
+/// Why a network cannot be run.
+#[derive(Debug, Clone, PartialEq, Error)]
+#[non_exhaustive]
+pub enum RunError {
+    /// A passage that no kernel solves.
+    #[error("passage \"{name}\" {reason}; divide it by a volume")]
+    Passage {
+        /// Name of the passage.
+        name: String,
+        /// What is not supported.
+        reason: &'static str,
+    },
+    /// A number of the run is out of range.
+    #[error("{name} = {value} must be {rule}")]
+    Value {
+        /// Name of the number.
+        name: &'static str,
+        /// The value found.
+        value: f64,
+        /// The requirement.
+        rule: &'static str,
+    },
+    /// An expression that needs a block that is not there, or that is nested too deeply.
+    #[error("the expression of {owner} {reason}")]
+    Expression {
+        /// Event, sensor or load.
+        owner: String,
+        /// What is wrong.
+        reason: &'static str,
+    },
+    /// A spring is compressed beyond its law.
+    #[error("spring \"{spring}\": {} mm {place}, its law holds to {} mm; shorten the travel or the preload",
+        1e3 * compression, 1e3 * limit)]
+    SpringLimit {
+        /// Name of the spring.
+        spring: String,
+        /// Compression \[m\].
+        compression: f64,
+        /// Largest compression of the law \[m\].
+        limit: f64,
+        /// Where or when.
+        place: String,
+    },
+    /// Nothing presses a contact at rest.
+    #[error(
+        "nothing presses \"{contact}\" at rest ({force:.1} N): \"{body}\" is not seated; raise the forces that press \
+         it, or let it start at a travel"
+    )]
+    NotSeated {
+        /// Name of the contact or spring.
+        contact: String,
+        /// Body that should rest on it.
+        body: String,
+        /// Force on it \[N\].
+        force: f64,
+    },
+    /// No equilibrium of the bodies at rest was found.
+    #[error(
+        "the bodies that rest at the start find no equilibrium: {unbalanced} N remain on \"{body}\"; give it a \
+         contact or a spring that carries it, or a travel"
+    )]
+    NoEquilibrium {
+        /// Body with the largest force.
+        body: String,
+        /// Force that remains \[N\].
+        unbalanced: f64,
+    },
+    /// A gas volume vanished.
+    #[error(
+        "volume \"{volume}\" shrinks to {} cm3 with {body} at {time} s (mass of its gas {mass} kg); raise dead or move \
+         the stop",
+        1e6 * size
+    )]
+    Collapse {
+        /// Name of the volume.
+        volume: String,
+        /// The body that moves into it and its travel, in words.
+        body: String,
+        /// Its size \[m3\].
+        size: f64,
+        /// Mass of its gas \[kg\].
+        mass: f64,
+        /// Time \[s\].
+        time: f64,
+    },
+    /// A trigger and a gate switch each other without end.
+    #[error("\"{trigger}\" and \"{gate}\" switch each other {count} times at {} ms; give open.delay", 1e3 * time)]
+    Switching {
+        /// Name of the trigger.
+        trigger: String,
+        /// Name of the passage, motor or latch.
+        gate: String,
+        /// Changes counted.
+        count: usize,
+        /// Time \[s\].
+        time: f64,
+    },
+    /// A block opens and closes without end.
+    #[error(
+        "chatter: \"{block}\" changed {count} times within {window} s at {time} s; check its stiffness and damping and \
+         the mass behind it"
+    )]
+    Chatter {
+        /// Name of the block.
+        block: String,
+        /// Changes counted.
+        count: usize,
+        /// Window they were counted in \[s\].
+        window: f64,
+        /// Time \[s\].
+        time: f64,
+    },
+    /// The integration could not go on.
+    #[error(
+        "the integration stopped at {time} s: {cause}; a tolerance ten times smaller or larger often passes the place; \
+         otherwise check the ranges of the assembly"
+    )]
+    Integration {
+        /// Time \[s\].
+        time: f64,
+        /// The solver's report.
+        cause: String,
+    },
+}

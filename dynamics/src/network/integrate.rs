@@ -1,0 +1,580 @@
+//! Segments between events, each a smooth problem given to diffsol.
+//!
+//! A step may run past an event, since the right-hand side of a mode is smooth everywhere. The event is then located on
+//! the solver's own interpolant, the state taken from it, and the next segment started in the new mode.
+
+use diffsol::matrix::dense_nalgebra_serial::NalgebraMat;
+use diffsol::ode_solver::state::StateCommon;
+use diffsol::{
+    NalgebraVec, OdeBuilder, OdeSolverMethod, OdeSolverProblem, OdeSolverState, OdeSolverStopReason, Vector,
+};
+
+use super::Numerics;
+use super::assembly::{Action, Family, Word};
+use super::audit::Audit;
+use super::equations::Equations;
+use super::error::RunError;
+use super::events::Events;
+use super::linear::LedgerLu;
+use super::mode::Mode;
+use super::plan::Plan;
+use super::probe::Need;
+use super::rates::Workspace;
+use super::record::{Effort, EventTime, LedgerEntry, LogEntry, Parts, Peak, Record, Recorder, Strike};
+use super::record::{peaked, restriction_name};
+use super::signals::Signals;
+use super::switching::Slots;
+use super::tolerances::tolerances;
+use crate::Method;
+use crate::cycle::locate;
+
+/// Points at which conditions are checked within a step, its end included.
+const POINTS: usize = 2;
+/// Changes of one block within [`CHATTER_WINDOW`] that count as chatter; a contact of 200 kHz makes 400.
+const CHATTER_CHANGES: usize = 2000;
+const CHATTER_WINDOW: f64 = 1e-3;
+/// Steps beyond which a run is given up, for each second of the record but at least half a million.
+const STEP_LIMIT: usize = 500_000;
+/// Part of the dead volume below which a volume counts as vanished.
+const VANISHED: f64 = 1e-3;
+/// Compression beyond its law that a spring may have with the overlap of its stops, as a part of the law.
+const SPRING_SLACK: f64 = 1e-9;
+
+type Problem<'p> = OdeSolverProblem<Equations<'p>>;
+
+/// A run in progress.
+struct Run<'p> {
+    plan: &'p Plan,
+    numerics: &'p Numerics,
+    slots: &'p Slots,
+    mode: Mode,
+    signals: Signals,
+    t: f64,
+    y: Vec<f64>,
+    end: f64,
+    /// Whether the record ends at an event that it must not pass.
+    cut: bool,
+    /// Time of the event that the finish waits for, once known.
+    finish_after: Option<f64>,
+    w: Workspace,
+    events: Events,
+    armed: Vec<bool>,
+    chatter: Vec<(f64, usize)>,
+    recorder: Recorder,
+    audit: Audit,
+    log: Vec<LogEntry>,
+    peaks: Vec<Peak>,
+    strikes: Vec<Strike>,
+    work: Effort,
+    /// Margins at the last point, and points of the present step.
+    margin: Vec<f64>,
+    right: Vec<f64>,
+    heights: Vec<f64>,
+    points: [(f64, Vec<f64>); POINTS],
+}
+
+/// A step as far as the first condition to fall.
+struct Stretch {
+    used: usize,
+    /// Slot of the event that ends it.
+    event: Option<usize>,
+}
+
+/// Integrates a compiled assembly.
+pub(crate) fn integrate(plan: &Plan, numerics: &Numerics) -> Result<Record, RunError> {
+    let slots = Slots::new(plan)?;
+    let mut run = Run::new(plan, numerics, &slots)?;
+    let mut problem = OdeBuilder::<NalgebraMat<f64>>::new()
+        .rtol(0.0)
+        .atol(tolerances(plan, numerics.relative_tolerance))
+        .build_from_eqn(Equations::new(plan, run.mode.clone()))
+        .map_err(|cause| run.failure(&cause))?;
+    // Counted over a whole segment, not in a row, so no limit: STEP_LIMIT and the least step end a hopeless run.
+    problem.ode_options.max_nonlinear_solver_failures = usize::MAX;
+    problem.ode_options.min_timestep = 1e-16;
+    while run.t < run.end {
+        run.segment(&problem)?;
+    }
+    run.finish(&problem)
+}
+
+impl<'p> Run<'p> {
+    fn new(plan: &'p Plan, numerics: &'p Numerics, slots: &'p Slots) -> Result<Self, RunError> {
+        let origin = plan.start()?;
+        let mut w = Workspace::new(plan);
+        let mut events = Events::new(plan)?;
+        let need = slots.need.max(events.need).max(Need::Instant);
+        let mut mode = origin.mode;
+        let mut margin = vec![0.0; slots.list.len()];
+        plan.observe(need, 0.0, &origin.y, &mode, &mut w);
+        // Conditions of gates at the start.
+        for passage in 0..plan.passages.len() {
+            if let Some(switch) = plan.passages[passage].condition {
+                mode.switches[switch] = 1;
+            }
+        }
+        slots.margins(plan, &mode, &w, &mut margin);
+        for (slot, margin) in slots.list.iter().zip(&mut margin) {
+            if let super::switching::Slot::Condition { passage, .. } = slot
+                && *margin <= 0.0
+                && let Some(switch) = plan.passages[*passage].condition
+            {
+                mode.switches[switch] = 0;
+                *margin = -*margin;
+            }
+        }
+        let mut heights = vec![0.0; events.levels()];
+        events.measure(plan, &mode, &w, &mut heights);
+        events.begin(heights.clone());
+        let armed = margin.iter().map(|m| *m > 0.0).collect();
+        let audit = Audit::new(plan, &origin.y, &mode, &w);
+        let point = || (0.0, vec![0.0; origin.y.len()]);
+        Ok(Self {
+            plan,
+            numerics,
+            slots,
+            recorder: Recorder::new(plan, numerics.sample_interval)?,
+            mode,
+            signals: origin.signals,
+            t: 0.0,
+            end: plan.assembly.end,
+            cut: false,
+            finish_after: None,
+            w,
+            events,
+            armed,
+            chatter: vec![(0.0, 0); slots.list.len()],
+            audit,
+            log: Vec::new(),
+            peaks: peaked(plan),
+            strikes: Vec::new(),
+            work: Effort::default(),
+            right: margin.clone(),
+            margin,
+            heights,
+            points: [point(), point()],
+            y: origin.y,
+        })
+    }
+
+    fn failure(&self, cause: &diffsol::DiffsolError) -> RunError {
+        RunError::Integration {
+            time: self.t,
+            cause: cause.to_string(),
+        }
+    }
+
+    /// Next time at which the smooth problem ends whatever happens.
+    fn stop_time(&self) -> f64 {
+        self.end.min(self.signals.next(self.t))
+    }
+
+    /// Applies all changes of gates that are due.
+    fn switch_gates(&mut self) -> Result<(), RunError> {
+        self.plan.instant(&self.y, &mut self.w);
+        loop {
+            let before = self.mode.clone();
+            let Some(word) = self.signals.due(self.plan, self.t, &mut self.mode, &self.w)? else {
+                return Ok(());
+            };
+            let name = self.plan.assembly.name_of(word.block);
+            let states = (&before, &self.y[..]);
+            self.audit
+                .cross(self.plan, name, states, (&self.mode, &self.y), &mut self.w);
+            self.tell(word);
+        }
+    }
+
+    /// Logs a word and lets triggers and events hear it.
+    fn tell(&mut self, word: Word) {
+        let plan = self.plan;
+        self.log.push(LogEntry {
+            time: self.t,
+            block: plan.assembly.name_of(word.block).to_owned(),
+            restriction: restriction_name(plan, word.block.family, word.block.index, word.restriction),
+            word: word.action.word(),
+        });
+        self.work.events += 1;
+        plan.observe(self.events.at_edges(), self.t, &self.y, &self.mode, &mut self.w);
+        self.events.hear(word, self.t, plan, &self.mode, &self.w);
+        self.signals.hear(plan, self.t, &mut self.mode, word);
+    }
+
+    /// Step size for a first-order start, from the error h^2 |y''|/3 it makes.
+    fn first_step(&self, problem: &Problem<'p>, second: &[f64]) -> f64 {
+        let atol = problem.atol.batch_as_slice(0);
+        let sum: f64 = second.iter().zip(atol).map(|(d, atol)| (d / atol) * (d / atol)).sum();
+        let norm = (sum / second.len() as f64).sqrt();
+        (1.5 / norm).sqrt().clamp(1e-12, 1e-5)
+    }
+
+    fn segment(&mut self, problem: &Problem<'p>) -> Result<(), RunError> {
+        self.switch_gates()?;
+        problem.eqn.set_mode(&self.mode);
+        let [first, second] = problem.eqn.derivatives(self.t, &self.y);
+        let empty = || NalgebraVec::<f64>::zeros(0, Default::default());
+        let common = StateCommon {
+            y: NalgebraVec::from_vec(self.y.clone(), Default::default()),
+            h: self.first_step(problem, &second),
+            dy: NalgebraVec::from_vec(first, Default::default()),
+            g: empty(),
+            dg: empty(),
+            s: empty(),
+            ds: empty(),
+            sg: empty(),
+            dsg: empty(),
+            t: self.t,
+        };
+        match self.numerics.method {
+            Method::Bdf => {
+                let solver = problem.bdf_solver::<LedgerLu>(OdeSolverState::new_from_common(common));
+                self.follow(solver.map_err(|cause| self.failure(&cause))?)
+            }
+            Method::Esdirk34 => {
+                let solver = problem.esdirk34_solver::<LedgerLu>(OdeSolverState::new_from_common(common));
+                self.follow(solver.map_err(|cause| self.failure(&cause))?)
+            }
+        }
+    }
+
+    /// Steps to the end of the segment.
+    fn follow<'e, M>(&mut self, mut solver: M) -> Result<(), RunError>
+    where
+        M: OdeSolverMethod<'e, Equations<'p>>,
+        'p: 'e,
+    {
+        let mut stop = self.stop_time();
+        solver.set_stop_time(stop).map_err(|cause| self.failure(&cause))?;
+        let mut scratch = NalgebraVec::<f64>::zeros(self.y.len(), Default::default());
+        self.plan
+            .observe(self.slots.need, self.t, &self.y, &self.mode, &mut self.w);
+        self.slots.margins(self.plan, &self.mode, &self.w, &mut self.margin);
+        let limit = STEP_LIMIT * (self.plan.assembly.end.ceil().max(1.0) as usize);
+        loop {
+            let reason = solver.step().map_err(|cause| self.failure(&cause))?;
+            self.work.steps += 1;
+            if self.work.steps > limit {
+                return Err(RunError::Integration {
+                    time: self.t,
+                    cause: format!("{limit} steps were not enough"),
+                });
+            }
+            let (from, to) = (self.t, solver.state().t);
+            let mut at = |t: f64, y: &mut [f64]| -> Result<(), RunError> {
+                solver
+                    .interpolate_inplace(t, &mut scratch)
+                    .map_err(|cause| RunError::Integration {
+                        time: t,
+                        cause: cause.to_string(),
+                    })?;
+                y.copy_from_slice(scratch.batch_as_slice(0));
+                Ok(())
+            };
+            let stretch = self.stretch(from, to, &mut at)?;
+            self.note_levels(from, stretch.used, &mut at)?;
+            let t_end = self.points[stretch.used - 1].0;
+            while self.recorder.next_time() < t_end {
+                let time = self.recorder.next_time();
+                at(time, &mut self.y)?;
+                self.recorder.push(self.plan, time, &self.y, &self.mode, &mut self.w);
+                self.follow_peaks();
+            }
+            self.t = t_end;
+            self.y.copy_from_slice(&self.points[stretch.used - 1].1);
+            self.accept()?;
+
+            let stopped = reason == OdeSolverStopReason::TstopReached;
+            let due = stopped && self.t >= self.signals.next(f64::NEG_INFINITY).min(stop) - 1e-13;
+            if let Some(slot) = stretch.event {
+                self.cross(slot)?;
+            }
+            if stretch.event.is_some() || due || self.t >= self.end {
+                let statistics = solver.get_statistics();
+                self.work.rejected += statistics.number_of_error_test_failures;
+                self.work.newton_failures += statistics.number_of_nonlinear_solver_fails;
+                self.work.newton_iterations += statistics.number_of_nonlinear_solver_iterations;
+                self.work.factorisations += statistics.number_of_linear_solver_setups;
+                return Ok(());
+            }
+            let next = self.stop_time();
+            if (stopped || next < stop) && next > self.t {
+                stop = next;
+                solver.set_stop_time(stop).map_err(|cause| self.failure(&cause))?;
+            }
+        }
+    }
+
+    /// The step from `from` to `to` as far as the first condition to fall, in `points`.
+    fn stretch(
+        &mut self,
+        from: f64,
+        to: f64,
+        at: &mut impl FnMut(f64, &mut [f64]) -> Result<(), RunError>,
+    ) -> Result<Stretch, RunError> {
+        let (plan, slots, mode) = (self.plan, self.slots, &self.mode);
+        for (k, (time, y)) in self.points.iter_mut().enumerate() {
+            *time = if k + 1 == POINTS {
+                to
+            } else {
+                from + (to - from) * (k + 1) as f64 / POINTS as f64
+            };
+            at(*time, y)?;
+        }
+        let mut left = from;
+        let mut found: Option<(f64, usize)> = None;
+        for k in 0..POINTS {
+            let t = self.points[k].0;
+            plan.observe(slots.need, t, &self.points[k].1, mode, &mut self.w);
+            slots.margins(plan, mode, &self.w, &mut self.right);
+            for (slot, (before, after)) in self.margin.iter().zip(&self.right).enumerate() {
+                if *after > slots.noise[slot] {
+                    self.armed[slot] = true;
+                } else if *after <= 0.0 && (self.armed[slot] || *before <= 0.0) {
+                    let time = if *before > 0.0 {
+                        let w = &mut self.w;
+                        let scratch = &mut self.y;
+                        let margin = |t: f64| {
+                            at(t, scratch)?;
+                            plan.observe(slots.need, t, scratch, mode, w);
+                            Ok(slots.list[slot].margin(plan, mode, w))
+                        };
+                        locate(left, t, *before, *after, margin)?
+                    } else {
+                        left
+                    };
+                    if found.is_none_or(|(earliest, _)| time < earliest) {
+                        found = Some((time, slot));
+                    }
+                }
+            }
+            left = t;
+            std::mem::swap(&mut self.margin, &mut self.right);
+            if let Some((time, slot)) = found {
+                self.points[k].0 = time;
+                at(time, &mut self.points[k].1)?;
+                return Ok(Stretch {
+                    used: k + 1,
+                    event: Some(slot),
+                });
+            }
+        }
+        Ok(Stretch {
+            used: POINTS,
+            event: None,
+        })
+    }
+
+    /// Notes where the trajectory from `from` through the points passes the levels of events.
+    fn note_levels(
+        &mut self,
+        from: f64,
+        used: usize,
+        at: &mut impl FnMut(f64, &mut [f64]) -> Result<(), RunError>,
+    ) -> Result<(), RunError> {
+        let (plan, mode, need) = (self.plan, &self.mode, self.events.need);
+        let admission = need.max(self.events.at_edges());
+        let mut left = from;
+        for k in 0..used {
+            let t = self.points[k].0;
+            plan.observe(need, t, &self.points[k].1, mode, &mut self.w);
+            self.events.measure(plan, mode, &self.w, &mut self.heights);
+            let mut passed: Vec<(f64, usize)> = Vec::new();
+            for level in 0..self.heights.len() {
+                let (before, after) = (self.events.last()[level], self.heights[level]);
+                if (before > 0.0) == (after > 0.0) {
+                    continue;
+                }
+                let (events, w, y) = (&self.events, &mut self.w, &mut self.y);
+                let height = |t: f64| {
+                    at(t, y)?;
+                    plan.observe(need, t, y, mode, w);
+                    Ok(events.height(level, plan, mode, w))
+                };
+                passed.push((locate(left, t, before, after, height)?, level));
+            }
+            passed.sort_by(|a, b| a.0.total_cmp(&b.0));
+            for (time, level) in passed {
+                at(time, &mut self.y)?;
+                plan.observe(admission, time, &self.y, mode, &mut self.w);
+                self.events.pass(level, time, self.heights[level], plan, mode, &self.w);
+            }
+            self.events.settle(&self.heights);
+            left = t;
+        }
+        Ok(())
+    }
+
+    /// Follows what an accepted state changes: balances, peaks, limits of the model, the end of the record.
+    fn accept(&mut self) -> Result<(), RunError> {
+        self.plan.instant(&self.y, &mut self.w);
+        self.audit.follow(self.plan, &self.y, &self.mode, &self.w);
+        self.guard()?;
+        self.plan.contact_forces(&self.mode, &mut self.w);
+        self.follow_peaks();
+        self.schedule();
+        Ok(())
+    }
+
+    fn follow_peaks(&mut self) {
+        let contacts = self.w.contact.iter().map(|contact| contact.force);
+        let forces = contacts.chain(self.w.fastener.iter().map(|fastener| fastener[0]));
+        for (peak, force) in self.peaks.iter_mut().zip(forces) {
+            peak.force = peak.force.max(force);
+        }
+    }
+
+    /// Ends the run where the model does.
+    fn guard(&self) -> Result<(), RunError> {
+        let plan = self.plan;
+        for (i, volume) in plan.volumes.iter().enumerate() {
+            let (size, mass) = (self.w.volume[i], self.w.mass[i]);
+            if size > VANISHED * volume.dead && mass > 0.0 && self.y[plan.energy() + i] > 0.0 {
+                continue;
+            }
+            let face = plan.faces.iter().find(|face| face.volume == Some(i));
+            let body = face.map_or_else(
+                || "no body".to_owned(),
+                |face| {
+                    let name = &plan.assembly.bodies[face.pair.on].name;
+                    format!("\"{name}\" at {:.3} mm", 1e3 * self.w.travel(face.pair))
+                },
+            );
+            return Err(RunError::Collapse {
+                volume: plan.assembly.volumes[i].name.clone(),
+                body,
+                size,
+                mass,
+                time: self.t,
+            });
+        }
+        for (i, spring) in plan.springs.iter().enumerate() {
+            let Some(limit) = spring.limit else { continue };
+            let compression = spring.compression(self.w.travel(spring.pair));
+            let stops = plan.contacts.iter().filter(|c| c.pair == spring.pair);
+            let overlap = |c: &super::plan::ContactPlan| c.overlap(self.w.travel(c.pair), 0.0).0.max(0.0);
+            if compression - stops.map(overlap).fold(0.0, f64::max) > limit * (1.0 + SPRING_SLACK) {
+                return Err(RunError::SpringLimit {
+                    spring: plan.assembly.springs[i].name.clone(),
+                    compression,
+                    limit,
+                    place: format!("at {:.3} ms", 1e3 * self.t),
+                });
+            }
+        }
+        Ok(())
+    }
+
+    /// Sets the end of the record from the events so far.
+    fn schedule(&mut self) {
+        let plan = self.plan;
+        let Some(finish) = &plan.assembly.finish else { return };
+        if self.events.take_changed() {
+            if let Some(last) = finish.never_past
+                && let Some(time) = self.events.time_of(plan, last, self.t)
+            {
+                self.end = self.end.min(time);
+                self.cut = true;
+            }
+            let after = plan.assembly.events.get(finish.event).and_then(|event| event.after);
+            self.finish_after = match after {
+                Some(after) => self.events.time_of(plan, after, self.t),
+                None => Some(0.0),
+            };
+        }
+        if self.finish_after.is_some()
+            && let Some(time) = self.events.time_of(plan, finish.event, self.t)
+        {
+            self.end = self.end.min((time + finish.tail).max(self.t));
+        }
+    }
+
+    /// Applies the event of a slot at the present time.
+    fn cross(&mut self, slot: usize) -> Result<(), RunError> {
+        let plan = self.plan;
+        let described = &self.slots.list[slot];
+        let (window, count) = &mut self.chatter[slot];
+        if self.t - *window > CHATTER_WINDOW {
+            (*window, *count) = (self.t, 0);
+        }
+        *count += 1;
+        if *count > CHATTER_CHANGES {
+            return Err(RunError::Chatter {
+                block: described.name(plan).to_owned(),
+                count: *count,
+                window: CHATTER_WINDOW,
+                time: self.t,
+            });
+        }
+        let before = (self.mode.clone(), self.y.clone());
+        plan.instant(&self.y, &mut self.w);
+        let word = described.cross(plan, &mut self.mode, &mut self.y, &self.w);
+        self.audit.cross(
+            plan,
+            described.name(plan),
+            (&before.0, &before.1),
+            (&self.mode, &self.y),
+            &mut self.w,
+        );
+        if let Some(word) = word {
+            if word.action == Action::Struck && word.block.family == Family::Fastener {
+                let driver = 2 * plan.fasteners[word.block.index].stroke.on + 1;
+                self.strikes.push(Strike {
+                    fastener: plan.assembly.fasteners[word.block.index].name.clone(),
+                    time: self.t,
+                    before: before.1[driver],
+                    after: self.y[driver],
+                });
+            }
+            self.tell(word);
+        }
+        plan.observe(self.slots.need, self.t, &self.y, &self.mode, &mut self.w);
+        self.slots.margins(plan, &self.mode, &self.w, &mut self.right);
+        for (other, armed) in self.armed.iter_mut().enumerate() {
+            *armed = self.right[other] > self.slots.noise[other] || (other != slot && *armed);
+        }
+        Ok(())
+    }
+
+    /// Ends the record.
+    fn finish(mut self, problem: &Problem<'p>) -> Result<Record, RunError> {
+        let plan = self.plan;
+        // The last sample is at the end itself if the end is on the grid.
+        if !self.cut && self.recorder.next_time() <= self.t * (1.0 + 4.0 * f64::EPSILON) {
+            self.recorder.push(plan, self.t, &self.y, &self.mode, &mut self.w);
+        }
+        let calls = problem.eqn.calls();
+        self.work.evaluations = calls.rates;
+        self.work.jacobians = calls.jacobians;
+        let times = self.events.times(plan, self.t);
+        plan.observe(Need::Forces, self.t, &self.y, &self.mode, &mut self.w);
+        let outcome = Events::outcome(plan, &times, &self.mode, &self.w)?;
+        let names = plan.assembly.events.iter().map(|event| event.name.clone());
+        let events = names.zip(times).map(|(name, time)| EventTime { name, time }).collect();
+        let checks = self.audit.checks(plan);
+        let integrals = plan.ledger.iter().zip(&self.y[plan.states()..]);
+        let mut ledger: Vec<LedgerEntry> = integrals
+            .map(|(item, value)| LedgerEntry {
+                name: item.name.clone(),
+                unit: item.unit,
+                value: *value,
+            })
+            .collect();
+        ledger.extend(self.audit.into_lost().into_iter().map(|lost| LedgerEntry {
+            name: format!("lost.{}", lost.name),
+            unit: "J",
+            value: lost.energy,
+        }));
+        let parts = Parts {
+            end: self.t,
+            events,
+            log: self.log,
+            outcome,
+            ledger,
+            peaks: self.peaks,
+            strikes: self.strikes,
+            checks,
+            work: self.work,
+        };
+        Ok(Record::new(parts, self.recorder))
+    }
+}

@@ -1,0 +1,423 @@
+//! The Jacobian by elements: each block is evaluated once in dual numbers of its own few variables, and the derivatives
+//! are scattered through the pressures and temperatures of the volumes.
+//!
+//! ```text
+//! dP/dU = P/U,  dP/dx = -P s A/V,  dT/dU = T/U,  dT/dm = -T/m
+//! ```
+
+use super::assembly::ForceLaw;
+use super::kernels::{Ends, interpolate};
+use super::mode::{Mode, head};
+use super::plan::{Pair, Plan};
+use super::rates::Workspace;
+use crate::cycle::{Dual, Gas, Real};
+
+/// Derivatives of the rates by the states, by columns of the length of the whole vector.
+#[derive(Debug, Clone)]
+pub(crate) struct Jacobian {
+    values: Vec<f64>,
+    rows: usize,
+    /// Derivatives of each volume's pressure: column and value.
+    pressure: Vec<Vec<(usize, f64)>>,
+    temperature: Vec<[(usize, f64); 2]>,
+}
+
+impl Jacobian {
+    pub(crate) fn new(plan: &Plan) -> Self {
+        Self {
+            values: vec![0.0; plan.size() * plan.states()],
+            rows: plan.size(),
+            pressure: vec![Vec::new(); plan.volumes.len()],
+            temperature: vec![[(0, 0.0); 2]; plan.volumes.len()],
+        }
+    }
+
+    /// By columns, rows x states.
+    pub(crate) fn values(&self) -> &[f64] {
+        &self.values
+    }
+
+    #[inline]
+    fn add(&mut self, row: usize, column: usize, value: f64) {
+        self.values[column * self.rows + row] += value;
+    }
+
+    /// Adds `factor` times the derivatives of a gas's pressure and temperature to a row.
+    #[inline]
+    fn add_gas(&mut self, row: usize, gas: usize, by_pressure: f64, by_temperature: f64) {
+        let Some(columns) = self.pressure.get(gas) else { return };
+        for (column, value) in columns {
+            self.values[column * self.rows + row] += by_pressure * value;
+        }
+        for (column, value) in self.temperature[gas] {
+            self.values[column * self.rows + row] += by_temperature * value;
+        }
+    }
+
+    /// Adds derivatives by a pair's travel and its rate to a row.
+    #[inline]
+    fn add_pair(&mut self, row: usize, pair: Pair, by_travel: f64, by_speed: f64, ground: usize) {
+        for (body, sign) in [(pair.on, 1.0), (pair.against, -1.0)] {
+            if body != ground {
+                self.add(row, 2 * body, sign * by_travel);
+                self.add(row, 2 * body + 1, sign * by_speed);
+            }
+        }
+    }
+}
+
+/// A force on a body as it enters the rates: row and factor.
+#[derive(Clone, Copy)]
+struct Target {
+    row: usize,
+    factor: f64,
+}
+
+/// Rows that a pair's force enters, `on` first.
+fn targets(plan: &Plan, mode: &Mode, pair: Pair) -> [Target; 2] {
+    let target = |body: usize, sign: f64| {
+        if body == plan.ground() {
+            Target {
+                row: plan.ground_impulse,
+                factor: sign,
+            }
+        } else {
+            Target {
+                row: 2 * body + 1,
+                factor: sign / plan.moving_mass(body, mode),
+            }
+        }
+    };
+    [target(pair.on, 1.0), target(pair.against, -1.0)]
+}
+
+fn seeded(x: f64, v: f64) -> [Dual<2>; 2] {
+    [
+        Dual {
+            value: x,
+            slope: [1.0, 0.0],
+        },
+        Dual {
+            value: v,
+            slope: [0.0, 1.0],
+        },
+    ]
+}
+
+/// A block between two bodies as it is scattered.
+struct Element {
+    pair: Pair,
+    /// Force on `on`, down.
+    force: Dual<2>,
+    /// Integral whose rate is a power of the block, with that power.
+    power: Option<(usize, Dual<2>)>,
+}
+
+impl Plan {
+    /// Fills the Jacobian at a state.
+    pub(crate) fn jacobian(&self, t: f64, y: &[f64], mode: &Mode, w: &mut Workspace, j: &mut Jacobian) {
+        j.values.fill(0.0);
+        self.instant(y, w);
+        for body in 0..self.bodies.len() {
+            j.add(2 * body, 2 * body + 1, 1.0);
+        }
+        self.columns(y, w, j);
+        self.face_elements(mode, w, j);
+        self.passage_elements(t, mode, w, j);
+        self.wall_elements(w, j);
+        self.pair_elements(t, mode, w, j);
+        self.isothermal_rows(j);
+    }
+
+    /// Derivatives of pressures and temperatures.
+    fn columns(&self, y: &[f64], w: &Workspace, j: &mut Jacobian) {
+        let (energy, mass) = (self.energy(), self.mass());
+        for i in 0..self.volumes.len() {
+            j.pressure[i].clear();
+            j.pressure[i].push((energy + i, (self.gamma - 1.0) / w.volume[i]));
+            j.temperature[i] = [
+                (energy + i, (self.gamma - 1.0) / (y[mass + i] * self.gas_constant)),
+                (mass + i, -w.temperature[i] / y[mass + i]),
+            ];
+        }
+        for face in &self.faces {
+            if let Some(i) = face.volume {
+                let slope = -w.pressure[i] * face.area / w.volume[i];
+                for (body, sign) in [(face.pair.on, 1.0), (face.pair.against, -1.0)] {
+                    if body != self.ground() {
+                        j.pressure[i].push((2 * body, sign * slope));
+                    }
+                }
+            }
+        }
+    }
+
+    fn face_elements(&self, mode: &Mode, w: &Workspace, j: &mut Jacobian) {
+        let ground = self.ground();
+        for face in &self.faces {
+            let Some(i) = face.volume else { continue };
+            for target in targets(self, mode, face.pair) {
+                j.add_gas(target.row, i, target.factor * face.area, 0.0);
+            }
+            let growth = face.area * w.speed(face.pair);
+            let power = face.area * w.pressure[i];
+            let rows = [Some((self.energy() + i, -1.0)), face.work.map(|row| (row, 1.0))];
+            let volume_work = self.volumes[i].ledger.map(|ledger| (ledger.work, 1.0));
+            for (row, sign) in rows.into_iter().flatten().chain(volume_work) {
+                j.add_gas(row, i, sign * growth, 0.0);
+                j.add_pair(row, face.pair, 0.0, sign * power, ground);
+            }
+        }
+    }
+
+    fn passage_elements(&self, t: f64, mode: &Mode, w: &Workspace, j: &mut Jacobian) {
+        let volumes = self.volumes.len();
+        for (index, passage) in self.passages.iter().enumerate() {
+            if !passage.is_open(mode) {
+                continue;
+            }
+            let plain = self.ends(index, w);
+            let along = |value: f64, input: usize| {
+                let mut slope = [0.0; 6];
+                slope[input] = 1.0;
+                Dual { value, slope }
+            };
+            let gas = |gas: Gas<f64>, is_volume: bool, input: usize| {
+                if is_volume {
+                    Gas {
+                        pressure: along(gas.pressure, input),
+                        temperature: along(gas.temperature, input + 1),
+                    }
+                } else {
+                    Gas {
+                        pressure: Dual::constant(gas.pressure),
+                        temperature: Dual::constant(gas.temperature),
+                    }
+                }
+            };
+            let ends = Ends {
+                from: gas(plain.from, passage.from < volumes, 0),
+                to: gas(plain.to, passage.to < volumes, 2),
+                travel: [along(plain.travel[0], 4), along(plain.travel[1], 5)],
+            };
+            let air = &self.airs[passage.air];
+            let flow = passage.flow(air, mode, &ends, t, None);
+            let mut scatter = |row: usize, factor: f64, value: &Dual<6>| {
+                let [p0, t0, p1, t1, x0, x1] = value.slope;
+                j.add_gas(row, passage.from, factor * p0, factor * t0);
+                j.add_gas(row, passage.to, factor * p1, factor * t1);
+                for (pair, slope) in passage.travels.into_iter().zip([x0, x1]) {
+                    if let Some(pair) = pair {
+                        j.add_pair(row, pair, factor * slope, 0.0, self.ground());
+                    }
+                }
+            };
+            for (gas, sign) in [(passage.from, -1.0), (passage.to, 1.0)] {
+                if gas < volumes {
+                    scatter(self.energy() + gas, sign, &flow.enthalpy);
+                    scatter(self.mass() + gas, sign, &flow.mass);
+                }
+            }
+            if let Some(ledger) = passage.ledger {
+                scatter(ledger.mass, 1.0, &flow.mass);
+                scatter(ledger.enthalpy, 1.0, &flow.enthalpy);
+            }
+            if !passage.jet {
+                continue;
+            }
+            let thrust = passage.thrust(air, &ends, &flow, t);
+            for imposed in &self.forces {
+                let ForceLaw::Jet { passage: of, share } = imposed.law else {
+                    continue;
+                };
+                if of != index {
+                    continue;
+                }
+                let [on, against] = targets(self, mode, imposed.pair);
+                scatter(on.row, share * on.factor, &thrust);
+                if imposed.pair.against == self.ground() {
+                    scatter(self.outer_impulse, share, &thrust);
+                } else {
+                    scatter(against.row, share * against.factor, &thrust);
+                }
+                if let Some(work) = imposed.work {
+                    scatter(work, share * w.speed(imposed.pair), &thrust);
+                }
+            }
+            for imposed in &self.forces {
+                if let (ForceLaw::Jet { passage: of, share }, Some(work)) = (&imposed.law, imposed.work)
+                    && *of == index
+                {
+                    j.add_pair(work, imposed.pair, 0.0, share * thrust.value, self.ground());
+                }
+            }
+        }
+    }
+
+    /// Heat of the walls, by temperature and by the travels of the faces.
+    fn wall_elements(&self, w: &Workspace, j: &mut Jacobian) {
+        for (i, volume) in self.volumes.iter().enumerate() {
+            if volume.transfer != 0.0 && volume.isothermal.is_none() {
+                for row in self.heat_rows(i) {
+                    j.add_gas(row, i, 0.0, -volume.transfer * w.wall[i]);
+                }
+            }
+        }
+        for face in &self.faces {
+            let Some(i) = face.volume else { continue };
+            let volume = &self.volumes[i];
+            if face.perimeter != 0.0 && volume.transfer != 0.0 && volume.isothermal.is_none() {
+                let slope = volume.transfer * face.perimeter * (volume.wall_temperature - w.temperature[i]);
+                for row in self.heat_rows(i) {
+                    j.add_pair(row, face.pair, slope, 0.0, self.ground());
+                }
+            }
+        }
+    }
+
+    fn heat_rows(&self, volume: usize) -> impl Iterator<Item = usize> {
+        let ledger = self.volumes[volume].ledger.map(|ledger| ledger.heat);
+        [Some(self.energy() + volume), self.heat, ledger].into_iter().flatten()
+    }
+
+    /// An isothermal volume's energy follows its mass; the wall's heat is the difference to the energy balance, which
+    /// the row of the energy holds so far.
+    fn isothermal_rows(&self, j: &mut Jacobian) {
+        let cv = self.cp - self.gas_constant;
+        for (i, volume) in self.volumes.iter().enumerate() {
+            let Some(temperature) = volume.isothermal else { continue };
+            let (energy, mass) = (self.energy() + i, self.mass() + i);
+            for column in 0..self.states() {
+                let at = column * j.rows;
+                let balance = j.values[at + energy];
+                let rise = cv * temperature * j.values[at + mass];
+                j.values[at + energy] = rise;
+                let ledger = volume.ledger.map(|ledger| ledger.heat);
+                for row in [self.heat, ledger].into_iter().flatten() {
+                    j.values[at + row] += rise - balance;
+                }
+            }
+        }
+    }
+
+    fn pair_elements(&self, t: f64, mode: &Mode, w: &Workspace, j: &mut Jacobian) {
+        for contact in self.contacts.iter().filter(|c| mode.is_on(c.switch)) {
+            let [x, v] = seeded(w.travel(contact.pair), w.speed(contact.pair));
+            let (u, rate) = contact.overlap(x, v);
+            let push = contact.push(u, rate);
+            let power = contact.loss.map(|row| (row, push.dashpot * rate));
+            let force = push.force * -contact.side;
+            self.scatter(
+                mode,
+                &Element {
+                    pair: contact.pair,
+                    force,
+                    power,
+                },
+                j,
+            );
+        }
+        for spring in &self.springs {
+            if spring.switch.is_none_or(|switch| mode.is_on(switch)) {
+                let [x, v] = seeded(w.travel(spring.pair), w.speed(spring.pair));
+                let found = spring.force(x, v);
+                let power = spring.loss.map(|row| (row, -found.dashpot * v));
+                let force = found.force;
+                self.scatter(
+                    mode,
+                    &Element {
+                        pair: spring.pair,
+                        force,
+                        power,
+                    },
+                    j,
+                );
+            }
+        }
+        for friction in &self.frictions {
+            let [_, v] = seeded(0.0, w.speed(friction.pair));
+            let force = friction.force(v);
+            let power = Some((friction.loss, force * v));
+            let pair = friction.pair;
+            self.scatter(
+                mode,
+                &Element {
+                    pair,
+                    force: -force,
+                    power,
+                },
+                j,
+            );
+        }
+        for imposed in &self.forces {
+            if let (ForceLaw::Table(points), Some(work)) = (&imposed.law, imposed.work) {
+                j.add_pair(work, imposed.pair, 0.0, interpolate(points, t).0, self.ground());
+            }
+        }
+        for motor in self.motors.iter().filter(|m| mode.is_on(m.switch)) {
+            let [_, v] = seeded(0.0, w.speed(motor.pair));
+            let force = motor.force(v);
+            let power = Some((motor.work, force * v));
+            let pair = motor.pair;
+            self.scatter(mode, &Element { pair, force, power }, j);
+        }
+        for hold in self.holds.iter().filter(|h| mode.is_on(h.switch)) {
+            let [x, v] = seeded(w.travel(hold.pair), w.speed(hold.pair));
+            let found = hold.force(mode.memory[hold.place], x, v);
+            let power = hold.loss.map(|row| (row, -found.dashpot * v));
+            let force = found.force;
+            self.scatter(
+                mode,
+                &Element {
+                    pair: hold.pair,
+                    force,
+                    power,
+                },
+                j,
+            );
+        }
+        for fastener in &self.fasteners {
+            let [x, v] = seeded(w.travel(fastener.work), w.speed(fastener.work));
+            let force = fastener.force(mode, x - fastener.tip_at);
+            let power = Some((fastener.penetration, force * v));
+            let pair = fastener.work;
+            self.scatter(
+                mode,
+                &Element {
+                    pair,
+                    force: -force,
+                    power,
+                },
+                j,
+            );
+            if let Some(row) = fastener.guide_loss
+                && mode.switches[fastener.head] == head::ATTACHED
+            {
+                let [_, v] = seeded(0.0, w.speed(fastener.guide));
+                let force = fastener.guide(v);
+                let power = Some((row, force * v));
+                let pair = fastener.guide;
+                self.scatter(
+                    mode,
+                    &Element {
+                        pair,
+                        force: -force,
+                        power,
+                    },
+                    j,
+                );
+            }
+        }
+    }
+
+    fn scatter(&self, mode: &Mode, element: &Element, j: &mut Jacobian) {
+        let (pair, ground) = (element.pair, self.ground());
+        for target in targets(self, mode, pair) {
+            let [by_travel, by_speed] = element.force.slope.map(|slope| slope * target.factor);
+            j.add_pair(target.row, pair, by_travel, by_speed, ground);
+        }
+        if let Some((row, power)) = element.power {
+            j.add_pair(row, pair, power.slope[0], power.slope[1], ground);
+        }
+    }
+}

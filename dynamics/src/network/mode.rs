@@ -1,0 +1,56 @@
+//! The discrete state between two events: switches and what they remember.
+//!
+//! The right-hand side is smooth for a fixed mode, whatever the state, so a step may run past an event and be cut back
+//! to it.
+
+use super::plan::Plan;
+
+/// Switches of all blocks and the numbers they remember.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Mode {
+    /// 0 or 1; a fastener uses the values of [`head`] and [`depth`].
+    pub(crate) switches: Vec<u8>,
+    /// Travel at which a latch caught; deepest depth and force of a fastener.
+    pub(crate) memory: Vec<f64>,
+}
+
+/// Values of the switch of a driver on its fastener's head.
+pub(crate) mod head {
+    /// The fastener waits in its guide, at rest.
+    pub(crate) const WAITING: u8 = 0;
+    /// The driver pushes it.
+    pub(crate) const ATTACHED: u8 = 1;
+    /// The driver has left it.
+    pub(crate) const LEFT: u8 = 2;
+}
+
+/// Values of the switch of a fastener in the work.
+pub(crate) mod depth {
+    /// No force: above the work, or off the fastener driven so far.
+    pub(crate) const FREE: u8 = 0;
+    /// Goes deeper, f = E(z) within its length.
+    pub(crate) const LOADING: u8 = 1;
+    /// Goes deeper with its head on the surface.
+    pub(crate) const SEATED: u8 = 2;
+    /// Springs back, f = f* + k_u (z - z*).
+    pub(crate) const UNLOADING: u8 = 3;
+}
+
+impl Mode {
+    /// All switches off, latches at their travel of the start.
+    pub(crate) fn new(plan: &Plan) -> Self {
+        let mut memory = vec![0.0; plan.memories];
+        for hold in &plan.holds {
+            memory[hold.place] = hold.at;
+        }
+        Self {
+            switches: vec![0; plan.switches],
+            memory,
+        }
+    }
+
+    #[inline]
+    pub(crate) fn is_on(&self, switch: usize) -> bool {
+        self.switches[switch] != 0
+    }
+}

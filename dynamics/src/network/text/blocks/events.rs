@@ -1,0 +1,454 @@
+//! Sensors, events, triggers and outcomes.
+
+use nailnoise_quantities::dimension::TIME;
+use nailnoise_quantities::{Dimension, nonnegative};
+
+use super::list::{each, entries};
+use crate::network::assembly::{
+    Action, Comparison, Condition, Edge, Event, Expression, Family, Opens, Outcome, OutcomeTest, Passage, Pick, Sensor,
+    Trigger, Word,
+};
+use crate::network::text::compile::{Compiled, Scalar};
+use crate::network::text::fault::{AssemblyError, Fault};
+use crate::network::text::fields::Fields;
+use crate::network::text::names::words;
+use crate::network::text::node::{Node, Tree};
+use crate::network::text::resolver::{Resolver, StateScope, kind_of};
+
+/// A sensor and its dimension.
+pub(super) struct Measured {
+    pub(super) sensor: Sensor,
+    dimension: Dimension,
+}
+
+/// Dimensions of the sensors in order.
+pub(super) fn dimensions(sensors: &[Measured]) -> Vec<Option<Dimension>> {
+    sensors.iter().map(|sensor| Some(sensor.dimension)).collect()
+}
+
+pub(super) fn sensors(resolver: &Resolver<'_>) -> Result<Vec<Measured>, AssemblyError> {
+    let fields = entries(resolver, "sensor", &["is", "unit"])?;
+    let unit = |(_, fields): &(&str, Fields<'_, '_>)| {
+        let unit = fields.text("unit", "a unit")?.unwrap_or_default();
+        Dimension::of_unit(unit).map_err(|error| {
+            let (text, problem) = (unit.to_owned(), error.to_string());
+            let units = "m, Pa, N, ...".to_owned();
+            fields.error("unit", Fault::Literal { text, problem, units })
+        })
+    };
+    let units = fields.iter().map(unit).collect::<Result<Vec<_>, _>>()?;
+    let known: Vec<Option<Dimension>> = units.iter().copied().map(Some).collect();
+    let mut sensors = Vec::new();
+    for ((name, fields), dimension) in fields.iter().zip(units) {
+        let scalar =
+            expression(fields, "is", &known, false)?.ok_or_else(|| fields.missing("is", "\"piston.travel\""))?;
+        expect(fields, "is", &scalar, dimension)?;
+        sensors.push(Measured {
+            sensor: Sensor {
+                name: (*name).to_owned(),
+                value: scalar.value,
+                unit: dimension.unit(),
+            },
+            dimension,
+        });
+    }
+    for start in 0..sensors.len() {
+        let mut path = vec![start];
+        if reaches(&sensors, start, start, &mut path, &mut vec![false; sensors.len()]) {
+            let names = path.iter().map(|index| sensors[*index].sensor.name.clone()).collect();
+            return Err(fields[start].1.error("is", Fault::Circle { names }));
+        }
+    }
+    Ok(sensors)
+}
+
+/// Whether the sensor `at` needs the sensor `target`; `path` is the way to it.
+fn reaches(sensors: &[Measured], at: usize, target: usize, path: &mut Vec<usize>, seen: &mut [bool]) -> bool {
+    let mut needs = Vec::new();
+    each_sensor(&sensors[at].sensor.value, &mut |index| needs.push(index));
+    for next in needs {
+        path.push(next);
+        if next == target {
+            return true;
+        }
+        if !seen[next] {
+            seen[next] = true;
+            if reaches(sensors, next, target, path, seen) {
+                return true;
+            }
+        }
+        path.pop();
+    }
+    false
+}
+
+fn each_sensor(expression: &Expression, f: &mut dyn FnMut(usize)) {
+    match expression {
+        Expression::Sensor(index) => f(*index),
+        Expression::Constant(_) | Expression::Channel(_) => {}
+        Expression::Negative(inner) => each_sensor(inner, f),
+        Expression::Binary(_, left, right) => {
+            each_sensor(left, f);
+            each_sensor(right, f);
+        }
+        Expression::Function(_, arguments) => arguments.iter().for_each(|argument| each_sensor(argument, f)),
+    }
+}
+
+/// An expression over the state.
+pub(super) fn expression(
+    fields: &Fields<'_, '_>,
+    key: &str,
+    sensors: &[Option<Dimension>],
+    off_is_zero: bool,
+) -> Result<Option<Scalar>, AssemblyError> {
+    const EXPECTED: &str = "an expression, as \"piston.travel\"";
+    let Some(text) = fields.text(key, EXPECTED)? else {
+        return Ok(None);
+    };
+    let scope = StateScope {
+        resolver: fields.resolver,
+        off_is_zero,
+        sensors,
+    };
+    let node = fields.get(key).unwrap_or(fields.node);
+    match fields.resolver.formula(&fields.full(key), node, text, &scope)? {
+        Compiled::Scalar(scalar) => Ok(Some(scalar)),
+        other => {
+            let (found, expected) = (kind_of(&other), EXPECTED.to_owned());
+            Err(fields.error(key, Fault::Kind { found, expected }))
+        }
+    }
+}
+
+/// Refuses another dimension.
+pub(super) fn expect(
+    fields: &Fields<'_, '_>,
+    key: &str,
+    scalar: &Scalar,
+    expected: Dimension,
+) -> Result<(), AssemblyError> {
+    match scalar.dimension {
+        Some(found) if found != expected => Err(fields.error(
+            key,
+            Fault::Dimension {
+                found: found.to_string(),
+                expected: expected.to_string(),
+                units: expected.examples(),
+            },
+        )),
+        _ => Ok(()),
+    }
+}
+
+/// A condition on the state at a node.
+fn condition(
+    fields: &Fields<'_, '_>,
+    path: &str,
+    node: &Node,
+    sensors: &[Option<Dimension>],
+) -> Result<Condition, AssemblyError> {
+    const EXPECTED: &str = "a condition, as \"piston.travel > 1 mm\"";
+    let wrong = |found: String| {
+        let expected = EXPECTED.to_owned();
+        fields.resolver.error(path, &node.spot, Fault::Kind { found, expected })
+    };
+    let text = node.text().ok_or_else(|| wrong(node.found()))?;
+    let scope = StateScope {
+        resolver: fields.resolver,
+        off_is_zero: false,
+        sensors,
+    };
+    match fields.resolver.formula(path, node, text, &scope)? {
+        Compiled::Conditions(all) => Ok(Condition { all }),
+        // A condition over keys alone is satisfied always or never.
+        Compiled::Truth(truth) => Ok(Condition {
+            all: vec![Comparison {
+                margin: Expression::Constant(if truth { 1.0 } else { -1.0 }),
+                strict: true,
+            }],
+        }),
+        other => Err(wrong(kind_of(&other))),
+    }
+}
+
+/// The word of a block's log, "guard opens" or "exhaust.seat shuts", if the text is one.
+fn word(resolver: &Resolver<'_>, passages: &[Passage], text: &str) -> Option<Word> {
+    let (name, action) = text.trim().split_once(char::is_whitespace)?;
+    let (name, part) = name
+        .split_once('.')
+        .map_or((name, None), |(name, part)| (name, Some(part)));
+    let block = resolver.names.find(name)?.block;
+    let (_, action) = words(block.family).iter().find(|(word, _)| *word == action.trim())?;
+    let restriction = match (block.family, passages.get(block.index)) {
+        (Family::Passage, Some(passage)) => restriction(passage, part, *action)?,
+        _ if part.is_some() => return None,
+        _ => 0,
+    };
+    Some(Word {
+        block,
+        restriction,
+        action: *action,
+    })
+}
+
+/// The restriction of a passage that logs an action: the named one, or the only one that can.
+fn restriction(passage: &Passage, part: Option<&str>, action: Action) -> Option<usize> {
+    let logs = |opens: &Opens| match action {
+        Action::Opens | Action::Shuts => matches!(opens, Opens::Seat { .. }),
+        Action::Uncovered | Action::Covered => matches!(opens, Opens::Holes { .. }),
+        Action::GateOpens | Action::GateShuts => passage.gate.is_some(),
+        _ => true,
+    };
+    let mut able = passage
+        .restrictions
+        .iter()
+        .enumerate()
+        .filter(|(_, restriction)| part.is_none_or(|part| restriction.name == part) && logs(&restriction.opens));
+    let (index, _) = able.next()?;
+    let of_passage = !matches!(
+        action,
+        Action::Opens | Action::Shuts | Action::Uncovered | Action::Covered
+    );
+    (of_passage || able.next().is_none()).then_some(index)
+}
+
+/// All words of the blocks, for messages.
+fn all_words(resolver: &Resolver<'_>, passages: &[Passage]) -> Vec<String> {
+    let mut all = Vec::new();
+    for block in &resolver.names.blocks {
+        for (action, _) in words(block.block.family) {
+            let mut candidates = vec![format!("{} {action}", block.name)];
+            if let (Family::Passage, Some(passage)) = (block.block.family, passages.get(block.block.index)) {
+                let parts = passage
+                    .restrictions
+                    .iter()
+                    .filter(|restriction| !restriction.name.is_empty());
+                candidates.extend(parts.map(|part| format!("{}.{} {action}", block.name, part.name)));
+            }
+            all.extend(
+                candidates
+                    .into_iter()
+                    .filter(|text| word(resolver, passages, text).is_some()),
+            );
+        }
+    }
+    all
+}
+
+pub(super) fn triggers(resolver: &Resolver<'_>, passages: &[Passage]) -> Result<Vec<Trigger>, AssemblyError> {
+    let read = |(name, fields): (&str, Fields<'_, '_>)| {
+        Ok(Trigger {
+            name: name.to_owned(),
+            starts: fields.flag("starts", false)?,
+            set: trigger_words(&fields, "set", passages)?,
+            clear: trigger_words(&fields, "clear", passages)?,
+            schedule: schedule(&fields)?,
+        })
+    };
+    each(resolver, Family::Trigger, &["starts", "set", "clear", "schedule"])?
+        .into_iter()
+        .map(read)
+        .collect()
+}
+
+fn trigger_words(fields: &Fields<'_, '_>, key: &str, passages: &[Passage]) -> Result<Vec<Word>, AssemblyError> {
+    const EXPECTED: &str = "what a block logs, as \"guard opens\", or a list of these";
+    let items = match fields.get(key) {
+        None => return Ok(Vec::new()),
+        Some(node) => match &node.value {
+            Tree::Array(items) => &items[..],
+            _ => std::slice::from_ref(node),
+        },
+    };
+    let read = |item: &Node| {
+        let text = item.text().ok_or_else(|| fields.wrong(key, EXPECTED))?;
+        word(fields.resolver, passages, text).ok_or_else(|| {
+            let word = text.to_owned();
+            let known = all_words(fields.resolver, passages);
+            fields.error(key, Fault::UnknownWord { word, known })
+        })
+    };
+    items.iter().map(read).collect()
+}
+
+/// Times and states: pairs, or tables with `at`, `on` and `if`.
+fn schedule(fields: &Fields<'_, '_>) -> Result<Vec<(f64, bool)>, AssemblyError> {
+    const EXPECTED: &str = "times and states in ascending order, as [[\"5 ms\", false]]";
+    let mut schedule: Vec<(f64, bool)> = Vec::new();
+    for (index, item) in fields
+        .array("schedule", EXPECTED)?
+        .unwrap_or_default()
+        .iter()
+        .enumerate()
+    {
+        let path = format!("{}.{index}", fields.full("schedule"));
+        let (time, on) = match &item.value {
+            Tree::Array(pair) => match &pair[..] {
+                [time, on] => (Some(time), Some(on)),
+                _ => (None, None),
+            },
+            Tree::Table(_) => {
+                if !fields.resolver.is_on(&path, item)? {
+                    continue;
+                }
+                let step = Fields::new(fields.resolver, path.clone(), item, "step of a schedule", &["at", "on"])?;
+                (step.get("at"), step.get("on"))
+            }
+            _ => (None, None),
+        };
+        let (
+            Some(time),
+            Some(Node {
+                value: Tree::Flag(on), ..
+            }),
+        ) = (time, on)
+        else {
+            return Err(fields.wrong("schedule", EXPECTED));
+        };
+        let time = fields.resolver.quantity(&path, time, nonnegative(TIME))?;
+        if schedule.last().is_some_and(|(last, _)| *last >= time) {
+            return Err(fields.wrong("schedule", EXPECTED));
+        }
+        schedule.push((time, *on));
+    }
+    Ok(schedule)
+}
+
+/// The event that a field names.
+pub(super) fn event_index(
+    fields: &Fields<'_, '_>,
+    key: &str,
+    resolver: &Resolver<'_>,
+) -> Result<Option<usize>, AssemblyError> {
+    let Some(name) = fields.text(key, "the name of an event")? else {
+        return Ok(None);
+    };
+    event(resolver, name)
+        .map(Some)
+        .ok_or_else(|| fields.error(key, no_event(resolver, name)))
+}
+
+fn event(resolver: &Resolver<'_>, name: &str) -> Option<usize> {
+    resolver.names.events.iter().position(|event| *event == name)
+}
+
+fn no_event(resolver: &Resolver<'_>, name: &str) -> Fault {
+    Fault::UnknownName {
+        name: name.to_owned(),
+        wanted: "event".to_owned(),
+        known: resolver.names.events.iter().map(|event| (*event).to_owned()).collect(),
+    }
+}
+
+pub(super) fn events(
+    resolver: &Resolver<'_>,
+    sensors: &[Measured],
+    passages: &[Passage],
+) -> Result<Vec<Event>, AssemblyError> {
+    const FIELDS: [&str; 10] = [
+        "at", "becomes", "is", "after", "delay", "before", "until", "where", "for", "pick",
+    ];
+    let dimensions = dimensions(sensors);
+    let mut events = Vec::new();
+    let blocks = entries(resolver, "event", &FIELDS)?;
+    for (name, fields) in &blocks {
+        fields.one_of(&["at", "becomes", "is"], "becomes = \"piston.travel > 1 mm\"")?;
+        let condition = |key: &str| {
+            let of = |node: &Node| condition(fields, &fields.full(key), node, &dimensions);
+            fields.get(key).map(of).transpose()
+        };
+        let logged = fields
+            .get("becomes")
+            .and_then(Node::text)
+            .and_then(|text| word(resolver, passages, text));
+        let edge = if let Some(word) = logged {
+            Edge::Logged(word)
+        } else if let Some(becomes) = condition("becomes")? {
+            Edge::Becomes(becomes)
+        } else if let Some(is) = condition("is")? {
+            Edge::Is(is)
+        } else {
+            Edge::At(fields.required("at", nonnegative(TIME), "\"0 s\"")?)
+        };
+        events.push(Event {
+            name: (*name).to_owned(),
+            edge,
+            after: event_index(fields, "after", resolver)?,
+            delay: fields.or("delay", nonnegative(TIME), 0.0)?,
+            before: event_index(fields, "before", resolver)?,
+            until: event_index(fields, "until", resolver)?,
+            condition: condition("where")?,
+            lasting: fields.or("for", nonnegative(TIME), 0.0)?,
+            pick: fields
+                .word("pick", &[("first", Pick::First), ("last", Pick::Last)])?
+                .unwrap_or(Pick::First),
+        });
+    }
+    for (start, (name, fields)) in blocks.iter().enumerate() {
+        let mut names = vec![(*name).to_owned()];
+        let mut at = events[start].after;
+        while let Some(next) = at {
+            names.push(events[next].name.clone());
+            if next == start {
+                return Err(fields.error("after", Fault::Circle { names }));
+            }
+            if names.len() > events.len() {
+                break;
+            }
+            at = events[next].after;
+        }
+    }
+    Ok(events)
+}
+
+/// Outcomes in order: pairs in an array, or a table of tests by name.
+pub(super) fn outcomes(top: &Fields<'_, '_>, sensors: &[Measured]) -> Result<Vec<Outcome>, AssemblyError> {
+    const EXPECTED: &str = "names and tests, as [[\"drives\", \"t12\"]] or { drives = \"t12\" }";
+    let wrong = || top.wrong("outcome", EXPECTED);
+    let mut tests: Vec<(&str, &Node)> = Vec::new();
+    match top.get("outcome").map(|node| (&node.value, node)) {
+        None => {}
+        Some((Tree::Array(items), _)) => {
+            for item in items {
+                let Tree::Array(pair) = &item.value else {
+                    return Err(wrong());
+                };
+                let [name, test] = &pair[..] else { return Err(wrong()) };
+                tests.push((name.text().ok_or_else(wrong)?, test));
+            }
+        }
+        Some((Tree::Table(_), node)) => {
+            tests.extend(node.entries().iter().map(|entry| (entry.key.as_str(), &entry.node)));
+        }
+        Some(_) => return Err(wrong()),
+    }
+    let read = |(name, test): (&str, &Node)| {
+        let text = test.text().ok_or_else(wrong)?;
+        Ok(Outcome {
+            name: name.to_owned(),
+            test: outcome_test(top, test, text, &dimensions(sensors))?,
+        })
+    };
+    tests.into_iter().map(read).collect()
+}
+
+/// "E", "no E", "E before F", or a condition at the end.
+fn outcome_test(
+    top: &Fields<'_, '_>,
+    node: &Node,
+    text: &str,
+    sensors: &[Option<Dimension>],
+) -> Result<OutcomeTest, AssemblyError> {
+    let resolver = top.resolver;
+    let named = |name: &str| {
+        event(resolver, name).ok_or_else(|| resolver.error("cycle.outcome", &node.spot, no_event(resolver, name)))
+    };
+    let words: Vec<&str> = text.split_whitespace().collect();
+    match words[..] {
+        ["no", name] => Ok(OutcomeTest::Missing(named(name)?)),
+        [first, "before", second] => Ok(OutcomeTest::Before(named(first)?, named(second)?)),
+        [name] => Ok(OutcomeTest::Happened(named(name)?)),
+        _ => condition(top, "cycle.outcome", node, sensors).map(OutcomeTest::AtEnd),
+    }
+}

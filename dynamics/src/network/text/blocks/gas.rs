@@ -1,0 +1,306 @@
+//! Reservoirs, volumes, faces and passages.
+
+use nailnoise_quantities::dimension::{ANGLE, AREA, HEAT_TRANSFER, LENGTH, NUMBER, TEMPERATURE, TIME, VOLUME};
+use nailnoise_quantities::{any, gas_pressure, nonnegative, positive};
+
+use super::list::{each, is_atmosphere, parent};
+use crate::network::assembly::{
+    Base, Coefficient, Cone, Face, Family, Gate, Opens, Passage, PassageLaw, Pipe, Reservoir, Restriction, Space,
+    Volume, Wall,
+};
+use crate::network::text::fault::{AssemblyError, Fault};
+use crate::network::text::fields::Fields;
+use crate::network::text::resolver::Resolver;
+
+pub(super) fn reservoirs(resolver: &Resolver<'_>) -> Result<Vec<Reservoir>, AssemblyError> {
+    let read = |(name, fields): (&str, Fields<'_, '_>)| {
+        Ok(Reservoir {
+            name: name.to_owned(),
+            pressure: fields.required("pressure", gas_pressure(), "\"101.325 kPa\"")?,
+            temperature: fields.required("temperature", positive(TEMPERATURE), "\"20 degC\"")?,
+        })
+    };
+    each(resolver, Family::Reservoir, &["pressure", "temperature"])?
+        .into_iter()
+        .map(read)
+        .collect()
+}
+
+/// Volumes; without a temperature they have that of the atmosphere \[K\].
+pub(super) fn volumes(resolver: &Resolver<'_>, atmosphere: f64) -> Result<Vec<Volume>, AssemblyError> {
+    const FIELDS: [&str; 6] = ["dead", "pressure", "temperature", "wall", "isothermal", "exhaust_path"];
+    let read = |(name, fields): (&str, Fields<'_, '_>)| {
+        let wall = fields.table("wall", "wall", &["area", "transfer", "temperature"])?;
+        let wall = wall
+            .map(|wall| {
+                Ok(Wall {
+                    area: wall.or("area", nonnegative(AREA), 0.0)?,
+                    transfer: wall.required("transfer", nonnegative(HEAT_TRANSFER), "\"200 W/(m2 K)\"")?,
+                    temperature: wall.or("temperature", positive(TEMPERATURE), atmosphere)?,
+                })
+            })
+            .transpose()?;
+        Ok(Volume {
+            name: name.to_owned(),
+            dead: fields.required("dead", nonnegative(VOLUME), "\"100 cm3\"")?,
+            pressure: fields.required("pressure", gas_pressure(), "\"=ambient.pressure\"")?,
+            temperature: fields.or("temperature", positive(TEMPERATURE), atmosphere)?,
+            wall,
+            isothermal: fields.flag("isothermal", false)?,
+            exhaust_path: fields.flag("exhaust_path", false)?,
+        })
+    };
+    each(resolver, Family::Volume, &FIELDS)?.into_iter().map(read).collect()
+}
+
+pub(super) fn faces(resolver: &Resolver<'_>, parents: &[Base]) -> Result<Vec<Face>, AssemblyError> {
+    const FIELDS: [&str; 7] = ["volume", "body", "push", "area", "zero", "against", "perimeter"];
+    let read = |(name, fields): (&str, Fields<'_, '_>)| {
+        let body = fields.index("body", Family::Body, "body")?;
+        let gas = fields
+            .text("volume", "the name of a volume or reservoir")?
+            .ok_or_else(|| fields.missing("volume", "\"name of a volume or reservoir\""))?;
+        Ok(Face {
+            name: name.to_owned(),
+            gas: fields.space("volume", gas)?,
+            body,
+            against: fields.against(body, parents)?,
+            push: fields.push("push")?,
+            area: fields.required("area", nonnegative(AREA), "\"=disc(piston.bore)\"")?,
+            zero: fields.or("zero", any(LENGTH), 0.0)?,
+            perimeter: fields.or("perimeter", nonnegative(LENGTH), 0.0)?,
+        })
+    };
+    each(resolver, Family::Face, &FIELDS)?.into_iter().map(read).collect()
+}
+
+/// Fields that give the area of a restriction.
+const AREAS: [&str; 5] = ["area", "seat", "holes", "ramp", "pipe"];
+
+pub(super) fn passages(resolver: &Resolver<'_>, parents: &[Base]) -> Result<Vec<Passage>, AssemblyError> {
+    const FIELDS: [&str; 12] = [
+        "between",
+        "area",
+        "seat",
+        "holes",
+        "ramp",
+        "pipe",
+        "series",
+        "coefficient",
+        "one_way",
+        "open",
+        "silent",
+        "law",
+    ];
+    let read = |(name, fields): (&str, Fields<'_, '_>)| {
+        let [from, to] = between(&fields)?;
+        fields.one_of(
+            &["area", "seat", "holes", "ramp", "pipe", "series"],
+            "area = \"20 mm2\"",
+        )?;
+        let coefficient = coefficient(&fields)?.unwrap_or(Coefficient::Constant(1.0));
+        let restrictions = match fields.array("series", "a list of restrictions")? {
+            Some(_) => series(&fields, &coefficient, parents)?,
+            None => vec![restriction(&fields, String::new(), coefficient, parents)?],
+        };
+        let gate = fields.table("open", "gate", &["when", "delay", "before"])?;
+        Ok(Passage {
+            name: name.to_owned(),
+            from,
+            to,
+            restrictions,
+            law: law(&fields)?,
+            one_way: fields.flag("one_way", false)?,
+            gate: gate.map(|gate| read_gate(&gate)).transpose()?,
+            silent: fields.flag("silent", false)?,
+        })
+    };
+    each(resolver, Family::Passage, &FIELDS)?
+        .into_iter()
+        .map(read)
+        .collect()
+}
+
+fn between(fields: &Fields<'_, '_>) -> Result<[Space; 2], AssemblyError> {
+    const EXAMPLE: &str = "two spaces, as [\"supply\", \"atmosphere\"]";
+    let items = fields
+        .array("between", EXAMPLE)?
+        .ok_or_else(|| fields.missing("between", "[\"supply\", \"atmosphere\"]"))?;
+    let names: Option<Vec<&str>> = items.iter().map(|item| item.text()).collect();
+    let Some([from, to]) = names.as_deref() else {
+        return Err(fields.wrong("between", EXAMPLE));
+    };
+    let spaces = [fields.space("between", from)?, fields.space("between", to)?];
+    if spaces[0] == spaces[1] {
+        let space = (*from).to_owned();
+        return Err(fields.error("between", Fault::SelfLoop { space }));
+    }
+    Ok(spaces)
+}
+
+/// Largest number of restrictions in series.
+const MOST_RESTRICTIONS: usize = 3;
+
+fn series(
+    fields: &Fields<'_, '_>,
+    coefficient: &Coefficient,
+    parents: &[Base],
+) -> Result<Vec<Restriction>, AssemblyError> {
+    const KNOWN: [&str; 7] = ["name", "area", "seat", "holes", "ramp", "pipe", "coefficient"];
+    const EXPECTED: &str = "one to three restrictions with different names";
+    let mut restrictions: Vec<Restriction> = Vec::new();
+    for item in fields.array("series", "a list of restrictions")?.unwrap_or_default() {
+        let name = item.get("name").and_then(|name| name.text()).unwrap_or_default();
+        let path = format!("{}.{name}", fields.full("series"));
+        let inner = Fields::new(fields.resolver, path.clone(), item, "restriction", &KNOWN)?;
+        if name.is_empty() {
+            return Err(inner.missing("name", "\"holes\""));
+        }
+        if !fields.resolver.is_on(&path, item)? {
+            continue;
+        }
+        if restrictions.iter().any(|known| known.name == name) {
+            return Err(fields.wrong("series", EXPECTED));
+        }
+        inner.one_of(&AREAS, "area = \"20 mm2\"")?;
+        let own = self::coefficient(&inner)?.unwrap_or_else(|| coefficient.clone());
+        restrictions.push(restriction(&inner, name.to_owned(), own, parents)?);
+    }
+    if (1..=MOST_RESTRICTIONS).contains(&restrictions.len()) {
+        Ok(restrictions)
+    } else {
+        Err(fields.wrong("series", EXPECTED))
+    }
+}
+
+fn coefficient(fields: &Fields<'_, '_>) -> Result<Option<Coefficient>, AssemblyError> {
+    let is_polynomial = fields
+        .get("coefficient")
+        .is_some_and(|node| node.is_table() && !node.is_literal_table());
+    if !is_polynomial {
+        let constant = fields.quantity("coefficient", nonnegative(NUMBER).within(0.0, 10.0))?;
+        return Ok(constant.map(Coefficient::Constant));
+    }
+    let Some(table) = fields.table("coefficient", "coefficient", &["ratio_polynomial", "from", "to"])? else {
+        return Ok(None);
+    };
+    let limit = |key: &str, example: &str| table.required(key, nonnegative(NUMBER).within(0.0, 10.0), example);
+    Ok(Some(Coefficient::RatioPolynomial {
+        coefficients: table
+            .numbers("ratio_polynomial", "coefficients of r^0, r^1, ..., as [1.1, -0.71]")?
+            .ok_or_else(|| table.missing("ratio_polynomial", "[1.1, -0.71]"))?,
+        from: limit("from", "0.4")?,
+        to: limit("to", "0.9")?,
+    }))
+}
+
+fn restriction(
+    fields: &Fields<'_, '_>,
+    name: String,
+    coefficient: Coefficient,
+    parents: &[Base],
+) -> Result<Restriction, AssemblyError> {
+    let pipe = fields.table("pipe", "pipe", &["length", "diameter", "friction"])?;
+    let pipe = pipe
+        .map(|pipe| {
+            Ok(Pipe {
+                length: pipe.required("length", nonnegative(LENGTH), "\"100 mm\"")?,
+                diameter: pipe.required("diameter", positive(LENGTH), "\"6 mm\"")?,
+                friction: pipe.or("friction", nonnegative(NUMBER).within(0.0, 1.0), 0.02)?,
+            })
+        })
+        .transpose()?;
+    let opens = match pipe {
+        Some(pipe) => Opens::Constant {
+            area: 0.25 * std::f64::consts::PI * pipe.diameter * pipe.diameter,
+        },
+        None => opens(fields, parents)?,
+    };
+    Ok(Restriction {
+        name,
+        opens,
+        coefficient,
+        pipe,
+    })
+}
+
+/// The area of a restriction over the state.
+fn opens(fields: &Fields<'_, '_>, parents: &[Base]) -> Result<Opens, AssemblyError> {
+    const SEAT: [&str; 7] = ["body", "against", "opens", "at", "diameter", "angle", "cone"];
+    const HOLES: [&str; 6] = ["body", "against", "opens", "at", "area", "diameter"];
+    if let Some(seat) = fields.table("seat", "seat", &SEAT)? {
+        let body = seat.index("body", Family::Body, "body")?;
+        return Ok(Opens::Seat {
+            body,
+            against: seat.base("against")?.unwrap_or_else(|| parent(parents, body)),
+            push: seat.push("opens")?,
+            at: seat.or("at", any(LENGTH), 0.0)?,
+            diameter: seat.required("diameter", positive(LENGTH), "\"20 mm\"")?,
+            angle: seat.required("angle", positive(ANGLE), "\"45 deg\"")?,
+            cone: seat
+                .word("cone", &[("narrows", Cone::Narrows), ("widens", Cone::Widens)])?
+                .ok_or_else(|| seat.missing("cone", "\"widens\""))?,
+        });
+    }
+    if let Some(holes) = fields.table("holes", "row of holes", &HOLES)? {
+        let body = holes.index("body", Family::Body, "body")?;
+        return Ok(Opens::Holes {
+            body,
+            against: holes.base("against")?.unwrap_or_else(|| parent(parents, body)),
+            push: holes.push("opens")?,
+            at: holes.or("at", any(LENGTH), 0.0)?,
+            area: holes.required("area", nonnegative(AREA), "\"50 mm2\"")?,
+            diameter: holes.quantity("diameter", positive(LENGTH))?,
+        });
+    }
+    if let Some(ramp) = fields.table("ramp", "ramp", &["area", "time"])? {
+        return Ok(Opens::Ramp {
+            area: ramp.required("area", nonnegative(AREA), "\"20 mm2\"")?,
+            time: ramp.required("time", nonnegative(TIME), "\"1 ms\"")?,
+        });
+    }
+    Ok(Opens::Constant {
+        area: fields.required("area", nonnegative(AREA), "\"20 mm2\"")?,
+    })
+}
+
+fn law(fields: &Fields<'_, '_>) -> Result<PassageLaw, AssemblyError> {
+    let Some(node) = fields.get("law") else {
+        return Ok(PassageLaw::Nozzle);
+    };
+    if node.is_table() {
+        let Some(law) = fields.table("law", "law of a passage", &["kind", "critical_ratio"])? else {
+            return Ok(PassageLaw::Nozzle);
+        };
+        law.word("kind", &[("iso6358", ())])?
+            .ok_or_else(|| law.missing("kind", "\"iso6358\""))?;
+        return Ok(PassageLaw::Iso6358 {
+            critical_ratio: law.required("critical_ratio", nonnegative(NUMBER).within(0.0, 0.999), "0.3")?,
+        });
+    }
+    match fields.word("law", &[("nozzle", true), ("iso6358", false)])? {
+        Some(false) => Err(fields.wrong("law", "{ kind = \"iso6358\", critical_ratio = 0.3 }")),
+        Some(true) | None => Ok(PassageLaw::Nozzle),
+    }
+}
+
+fn read_gate(gate: &Fields<'_, '_>) -> Result<Gate, AssemblyError> {
+    let when = gate
+        .text("when", "the name of a trigger")?
+        .ok_or_else(|| gate.missing("when", "\"released\", or \"not released\""))?;
+    let (inverted, name) = when
+        .strip_prefix("not ")
+        .map_or((false, when), |name| (true, name.trim()));
+    Ok(Gate {
+        trigger: gate.block_of("when", name, &[Family::Trigger], "trigger")?.index,
+        inverted,
+        delay: gate.or("delay", nonnegative(TIME), 0.0)?,
+        before: gate.flag("before", false)?,
+        also: None,
+    })
+}
+
+/// Whether one end of a passage is the atmosphere.
+pub(in crate::network::text) fn reaches_atmosphere(resolver: &Resolver<'_>, passage: &Passage) -> bool {
+    is_atmosphere(resolver, passage.from) || is_atmosphere(resolver, passage.to)
+}

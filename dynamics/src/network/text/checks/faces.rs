@@ -1,0 +1,36 @@
+//! A uniform pressure moves no body.
+
+use super::place::error;
+use crate::network::assembly::{Assembly, Push};
+use crate::network::text::blocks::unbalanced;
+use crate::network::text::fault::{AssemblyError, Fault};
+use crate::network::text::resolver::Resolver;
+
+/// Relative difference of areas that counts as rounding.
+const ROUNDING: f64 = 1e-9;
+
+/// The areas that push each body down and up are equal.
+pub(super) fn balance(resolver: &Resolver<'_>, assembly: &Assembly) -> Result<(), AssemblyError> {
+    let allowed = unbalanced(resolver)?;
+    for (index, body) in assembly.bodies.iter().enumerate() {
+        let area = |push: Push| -> f64 {
+            let of = assembly
+                .faces
+                .iter()
+                .filter(|face| face.body == index && face.push == push);
+            of.map(|face| face.area).sum()
+        };
+        let (down, up) = (area(Push::Down), area(Push::Up));
+        let is_allowed = allowed.get(index).copied().unwrap_or(false);
+        if !is_allowed && (down - up).abs() > ROUNDING * down.max(up) {
+            let body = body.name.clone();
+            return Err(error(
+                resolver,
+                "body",
+                &body.clone(),
+                Fault::Unbalanced { body, down, up },
+            ));
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,32 @@
+//! Springs stay within the range of their law.
+
+use super::place::error;
+use crate::network::assembly::Assembly;
+use crate::network::text::fault::{AssemblyError, Fault};
+use crate::network::text::resolver::Resolver;
+
+/// Relative excess of the compression that counts as rounding.
+const ROUNDING: f64 = 1e-9;
+
+/// At no stop is a spring compressed beyond its limit.
+pub(super) fn stay_within_their_law(resolver: &Resolver<'_>, assembly: &Assembly) -> Result<(), AssemblyError> {
+    for spring in &assembly.springs {
+        let Some(limit) = spring.limit else { continue };
+        let stops = assembly
+            .contacts
+            .iter()
+            .filter(|contact| contact.on == spring.on && contact.against == spring.against);
+        for contact in stops {
+            let compression = spring.preload - spring.push.sign() * (contact.at - spring.free);
+            if compression > limit * (1.0 + ROUNDING) {
+                let fault = Fault::SpringLimit {
+                    stop: contact.name.clone(),
+                    compression,
+                    limit,
+                };
+                return Err(error(resolver, "spring", &spring.name, fault));
+            }
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,309 @@
+//! Errors of an assembly, with their place and remedy.
+
+use nailnoise_documents::{Place, nearest};
+
+/// An error in the text of an assembly.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[error("{}, line {}: {path}{fault}", at.file(), at.line(), path = shown(path))]
+pub struct AssemblyError {
+    /// Full name of the field or block; empty for the whole file.
+    pub path: String,
+    /// What is wrong.
+    pub fault: Fault,
+    /// Where.
+    pub at: Box<Place>,
+}
+
+fn shown(path: &str) -> String {
+    if path.is_empty() {
+        String::new()
+    } else {
+        format!("`{path}` ")
+    }
+}
+
+impl AssemblyError {
+    /// The remedy; empty if the error says it all.
+    pub fn help(&self) -> String {
+        self.fault.help()
+    }
+}
+
+/// What is wrong with an assembly.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum Fault {
+    /// The file is not TOML.
+    #[error("{0}")]
+    Syntax(String),
+    /// The file of a base assembly cannot be read.
+    #[error("names the assembly \"{name}\", which cannot be read: {reason}")]
+    Unreadable {
+        /// Name as given.
+        name: String,
+        /// Message of the file system.
+        reason: String,
+        /// Names of built-in assemblies.
+        known: Vec<String>,
+    },
+    /// A value of a key that is neither declared nor a standard one.
+    #[error("is not a key of the assembly")]
+    Undeclared {
+        /// Full name of the key.
+        key: String,
+        /// Declared keys.
+        known: Vec<String>,
+    },
+    /// Unknown field.
+    #[error("is not a field of a {owner}")]
+    UnknownField {
+        /// Family or table.
+        owner: String,
+        /// Name as given.
+        name: String,
+        /// Known fields.
+        known: Vec<String>,
+    },
+    /// A field that must be given is absent.
+    #[error("has no field `{field}`")]
+    Missing {
+        /// Absent field.
+        field: String,
+        /// The field as it may be written.
+        example: String,
+    },
+    /// A value of another kind.
+    #[error("is {found}, expected {expected}")]
+    Kind {
+        /// Kind found.
+        found: String,
+        /// Kind expected.
+        expected: String,
+    },
+    /// A value of another dimension.
+    #[error("is {found}, expected {expected}")]
+    Dimension {
+        /// Dimension found.
+        found: String,
+        /// Dimension expected.
+        expected: String,
+        /// Units of the expected dimension.
+        units: String,
+    },
+    /// A text that is no quantity.
+    #[error("is \"{text}\": {problem}")]
+    Literal {
+        /// Text as given.
+        text: String,
+        /// Reason.
+        problem: String,
+        /// Units of the expected dimension.
+        units: String,
+    },
+    /// A value outside the domain of its field.
+    #[error("is {value}, allowed is {allowed}")]
+    Domain {
+        /// Value \[SI\].
+        value: f64,
+        /// Domain in words.
+        allowed: String,
+    },
+    /// A formula that cannot be read or evaluated.
+    #[error("cannot evaluate \"{formula}\": {problem}")]
+    Formula {
+        /// Formula.
+        formula: String,
+        /// Reason.
+        problem: String,
+        /// Remedy; may be empty.
+        help: String,
+    },
+    /// A name that stands for nothing.
+    #[error("names \"{name}\", which is no {wanted}")]
+    UnknownName {
+        /// Name as given.
+        name: String,
+        /// What it should be.
+        wanted: String,
+        /// Names that exist.
+        known: Vec<String>,
+    },
+    /// A reference to a block that its `if` switches off.
+    #[error("refers to \"{name}\", which its `if` switches off")]
+    SwitchedOff {
+        /// Block.
+        name: String,
+    },
+    /// A trigger, motor or latch that waits for something unknown.
+    #[error("waits for \"{word}\", which no block logs")]
+    UnknownWord {
+        /// Word as given.
+        word: String,
+        /// Words that exist.
+        known: Vec<String>,
+    },
+    /// A name of two blocks.
+    #[error("has the name of a {other}")]
+    DuplicateName {
+        /// Family of the other block.
+        other: String,
+    },
+    /// A name with other characters than lower-case letters, digits and underscores.
+    #[error("is not a name of a block")]
+    BadName,
+    /// Two fields that say the same thing.
+    #[error("has more than one of {}", fields.join(", "))]
+    Exclusive {
+        /// Fields found.
+        fields: Vec<String>,
+    },
+    /// A text that is not one of some words.
+    #[error("is \"{found}\", which is none of {}", words.join(", "))]
+    Word {
+        /// Text as given.
+        found: String,
+        /// Words.
+        words: Vec<String>,
+    },
+    /// A passage from a space to itself.
+    #[error("leads from \"{space}\" back to itself")]
+    SelfLoop {
+        /// Space.
+        space: String,
+    },
+    /// Names that refer to each other.
+    #[error("refers to itself: {}", names.join(" -> "))]
+    Circle {
+        /// Names in order.
+        names: Vec<String>,
+    },
+    /// The atmosphere is missing.
+    #[error("has no reservoir \"atmosphere\"")]
+    NoAtmosphere,
+    /// Faces that a uniform pressure moves.
+    #[error(
+        "the faces of body \"{body}\" do not balance: {:.1} mm2 push down, {:.1} mm2 up; {:.1} mm2 feel no pressure",
+        down * 1e6, up * 1e6, (down - up).abs() * 1e6
+    )]
+    Unbalanced {
+        /// Body.
+        body: String,
+        /// Area that pushes down \[m2\].
+        down: f64,
+        /// Area that pushes up \[m2\].
+        up: f64,
+    },
+    /// A volume that a face shrinks to nothing.
+    #[error("shrinks to {:.3} cm3 with \"{body}\" at {:.3} mm", volume * 1e6, travel * 1e3)]
+    Collapse {
+        /// Smallest volume \[m3\].
+        volume: f64,
+        /// Body.
+        body: String,
+        /// Travel \[m\].
+        travel: f64,
+    },
+    /// A volume that nothing can change.
+    #[error("has no passage and no face: nothing can change it")]
+    Isolated,
+    /// A passage that blows into the atmosphere without a sound.
+    #[error("blows into the atmosphere without an opening")]
+    Unheard,
+    /// Loads that do not add up to the force on the body.
+    #[error("the loads on \"{body}\" do not add up to the force on it: {}", differences.join(", "))]
+    LoadSum {
+        /// Body.
+        body: String,
+        /// What is missing or counted twice.
+        differences: Vec<String>,
+    },
+    /// A spring compressed beyond its law.
+    #[error("is compressed by {:.3} mm at the stop \"{stop}\", its law is valid to {:.3} mm", compression * 1e3, limit * 1e3)]
+    SpringLimit {
+        /// Contact.
+        stop: String,
+        /// Compression there \[m\].
+        compression: f64,
+        /// Largest compression of the law \[m\].
+        limit: f64,
+    },
+    /// Two seats that connect a supply with the atmosphere.
+    #[error(
+        "and \"{other}\" are open together from {:.3} to {:.3} mm of \"{body}\": {reservoir} blows into atmosphere",
+        from * 1e3, to * 1e3
+    )]
+    OpenTogether {
+        /// The other passage.
+        other: String,
+        /// Body that opens both.
+        body: String,
+        /// Travel at which both begin to be open \[m\].
+        from: f64,
+        /// Travel at which one shuts \[m\].
+        to: f64,
+        /// Reservoir that is emptied.
+        reservoir: String,
+    },
+}
+
+impl Fault {
+    /// The remedy.
+    fn help(&self) -> String {
+        match self {
+            Self::Syntax(_) => "correct the syntax at this place".to_owned(),
+            Self::Unreadable { known, .. } => {
+                format!(
+                    "name a file relative to this one, or a built-in assembly: {}",
+                    known.join(", ")
+                )
+            }
+            Self::Undeclared { key, known } => {
+                let near = nearest(known.iter().map(String::as_str), key);
+                let near = near.map_or_else(String::new, |near| format!("did you mean `{near}`? "));
+                let (group, key) = key.rsplit_once('.').unwrap_or(("", key));
+                format!("{near}an own key is declared, as [keys.{group}] {key} = {{ domain = \"1 .. 100 mm\" }}")
+            }
+            Self::UnknownField { name, known, .. } => choose(name, known, "the fields are"),
+            Self::Missing { example, .. } => format!("add it, as {example}"),
+            Self::Kind { expected, .. } => format!("give {expected}"),
+            Self::Dimension { units, .. } => format!("give a value in {units}"),
+            Self::Literal { units, .. } => {
+                format!("give a number with a unit ({units}), or a formula that begins with \"=\"")
+            }
+            Self::Domain { .. } => "correct the value or its unit".to_owned(),
+            Self::Formula { help, .. } => help.clone(),
+            Self::UnknownName { name, known, .. } => choose(name, known, "there are:"),
+            Self::SwitchedOff { name } => format!("give this block the same `if` as \"{name}\""),
+            Self::UnknownWord { word, known } => choose(word, known, "there are:"),
+            Self::DuplicateName { .. } => "rename one of them; channels are named by their block".to_owned(),
+            Self::BadName => "use lower-case letters, digits and underscores, a letter first".to_owned(),
+            Self::Exclusive { .. } => {
+                "leave one of them; `replace = true` drops the fields of the assembly that this one changes".to_owned()
+            }
+            Self::Word { found, words } => choose(found, words, "choose one of"),
+            Self::SelfLoop { .. } => "name two spaces in `between`".to_owned(),
+            Self::Circle { .. } => "break the circle: one of them must be given by other quantities".to_owned(),
+            Self::NoAtmosphere => {
+                "add it, as [cycle.reservoir.atmosphere] with pressure = \"101.325 kPa\" and temperature = \"20 degC\""
+                    .to_owned()
+            }
+            Self::Unbalanced { .. } => {
+                "add a face to \"atmosphere\", or set `unbalanced = true` on the body".to_owned()
+            }
+            Self::Collapse { .. } => "increase `dead` or move the stop".to_owned(),
+            Self::Isolated => "connect it by a passage or a face, or remove it".to_owned(),
+            Self::Unheard => "add an entry of [cycle.opening] for it, or set `silent = true`".to_owned(),
+            Self::LoadSum { .. } => "add the missing terms to a surface, and count each force once".to_owned(),
+            Self::SpringLimit { .. } => {
+                "reduce the preload, move the stop, or give a law for the whole travel".to_owned()
+            }
+            Self::OpenTogether { .. } => "move one `at` so that one seat shuts before the other opens".to_owned(),
+        }
+    }
+}
+
+/// "did you mean X? there are: A, B".
+fn choose(name: &str, known: &[String], introduction: &str) -> String {
+    let near = nearest(known.iter().map(String::as_str), name);
+    let near = near.map_or_else(String::new, |near| format!("did you mean \"{near}\"? "));
+    format!("{near}{introduction} {}", known.join(", "))
+}

@@ -1,0 +1,322 @@
+//! Typed access to the fields of a block.
+
+use nailnoise_quantities::Kind;
+
+use super::compile::Compiled;
+use super::fault::{AssemblyError, Fault};
+use super::layers::dotted;
+use super::node::{Node, Spot, Tree};
+use super::resolver::{KeyScope, Resolver};
+use crate::network::assembly::{Base, BlockRef, Family, Push, Space};
+
+/// The fields of a block or of a table within it.
+pub(super) struct Fields<'r, 'a> {
+    pub(super) resolver: &'r Resolver<'a>,
+    /// Full name.
+    pub(super) path: String,
+    pub(super) node: &'a Node,
+}
+
+impl<'r, 'a> Fields<'r, 'a> {
+    /// The fields of a table, all of which must be known. `owner` is what it describes.
+    pub(super) fn new(
+        resolver: &'r Resolver<'a>,
+        path: String,
+        node: &'a Node,
+        owner: &str,
+        known: &[&str],
+    ) -> Result<Self, AssemblyError> {
+        if !node.is_table() {
+            let fault = Fault::Kind {
+                found: node.found(),
+                expected: format!("the fields of a {owner}"),
+            };
+            return Err(resolver.error(&path, &node.spot, fault));
+        }
+        let fields = Self { resolver, path, node };
+        for entry in node.entries() {
+            if entry.key != "if" && !known.contains(&entry.key.as_str()) {
+                let fault = Fault::UnknownField {
+                    owner: owner.to_owned(),
+                    name: entry.key.clone(),
+                    known: known.iter().map(|known| (*known).to_owned()).collect(),
+                };
+                return Err(resolver.error(&fields.full(&entry.key), &entry.spot, fault));
+            }
+            let twice = node.entries().iter().filter(|other| other.key == entry.key).count() > 1;
+            if twice {
+                let fields_found = vec![entry.key.clone(), entry.key.clone()];
+                let fault = Fault::Exclusive { fields: fields_found };
+                return Err(resolver.error(&fields.full(&entry.key), &entry.spot, fault));
+            }
+        }
+        Ok(fields)
+    }
+
+    /// Full name of a field.
+    pub(super) fn full(&self, key: &str) -> String {
+        dotted(&self.path, key)
+    }
+
+    /// Place of a field, or of the table that lacks it.
+    fn spot(&self, key: &str) -> &'a Spot {
+        &self.node.get(key).unwrap_or(self.node).spot
+    }
+
+    /// An error of a field.
+    pub(super) fn error(&self, key: &str, fault: Fault) -> AssemblyError {
+        self.resolver.error(&self.full(key), self.spot(key), fault)
+    }
+
+    /// An error of the block.
+    pub(super) fn own_error(&self, fault: Fault) -> AssemblyError {
+        self.resolver.error(&self.path, &self.node.spot, fault)
+    }
+
+    /// The error of an absent field.
+    pub(super) fn missing(&self, key: &str, example: &str) -> AssemblyError {
+        self.own_error(Fault::Missing {
+            field: key.to_owned(),
+            example: format!("{key} = {example}"),
+        })
+    }
+
+    /// The error of a field of another kind.
+    pub(super) fn wrong(&self, key: &str, expected: &str) -> AssemblyError {
+        let found = self.node.get(key).map_or_else(String::new, Node::found);
+        let expected = expected.to_owned();
+        self.error(key, Fault::Kind { found, expected })
+    }
+
+    pub(super) fn get(&self, key: &str) -> Option<&'a Node> {
+        self.node.get(key)
+    }
+
+    /// A number in SI.
+    pub(super) fn quantity(&self, key: &str, kind: Kind) -> Result<Option<f64>, AssemblyError> {
+        let read = |node| self.resolver.quantity(&self.full(key), node, kind);
+        self.get(key).map(read).transpose()
+    }
+
+    /// A number that must be given.
+    pub(super) fn required(&self, key: &str, kind: Kind, example: &str) -> Result<f64, AssemblyError> {
+        self.quantity(key, kind)?.ok_or_else(|| self.missing(key, example))
+    }
+
+    /// A number with a default in SI.
+    pub(super) fn or(&self, key: &str, kind: Kind, default: f64) -> Result<f64, AssemblyError> {
+        Ok(self.quantity(key, kind)?.unwrap_or(default))
+    }
+
+    /// The value of a key that a field names without a formula.
+    pub(super) fn key(&self, key: &str, name: &str, kind: Kind) -> Result<f64, AssemblyError> {
+        let formula = Node {
+            value: Tree::Text(format!("={name}")),
+            spot: self.spot(key).clone(),
+        };
+        self.resolver.quantity(&self.full(key), &formula, kind)
+    }
+
+    /// A switch, or a condition over keys.
+    pub(super) fn flag(&self, key: &str, default: bool) -> Result<bool, AssemblyError> {
+        const EXPECTED: &str = "true, false or a condition over keys";
+        let Some(node) = self.get(key) else { return Ok(default) };
+        match (&node.value, node.text().and_then(|text| text.strip_prefix('='))) {
+            (Tree::Flag(on), _) => Ok(*on),
+            (_, Some(text)) => {
+                match self
+                    .resolver
+                    .formula(&self.full(key), node, text, &KeyScope(self.resolver))?
+                {
+                    Compiled::Truth(on) => Ok(on),
+                    _ => Err(self.wrong(key, EXPECTED)),
+                }
+            }
+            _ => Err(self.wrong(key, EXPECTED)),
+        }
+    }
+
+    /// A text.
+    pub(super) fn text(&self, key: &str, expected: &str) -> Result<Option<&'a str>, AssemblyError> {
+        let Some(node) = self.get(key) else { return Ok(None) };
+        node.text().map(Some).ok_or_else(|| self.wrong(key, expected))
+    }
+
+    /// One of some words.
+    pub(super) fn word<T: Copy>(&self, key: &str, words: &[(&str, T)]) -> Result<Option<T>, AssemblyError> {
+        let all = || words.iter().map(|(word, _)| (*word).to_owned()).collect::<Vec<_>>();
+        let Some(text) = self.text(key, &all().join(" or "))? else {
+            return Ok(None);
+        };
+        let found = words.iter().find(|(word, _)| *word == text);
+        found.map(|(_, value)| Some(*value)).ok_or_else(|| {
+            let found = text.to_owned();
+            self.error(key, Fault::Word { found, words: all() })
+        })
+    }
+
+    /// "down" or "up".
+    pub(super) fn push(&self, key: &str) -> Result<Push, AssemblyError> {
+        let push = self.word(key, &[("down", Push::Down), ("up", Push::Up)])?;
+        push.ok_or_else(|| self.missing(key, "\"down\""))
+    }
+
+    /// A table within.
+    pub(super) fn table(&self, key: &str, owner: &str, known: &[&str]) -> Result<Option<Self>, AssemblyError> {
+        let fields = |node| Fields::new(self.resolver, self.full(key), node, owner, known);
+        self.get(key).map(fields).transpose()
+    }
+
+    /// The block that a text names, of one of some families.
+    pub(super) fn block_of(
+        &self,
+        key: &str,
+        name: &str,
+        families: &[Family],
+        wanted: &str,
+    ) -> Result<BlockRef, AssemblyError> {
+        let names = &self.resolver.names;
+        if let Some(found) = names.find(name).filter(|found| families.contains(&found.block.family)) {
+            return Ok(found.block);
+        }
+        let name = name.to_owned();
+        let fault = if names.off.contains(&name.as_str()) {
+            Fault::SwitchedOff { name }
+        } else {
+            let mut known = names.of(families);
+            if families.contains(&Family::Body) && wanted.contains("ground") {
+                known.push("ground".to_owned());
+            }
+            let wanted = wanted.to_owned();
+            Fault::UnknownName { name, wanted, known }
+        };
+        Err(self.error(key, fault))
+    }
+
+    /// The block that a field names.
+    pub(super) fn block(
+        &self,
+        key: &str,
+        families: &[Family],
+        wanted: &str,
+    ) -> Result<Option<BlockRef>, AssemblyError> {
+        let Some(name) = self.text(key, &format!("the name of a {wanted}"))? else {
+            return Ok(None);
+        };
+        self.block_of(key, name, families, wanted).map(Some)
+    }
+
+    /// The index of a block that must be named.
+    pub(super) fn index(&self, key: &str, family: Family, wanted: &str) -> Result<usize, AssemblyError> {
+        let block = self.block(key, &[family], wanted)?;
+        block
+            .map(|block| block.index)
+            .ok_or_else(|| self.missing(key, &format!("\"name of a {wanted}\"")))
+    }
+
+    /// A body or the ground.
+    pub(super) fn base(&self, key: &str) -> Result<Option<Base>, AssemblyError> {
+        const WANTED: &str = "body, and not ground";
+        let Some(name) = self.text(key, "the name of a body, or ground")? else {
+            return Ok(None);
+        };
+        if name == "ground" {
+            return Ok(Some(Base::Ground));
+        }
+        let body = self.block_of(key, name, &[Family::Body], WANTED)?;
+        Ok(Some(Base::Body(body.index)))
+    }
+
+    /// The body that carries the reaction; that of the travel of `on` by default.
+    pub(super) fn against(&self, on: usize, parents: &[Base]) -> Result<Base, AssemblyError> {
+        let against = self
+            .base("against")?
+            .unwrap_or_else(|| parents.get(on).copied().unwrap_or(Base::Ground));
+        if against == Base::Body(on) {
+            let space = self.text("against", "a body")?.unwrap_or_default().to_owned();
+            return Err(self.error("against", Fault::SelfLoop { space }));
+        }
+        Ok(against)
+    }
+
+    /// A volume or reservoir by name.
+    pub(super) fn space(&self, key: &str, name: &str) -> Result<Space, AssemblyError> {
+        let block = self.block_of(key, name, &[Family::Volume, Family::Reservoir], "volume or reservoir")?;
+        Ok(if block.family == Family::Volume {
+            Space::Volume(block.index)
+        } else {
+            Space::Reservoir(block.index)
+        })
+    }
+
+    /// The items of an array.
+    pub(super) fn array(&self, key: &str, expected: &str) -> Result<Option<&'a [Node]>, AssemblyError> {
+        match self.get(key).map(|node| &node.value) {
+            None => Ok(None),
+            Some(Tree::Array(items)) => Ok(Some(items)),
+            Some(_) => Err(self.wrong(key, expected)),
+        }
+    }
+
+    /// Numbers in SI.
+    pub(super) fn numbers(&self, key: &str, expected: &str) -> Result<Option<Vec<f64>>, AssemblyError> {
+        let Some(items) = self.array(key, expected)? else {
+            return Ok(None);
+        };
+        let number = |item: &Node| match item.value {
+            Tree::Number(number) if number.is_finite() => Ok(number),
+            _ => Err(self.wrong(key, expected)),
+        };
+        if items.is_empty() {
+            return Err(self.wrong(key, expected));
+        }
+        items.iter().map(number).collect::<Result<_, _>>().map(Some)
+    }
+
+    /// Pairs of quantities in order of the first.
+    pub(super) fn points(
+        &self,
+        key: &str,
+        kinds: [Kind; 2],
+        example: &str,
+    ) -> Result<Option<Vec<[f64; 2]>>, AssemblyError> {
+        let Some(items) = self.array(key, example)? else {
+            return Ok(None);
+        };
+        let mut points: Vec<[f64; 2]> = Vec::with_capacity(items.len());
+        for (index, item) in items.iter().enumerate() {
+            let Tree::Array(pair) = &item.value else {
+                return Err(self.wrong(key, example));
+            };
+            let [first, second] = &pair[..] else {
+                return Err(self.wrong(key, example));
+            };
+            let read = |side: usize, node: &'a Node| {
+                self.resolver
+                    .quantity(&format!("{}.{index}.{side}", self.full(key)), node, kinds[side])
+            };
+            points.push([read(0, first)?, read(1, second)?]);
+        }
+        if points.len() < 2 || points.windows(2).any(|pair| pair[0][0] >= pair[1][0]) {
+            return Err(self.wrong(key, &format!("at least two points in ascending order, as {example}")));
+        }
+        Ok(Some(points))
+    }
+
+    /// Refuses more than one of some fields, and none of them.
+    pub(super) fn one_of(&self, keys: &[&str], example: &str) -> Result<(), AssemblyError> {
+        let fields: Vec<String> = keys
+            .iter()
+            .filter(|key| self.get(key).is_some())
+            .map(|key| (*key).to_owned())
+            .collect();
+        match fields.len() {
+            1 => Ok(()),
+            0 => Err(self.own_error(Fault::Missing {
+                field: keys.join("` or `"),
+                example: example.to_owned(),
+            })),
+            _ => Err(self.own_error(Fault::Exclusive { fields })),
+        }
+    }
+}

@@ -1,0 +1,127 @@
+//! Values of keys, which formulas refer to.
+
+use std::collections::BTreeMap;
+
+use nailnoise_quantities::dimension::{AREA, DAMPING, NUMBER, STIFFNESS};
+use nailnoise_quantities::{Dimension, Group, GroupSpec, KeySpec, Kind, Value};
+
+use crate::{
+    Ambient, Block, Chambers, Contacts, Exhaust, Geometry, Hand, HeadValve, Model, Nail, Parameters, Piston, Supply,
+    Tool, Trigger, Wood,
+};
+
+/// Value of a key.
+#[derive(Debug, Clone, PartialEq)]
+pub enum KeyValue {
+    /// A quantity.
+    Quantity {
+        /// Value in SI.
+        si: f64,
+        /// Dimension.
+        dimension: Dimension,
+    },
+    /// A switch.
+    Switch(bool),
+    /// A choice.
+    Word(String),
+}
+
+impl KeyValue {
+    /// The value of a declared key.
+    pub fn of(spec: &KeySpec, value: &Value) -> Self {
+        let dimension = match spec.kind {
+            Kind::Quantity { dimension, .. } => dimension,
+            _ => NUMBER,
+        };
+        match value {
+            Value::Number(si) => Self::Quantity { si: *si, dimension },
+            Value::Count(count) => Self::Quantity {
+                si: f64::from(*count),
+                dimension,
+            },
+            Value::Switch(on) => Self::Switch(*on),
+            Value::Choice(word) => Self::Word((*word).to_owned()),
+            Value::File(name) => Self::Word(name.clone()),
+        }
+    }
+}
+
+/// Supplies values of keys by their full names: those of a design, and those that replace a literal of an assembly.
+pub trait Keys {
+    /// The value of `path` (`piston.bore`, or `cycle.volume.gas.dead` for a literal), if there is one.
+    fn value(&self, path: &str) -> Option<KeyValue>;
+    /// All full names, for the nearest name in messages.
+    fn names(&self) -> Vec<String>;
+}
+
+impl Keys for BTreeMap<String, KeyValue> {
+    fn value(&self, path: &str) -> Option<KeyValue> {
+        self.get(path).cloned()
+    }
+
+    fn names(&self) -> Vec<String> {
+        self.keys().cloned().collect()
+    }
+}
+
+impl Parameters {
+    /// Values of all keys of the cycle, with `support.stiffness` and `support.damping` of the support in use, and the
+    /// muffler's kind and area.
+    pub fn keys(&self) -> BTreeMap<String, KeyValue> {
+        let mut keys = BTreeMap::new();
+        self.visit(&mut |path, spec, value| {
+            keys.insert(path.to_owned(), KeyValue::of(spec, &value));
+        });
+        let support = [
+            ("support.stiffness", self.support.stiffness, STIFFNESS),
+            ("support.damping", Geometry::new(self).support_damping, DAMPING),
+        ];
+        for (path, si, dimension) in support {
+            keys.insert(path.to_owned(), KeyValue::Quantity { si, dimension });
+        }
+        let kind = if self.muffler_area.is_some() { "given" } else { "none" };
+        keys.insert("exhaust.muffler.kind".to_owned(), KeyValue::Word(kind.to_owned()));
+        let area = KeyValue::Quantity {
+            si: self.muffler_area.unwrap_or(0.0),
+            dimension: AREA,
+        };
+        keys.insert("exhaust.muffler.flow_area".to_owned(), area);
+        keys
+    }
+}
+
+/// Groups whose keys every assembly may use without declaring them.
+const STANDARD: [(&str, &GroupSpec); 14] = [
+    ("supply", &Supply::SPEC),
+    ("piston", &Piston::SPEC),
+    ("head_valve", &HeadValve::SPEC),
+    ("chambers", &Chambers::SPEC),
+    ("exhaust", &Exhaust::SPEC),
+    ("trigger", &Trigger::SPEC),
+    ("nail", &Nail::SPEC),
+    ("wood", &Wood::SPEC),
+    ("workpiece", &Block::SPEC),
+    ("contacts", &Contacts::SPEC),
+    ("tool", &Tool::SPEC),
+    ("hand", &Hand::SPEC),
+    ("ambient", &Ambient::SPEC),
+    ("model", &Model::SPEC),
+];
+
+/// The declaration of a standard key.
+pub(super) fn standard(path: &str) -> Option<&'static KeySpec> {
+    let mut names = path.split('.');
+    let first = names.next()?;
+    let mut group = STANDARD
+        .iter()
+        .find(|(name, _)| *name == first)
+        .map(|(_, group)| *group)?;
+    let mut names = names.peekable();
+    while let Some(name) = names.next() {
+        if names.peek().is_none() {
+            return group.key(name);
+        }
+        group = group.group(name)?;
+    }
+    None
+}

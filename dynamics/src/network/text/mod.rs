@@ -1,0 +1,26 @@
+//! Assemblies as text: TOML files with formulas over keys, read into an [`Assembly`](super::Assembly).
+//!
+//! A file has three parts. `[cycle]` is the topology: blocks by family and name. `[keys.GROUP]` declares keys of its
+//! own. All other groups give values of keys. A number of a block is a formula over keys ("=disc(piston.bore)") or a
+//! literal ("100 cm3", or a table with value, range and provenance); a literal is itself a key, named by its path
+//! (`cycle.volume.gas.dead`).
+
+mod blocks;
+mod checks;
+mod compile;
+mod fault;
+mod fields;
+mod formula;
+mod keys;
+mod layers;
+mod literal;
+mod names;
+mod node;
+mod resolve;
+mod resolver;
+
+pub use fault::{AssemblyError, Fault};
+pub use keys::{KeyValue, Keys};
+pub use layers::{AssemblyText, BUILT_IN, DeclaredKey};
+pub use literal::Literal;
+pub use resolve::Resolved;

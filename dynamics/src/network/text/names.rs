@@ -1,0 +1,166 @@
+//! Names of blocks, the quantities of their channels and the words that they log.
+
+use nailnoise_quantities::Dimension;
+use nailnoise_quantities::dimension::{
+    ACCELERATION, FORCE, LENGTH, MASS, MASS_FLOW, NUMBER, PRESSURE, TEMPERATURE, VELOCITY, VOLUME,
+};
+
+use super::node::{Node, Spot};
+use crate::network::assembly::{Action, BlockRef, Family, Quantity};
+
+/// Families whose blocks have channels, by the name of their table.
+pub(super) const CHANNELS: [(&str, Family); 13] = [
+    ("reservoir", Family::Reservoir),
+    ("body", Family::Body),
+    ("volume", Family::Volume),
+    ("face", Family::Face),
+    ("passage", Family::Passage),
+    ("contact", Family::Contact),
+    ("spring", Family::Spring),
+    ("friction", Family::Friction),
+    ("force", Family::Force),
+    ("motor", Family::Motor),
+    ("hold", Family::Hold),
+    ("fastener", Family::Fastener),
+    ("trigger", Family::Trigger),
+];
+
+/// Name of a family's table.
+pub(super) fn family_name(family: Family) -> &'static str {
+    CHANNELS
+        .iter()
+        .find(|(_, own)| *own == family)
+        .map_or("block", |(name, _)| name)
+}
+
+/// A block by name.
+#[derive(Debug)]
+pub(super) struct Block<'a> {
+    pub(super) name: &'a str,
+    pub(super) block: BlockRef,
+    pub(super) node: &'a Node,
+    pub(super) spot: &'a Spot,
+}
+
+/// All blocks with channels.
+#[derive(Debug, Default)]
+pub(super) struct Names<'a> {
+    pub(super) blocks: Vec<Block<'a>>,
+    /// Names that an `if` switches off.
+    pub(super) off: Vec<&'a str>,
+    /// Sensors in order.
+    pub(super) sensors: Vec<&'a str>,
+    /// Events in order.
+    pub(super) events: Vec<&'a str>,
+}
+
+impl<'a> Names<'a> {
+    /// The block of a name.
+    pub(super) fn find(&self, name: &str) -> Option<&Block<'a>> {
+        self.blocks.iter().find(|block| block.name == name)
+    }
+
+    /// The index of a block of a family.
+    pub(super) fn index(&self, name: &str, family: Family) -> Option<usize> {
+        self.find(name)
+            .filter(|block| block.block.family == family)
+            .map(|block| block.block.index)
+    }
+
+    /// Names of the blocks of some families.
+    pub(super) fn of(&self, families: &[Family]) -> Vec<String> {
+        let of = self
+            .blocks
+            .iter()
+            .filter(|block| families.contains(&block.block.family));
+        of.map(|block| block.name.to_owned()).collect()
+    }
+}
+
+/// Quantities of a family, with their names in expressions.
+pub(super) fn quantities(family: Family) -> &'static [(&'static str, Quantity)] {
+    use Quantity as Q;
+    match family {
+        Family::Reservoir => &[
+            ("pressure", Q::Pressure),
+            ("gauge", Q::Gauge),
+            ("temperature", Q::Temperature),
+        ],
+        Family::Body => &[
+            ("travel", Q::Travel),
+            ("speed", Q::Speed),
+            ("position", Q::Position),
+            ("velocity", Q::Velocity),
+            ("acceleration", Q::Acceleration),
+            ("moving_mass", Q::MovingMass),
+        ],
+        Family::Volume => &[
+            ("pressure", Q::Pressure),
+            ("gauge", Q::Gauge),
+            ("temperature", Q::Temperature),
+            ("mass", Q::Mass),
+            ("volume", Q::Volume),
+        ],
+        Family::Passage => &[("mass_flow", Q::MassFlow), ("plenum", Q::Plenum), ("choked", Q::Choked)],
+        Family::Contact => &[("overlap", Q::Overlap), ("force", Q::Force)],
+        Family::Face | Family::Spring | Family::Friction | Family::Force | Family::Motor | Family::Hold => {
+            &[("force", Q::Force)]
+        }
+        Family::Fastener => &[
+            ("depth", Q::Depth),
+            ("deepest", Q::Deepest),
+            ("advance", Q::Advance),
+            ("force", Q::Force),
+            ("guide_force", Q::GuideForce),
+        ],
+        Family::Trigger => &[("on", Q::On)],
+    }
+}
+
+/// Dimension of a quantity.
+pub(super) fn dimension(quantity: Quantity) -> Dimension {
+    match quantity {
+        Quantity::Travel | Quantity::Position | Quantity::Overlap | Quantity::Depth | Quantity::Deepest => LENGTH,
+        Quantity::Speed | Quantity::Velocity | Quantity::Advance => VELOCITY,
+        Quantity::Acceleration => ACCELERATION,
+        Quantity::MovingMass | Quantity::Mass => MASS,
+        Quantity::Pressure | Quantity::Gauge | Quantity::Plenum => PRESSURE,
+        Quantity::Temperature => TEMPERATURE,
+        Quantity::Volume => VOLUME,
+        Quantity::MassFlow => MASS_FLOW,
+        Quantity::Force | Quantity::GuideForce => FORCE,
+        Quantity::Choked | Quantity::On => NUMBER,
+    }
+}
+
+/// Words that the blocks of a family log.
+pub(super) fn words(family: Family) -> &'static [(&'static str, Action)] {
+    use Action as A;
+    match family {
+        Family::Contact => &[("closes", A::Closes), ("opens", A::Opens)],
+        Family::Passage => &[
+            ("opens", A::Opens),
+            ("shuts", A::Shuts),
+            ("uncovered", A::Uncovered),
+            ("covered", A::Covered),
+            ("choked", A::Choked),
+            ("unchoked", A::Unchoked),
+            ("reverses", A::Reverses),
+            ("gate opens", A::GateOpens),
+            ("gate shuts", A::GateShuts),
+        ],
+        Family::Body => &[("reverses", A::Reverses)],
+        Family::Fastener => &[
+            ("struck", A::Struck),
+            ("left", A::Left),
+            ("enters", A::Enters),
+            ("seats", A::Seats),
+            ("unloads", A::Unloads),
+            ("reloads", A::Reloads),
+        ],
+        Family::Friction => &[("sticks", A::Sticks), ("slips", A::Slips)],
+        Family::Hold => &[("catches", A::Catches), ("releases", A::Releases)],
+        Family::Motor => &[("runs", A::Runs), ("stops", A::Stops)],
+        Family::Reservoir | Family::Volume | Family::Face | Family::Spring | Family::Force | Family::Trigger => &[],
+    }
+}

@@ -1,0 +1,227 @@
+//! Values of documents with their places, which several documents share.
+
+use std::ops::Range;
+
+use nailnoise_documents::{Document, Place, found};
+use toml::Spanned;
+use toml::de::{DeTable, DeValue};
+
+/// Place of a value: a document by index and a span of bytes.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Spot {
+    pub(super) document: usize,
+    pub(super) span: Range<usize>,
+}
+
+/// A value and its place.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Node {
+    pub(super) value: Tree,
+    pub(super) spot: Spot,
+}
+
+/// An entry of a table, in the order of the file.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Entry {
+    pub(super) key: String,
+    /// Place of the key.
+    pub(super) spot: Spot,
+    pub(super) node: Node,
+}
+
+/// A value of TOML.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) enum Tree {
+    Table(Vec<Entry>),
+    Array(Vec<Node>),
+    Text(String),
+    Number(f64),
+    Flag(bool),
+    /// A value of no use here, in words.
+    Other(String),
+}
+
+impl Node {
+    fn new(document: usize, value: &Spanned<DeValue<'_>>) -> Self {
+        let spot = Spot {
+            document,
+            span: value.span(),
+        };
+        let tree = match value.get_ref() {
+            DeValue::String(text) => Tree::Text(text.clone().into_owned()),
+            DeValue::Boolean(on) => Tree::Flag(*on),
+            DeValue::Float(float) => float
+                .as_str()
+                .parse()
+                .map_or_else(|_| Tree::Other(found(value.get_ref())), Tree::Number),
+            DeValue::Integer(integer) => i64::from_str_radix(integer.as_str(), integer.radix()).map_or_else(
+                |_| Tree::Other(found(value.get_ref())),
+                |integer| Tree::Number(integer as f64),
+            ),
+            DeValue::Array(items) => Tree::Array(items.iter().map(|item| Self::new(document, item)).collect()),
+            DeValue::Table(table) => Tree::Table(entries(document, table)),
+            DeValue::Datetime(_) => Tree::Other(found(value.get_ref())),
+        };
+        Self { value: tree, spot }
+    }
+
+    /// An empty table at a place.
+    pub(super) fn empty(spot: Spot) -> Self {
+        Self {
+            value: Tree::Table(Vec::new()),
+            spot,
+        }
+    }
+
+    /// The entries of a table; none of another value.
+    pub(super) fn entries(&self) -> &[Entry] {
+        match &self.value {
+            Tree::Table(entries) => entries,
+            _ => &[],
+        }
+    }
+
+    /// The value of a key of a table.
+    pub(super) fn get(&self, key: &str) -> Option<&Self> {
+        self.entries()
+            .iter()
+            .find(|entry| entry.key == key)
+            .map(|entry| &entry.node)
+    }
+
+    /// The text, if it is one.
+    pub(super) fn text(&self) -> Option<&str> {
+        match &self.value {
+            Tree::Text(text) => Some(text),
+            _ => None,
+        }
+    }
+
+    pub(super) fn is_table(&self) -> bool {
+        matches!(self.value, Tree::Table(_))
+    }
+
+    /// Whether it is a quantity with its range or provenance.
+    pub(super) fn is_literal_table(&self) -> bool {
+        self.get("value").is_some()
+    }
+
+    /// Every value under `path` as a line.
+    pub(super) fn lines(&self, path: &str, lines: &mut Vec<String>) {
+        let line = match &self.value {
+            Tree::Table(entries) => {
+                for entry in entries {
+                    entry.node.lines(&format!("{path}.{}", entry.key), lines);
+                }
+                return;
+            }
+            Tree::Array(items) => {
+                for (index, item) in items.iter().enumerate() {
+                    item.lines(&format!("{path}.{index}"), lines);
+                }
+                return;
+            }
+            Tree::Text(text) => format!("{path}={text}\n"),
+            Tree::Number(number) => format!("{path}={number:e}\n"),
+            Tree::Flag(on) => format!("{path}={on}\n"),
+            Tree::Other(words) => format!("{path}={words}\n"),
+        };
+        lines.push(line);
+    }
+
+    /// The value in words, for messages.
+    pub(super) fn found(&self) -> String {
+        match &self.value {
+            Tree::Table(_) => "a table".to_owned(),
+            Tree::Array(_) => "an array".to_owned(),
+            Tree::Text(text) => format!("the text \"{text}\""),
+            Tree::Number(number) => format!("the number {number}"),
+            Tree::Flag(on) => on.to_string(),
+            Tree::Other(words) => words.clone(),
+        }
+    }
+
+    /// Merges another table into this one: tables merge entry by entry, other values replace what they meet. `false`
+    /// removes an entry that is not itself a flag, `replace = true` empties a table first, and a value alone keeps the
+    /// range and provenance of the value that it replaces.
+    pub(super) fn merge(&mut self, over: Self) {
+        if self.is_literal_table() && !over.is_table() && over.is_value() {
+            if let Tree::Table(entries) = &mut self.value
+                && let Some(value) = entries.iter_mut().find(|entry| entry.key == "value")
+            {
+                value.node = over;
+            }
+            return;
+        }
+        match (&mut self.value, over.value) {
+            (Tree::Table(own), Tree::Table(others)) => {
+                let replace = others
+                    .iter()
+                    .any(|entry| entry.key == "replace" && entry.node.value == Tree::Flag(true));
+                if replace {
+                    own.clear();
+                }
+                for entry in others.into_iter().filter(|entry| entry.key != "replace") {
+                    merge_entry(own, entry);
+                }
+            }
+            (value, other) => {
+                *value = other;
+                self.spot = over.spot;
+            }
+        }
+    }
+
+    /// A quantity as a bare value, no formula.
+    fn is_value(&self) -> bool {
+        match &self.value {
+            Tree::Number(_) => true,
+            Tree::Text(text) => !text.starts_with('='),
+            _ => false,
+        }
+    }
+}
+
+fn merge_entry(own: &mut Vec<Entry>, entry: Entry) {
+    let found = own.iter().position(|present| present.key == entry.key);
+    match (found, &entry.node.value) {
+        (Some(at), Tree::Flag(false)) if !matches!(own[at].node.value, Tree::Flag(_)) => {
+            own.remove(at);
+        }
+        (Some(at), _) => own[at].node.merge(entry.node),
+        (None, _) => {
+            let mut entry = entry;
+            // The flag `replace` has no meaning in a table that is new.
+            if let Tree::Table(entries) = &mut entry.node.value {
+                entries.retain(|entry| entry.key != "replace");
+            }
+            own.push(entry);
+        }
+    }
+}
+
+/// The entries of a table of a document.
+pub(super) fn entries(document: usize, table: &DeTable<'_>) -> Vec<Entry> {
+    let entry = |(key, value): (&Spanned<std::borrow::Cow<'_, str>>, &Spanned<DeValue<'_>>)| Entry {
+        key: key.get_ref().clone().into_owned(),
+        spot: Spot {
+            document,
+            span: key.span(),
+        },
+        node: Node::new(document, value),
+    };
+    table.iter().map(entry).collect()
+}
+
+/// The documents that spots refer to.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Sources {
+    pub(super) documents: Vec<Document>,
+}
+
+impl Sources {
+    /// The place of a spot.
+    pub(super) fn place(&self, spot: &Spot) -> Box<Place> {
+        self.documents[spot.document].place(spot.span.clone())
+    }
+}

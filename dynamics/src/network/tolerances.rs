@@ -1,0 +1,40 @@
+//! What error of each state a tolerance allows.
+
+use super::plan::Plan;
+
+/// Size of the integrals, which have no error weight.
+const UNWEIGHTED: f64 = 1e30;
+
+/// Absolute tolerances: every state has a characteristic size, and its error is limited to the tolerance times that
+/// size.
+///
+/// Relative weights would not do: a contact of 5e8 N/m needs the position of the body to 1e-10 m wherever it is, and a
+/// gas energy of 1 kJ must not loosen that of 1 J. The size of a gas is that of its dead volume at the highest pressure
+/// of the assembly.
+pub(crate) fn tolerances(plan: &Plan, relative: f64) -> Vec<f64> {
+    let a = &plan.assembly;
+    let mut size = vec![UNWEIGHTED; plan.size()];
+    for (body, described) in a.bodies.iter().enumerate() {
+        size[2 * body] = described.weights.position;
+        size[2 * body + 1] = described.weights.velocity;
+    }
+    let pressures = a
+        .volumes
+        .iter()
+        .map(|v| v.pressure)
+        .chain(a.reservoirs.iter().map(|r| r.pressure));
+    let pressure = pressures.fold(0.0, f64::max);
+    let ambient = a
+        .reservoirs
+        .iter()
+        .find(|r| r.name == "atmosphere")
+        .map(|r| r.temperature);
+    for (i, volume) in a.volumes.iter().enumerate() {
+        let energy = pressure * volume.dead;
+        size[plan.energy() + i] = energy / (plan.gamma - 1.0);
+        size[plan.mass() + i] = energy / (plan.gas_constant * ambient.unwrap_or(volume.temperature));
+    }
+    // The solver's norm is a mean over all entries; those without an error weight are taken out of it.
+    let share = (plan.states() as f64 / plan.size() as f64).sqrt();
+    size.iter().map(|size| relative * size * share).collect()
+}

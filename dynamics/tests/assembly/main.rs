@@ -1,0 +1,13 @@
+//! Assemblies as text: the N80CB, inheritance, errors with places.
+
+#[path = "../common/mod.rs"]
+mod common;
+#[path = "../common/random_assembly.rs"]
+mod random_assembly;
+
+mod errors;
+mod inheritance;
+mod keys;
+mod n80cb;
+mod random;
+mod shipped;
