@@ -69,8 +69,12 @@ struct Run<'p> {
     /// Margins at the last point, and points of the present step.
     margin: Vec<f64>,
     right: Vec<f64>,
-    heights: Vec<f64>,
+    heights: [Vec<f64>; POINTS],
     points: [(f64, Vec<f64>); POINTS],
+    /// What margins and levels need of a state.
+    need: Need,
+    /// Whether the workspace holds the instant of the end of the stretch.
+    fresh: bool,
 }
 
 /// A step as far as the first condition to fall.
@@ -151,8 +155,10 @@ impl<'p> Run<'p> {
             work: Effort::default(),
             right: margin.clone(),
             margin,
-            heights,
+            heights: [heights.clone(), heights],
             points: [point(), point()],
+            need,
+            fresh: false,
             y: origin.y,
         })
     }
@@ -274,6 +280,7 @@ impl<'p> Run<'p> {
             self.note_levels(from, stretch.used, &mut at)?;
             let t_end = self.points[stretch.used - 1].0;
             while self.recorder.next_time() < t_end {
+                self.fresh = false;
                 let time = self.recorder.next_time();
                 at(time, &mut self.y)?;
                 self.recorder.push(self.plan, time, &self.y, &self.mode, &mut self.w);
@@ -324,8 +331,10 @@ impl<'p> Run<'p> {
         let mut found: Option<(f64, usize)> = None;
         for k in 0..POINTS {
             let t = self.points[k].0;
-            plan.observe(slots.need, t, &self.points[k].1, mode, &mut self.w);
+            plan.observe(self.need, t, &self.points[k].1, mode, &mut self.w);
+            self.fresh = true;
             slots.margins(plan, mode, &self.w, &mut self.right);
+            self.events.measure(plan, mode, &self.w, &mut self.heights[k]);
             for (slot, (before, after)) in self.margin.iter().zip(&self.right).enumerate() {
                 if *after > slots.noise[slot] {
                     self.armed[slot] = true;
@@ -352,6 +361,9 @@ impl<'p> Run<'p> {
             if let Some((time, slot)) = found {
                 self.points[k].0 = time;
                 at(time, &mut self.points[k].1)?;
+                plan.observe(self.need, time, &self.points[k].1, mode, &mut self.w);
+                self.fresh = true;
+                self.events.measure(plan, mode, &self.w, &mut self.heights[k]);
                 return Ok(Stretch {
                     used: k + 1,
                     event: Some(slot),
@@ -376,11 +388,10 @@ impl<'p> Run<'p> {
         let mut left = from;
         for k in 0..used {
             let t = self.points[k].0;
-            plan.observe(need, t, &self.points[k].1, mode, &mut self.w);
-            self.events.measure(plan, mode, &self.w, &mut self.heights);
+            let heights = &self.heights[k];
             let mut passed: Vec<(f64, usize)> = Vec::new();
-            for level in 0..self.heights.len() {
-                let (before, after) = (self.events.last()[level], self.heights[level]);
+            for (level, (before, after)) in self.events.last().iter().zip(heights).enumerate() {
+                let (before, after) = (*before, *after);
                 if (before > 0.0) == (after > 0.0) {
                     continue;
                 }
@@ -393,12 +404,13 @@ impl<'p> Run<'p> {
                 passed.push((locate(left, t, before, after, height)?, level));
             }
             passed.sort_by(|a, b| a.0.total_cmp(&b.0));
+            self.fresh &= passed.is_empty();
             for (time, level) in passed {
                 at(time, &mut self.y)?;
                 plan.observe(admission, time, &self.y, mode, &mut self.w);
-                self.events.pass(level, time, self.heights[level], plan, mode, &self.w);
+                self.events.pass(level, time, heights[level], plan, mode, &self.w);
             }
-            self.events.settle(&self.heights);
+            self.events.settle(heights);
             left = t;
         }
         Ok(())
@@ -406,7 +418,9 @@ impl<'p> Run<'p> {
 
     /// Follows what an accepted state changes: balances, peaks, limits of the model, the end of the record.
     fn accept(&mut self) -> Result<(), RunError> {
-        self.plan.instant(&self.y, &mut self.w);
+        if !self.fresh {
+            self.plan.instant(&self.y, &mut self.w);
+        }
         self.audit.follow(self.plan, &self.y, &self.mode, &self.w);
         self.guard()?;
         self.plan.contact_forces(&self.mode, &mut self.w);
