@@ -4,8 +4,8 @@
 use nailnoise::model::sources::exhaust;
 use nailnoise::{Design, chain};
 use nailnoise_acoustics::Air;
-use nailnoise_acoustics::exhaust::{Floor, Outlet};
-use nailnoise_acoustics::levels::Weighting;
+use nailnoise_acoustics::jets::{Floor, Outlet};
+use nailnoise_acoustics::signals::Weighting;
 
 fn main() -> Result<(), nailnoise::Error> {
     let path = std::env::args()

@@ -2,7 +2,7 @@
 
 use nailnoise::model::sources::exhaust;
 use nailnoise::{Design, chain};
-use nailnoise_acoustics::levels::{SourceSpectrum, Weighting};
+use nailnoise_acoustics::signals::{SourceSpectrum, Weighting};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let file = std::env::args()

@@ -248,10 +248,10 @@ pub enum Error {
     /// The sand's constants are outside the range of the foundation's formulas.
     #[error("the sand under the workpiece cannot be modelled")]
     #[diagnostic(help("correct the keys of support.sand"))]
-    Sand(#[from] nailnoise_fem::supports::SandError),
+    Sand(#[from] nailnoise_fem::vibration::supports::SandError),
     /// The response of the workpiece could not be computed.
     #[error("the response of workpiece and support cannot be computed")]
-    Transient(#[from] nailnoise_fem::transient::TransientError),
+    Transient(#[from] nailnoise_fem::vibration::TransientError),
     /// Radiation or exhaust could not be computed.
     #[error("the sound power of a source cannot be computed")]
     Acoustics(#[from] nailnoise_acoustics::AcousticsError),
@@ -750,10 +750,10 @@ from_modules_of_acoustics!(
     nailnoise_acoustics::InputError,
     nailnoise_acoustics::ReceiverError,
     nailnoise_acoustics::bem::BemError,
-    nailnoise_acoustics::exhaust::ExhaustError,
-    nailnoise_acoustics::fluid_loading::FluidLoadingError,
-    nailnoise_acoustics::fourier::FourierError,
-    nailnoise_acoustics::levels::LevelsError,
+    nailnoise_acoustics::jets::ExhaustError,
+    nailnoise_acoustics::radiation::fluid_loading::FluidLoadingError,
+    nailnoise_acoustics::signals::fourier::FourierError,
+    nailnoise_acoustics::signals::LevelsError,
     nailnoise_acoustics::radiation::RadiationError,
 );
 

@@ -11,5 +11,5 @@ use mimalloc::MiMalloc;
 static MEMORY: MiMalloc = MiMalloc;
 
 fn main() -> ExitCode {
-    nailnoise::commands::main()
+    nailnoise::commands::main().into()
 }

@@ -9,10 +9,10 @@ use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::time::Duration;
 
-use nailnoise_acoustics::levels::level_energy;
-pub use nailnoise_acoustics::radiator::{
+pub use nailnoise_acoustics::radiation::radiator::{
     FluidLoading, Loading, ModeShare, RadiationBand, RadiationReport, Uncertainty,
 };
+use nailnoise_acoustics::signals::level_energy;
 use nailnoise_dynamics::{CycleRecord, EnergyFlow, Events, LogEntry, Outcome, Summary};
 pub use nailnoise_quantities::Check;
 use schemars::generate::SchemaSettings;

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use nailnoise_acoustics::levels::{SourceSpectrum, Weighting, energy_level};
+use nailnoise_acoustics::signals::{SourceSpectrum, Weighting, energy_level};
 use nailnoise_dynamics::CycleRecord;
 
 use crate::chain::{Chain, Options};

@@ -2,8 +2,8 @@
 //! last rows only.
 #![allow(clippy::unwrap_used, missing_docs)]
 
-#[path = "../tests/bem/common.rs"]
-mod bem_common;
+#[path = "../tests/common/boundary_meshes.rs"]
+mod boundary_meshes;
 
 use nailnoise_acoustics::Air;
 use nailnoise_acoustics::bem::{Boundary, BoundaryMesh, Exterior, Parity, Patterns, SolidBox};
@@ -26,7 +26,7 @@ fn main() {
     let spheres = if std::env::args().any(|a| a == "table") { 0 } else { 4 };
     let cases = [(9, 1, true), (12, 1, true), (17, 1, true), (17, 100, false)];
     for (n, patterns, uneven) in cases.into_iter().take(spheres) {
-        let mut mesh = bem_common::sphere(0.3, n, false);
+        let mut mesh = boundary_meshes::sphere(0.3, n, false);
         if uneven {
             // No two pairs of panels are congruent, as on a surface from a mesh generator.
             for (i, p) in mesh.points.iter_mut().enumerate() {

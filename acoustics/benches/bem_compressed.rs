@@ -7,8 +7,8 @@
 //! logarithms of time and size.
 #![allow(clippy::unwrap_used, missing_docs)]
 
-#[path = "../tests/bem/common.rs"]
-mod bem_common;
+#[path = "../tests/common/boundary_meshes.rs"]
+mod boundary_meshes;
 
 use nailnoise_acoustics::Air;
 use nailnoise_acoustics::bem::{Boundary, EquationSolver, Exterior};
@@ -46,7 +46,7 @@ struct Case {
 /// A sphere from an uneven mesh, as a mesh generator makes it.
 fn sphere(unknowns: f64) -> Boundary {
     let n = (unknowns / 10.0).sqrt().round() as usize;
-    let mut mesh = bem_common::sphere(0.4, n, false);
+    let mut mesh = boundary_meshes::sphere(0.4, n, false);
     for (i, p) in mesh.points.iter_mut().enumerate() {
         let shift = [12.9, 78.2, 37.7].map(|s| (s * (i + 1) as f64).sin() * 0.05 / n as f64);
         p.coords = (p.coords + nalgebra::Vector3::from(shift)).normalize() * 0.4;
@@ -59,7 +59,7 @@ fn cuboid(unknowns: f64, quads: bool) -> Boundary {
     let sides = [1.0, 0.8, 0.6];
     let area = 2.0 * (sides[0] * sides[1] + sides[1] * sides[2] + sides[2] * sides[0]);
     let edge = (area / unknowns).sqrt();
-    let mesh = bem_common::cuboid([0.0, 0.0, 0.3], [sides[0], sides[1], 0.3 + sides[2]], edge, quads);
+    let mesh = boundary_meshes::cuboid([0.0, 0.0, 0.3], [sides[0], sides[1], 0.3 + sides[2]], edge, quads);
     Boundary::new(mesh, Some(0.0)).unwrap()
 }
 

@@ -2,7 +2,7 @@
 //! whole.
 
 use divan::Bencher;
-use nailnoise_acoustics::exhaust::{
+use nailnoise_acoustics::jets::{
     ExhaustNoise, ExhaustSettings, FlowHistory, Jet, Opening, Outlet, exhaust_noise, screech_track,
 };
 use nailnoise_acoustics::{AcousticsError, Air};

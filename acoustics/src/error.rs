@@ -2,13 +2,13 @@ use thiserror::Error;
 
 use crate::bem::error::BemError;
 use crate::checks::{InputError, ReceiverError};
-use crate::exhaust::error::ExhaustError;
-use crate::fluid_loading::FluidLoadingError;
-use crate::fourier::FourierError;
-use crate::interpolation::error::SamplingError;
-use crate::levels::error::LevelsError;
+use crate::jets::error::ExhaustError;
 use crate::muffler::error::MufflerError;
 use crate::radiation::error::RadiationError;
+use crate::radiation::fluid_loading::FluidLoadingError;
+use crate::signals::error::LevelsError;
+use crate::signals::fourier::FourierError;
+use crate::signals::interpolation::error::SamplingError;
 
 /// Any error of this crate; each module has its own.
 #[derive(Debug, Error)]

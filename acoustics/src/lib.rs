@@ -1,9 +1,9 @@
 //! Levels, radiation of moving surfaces and exhaust noise.
 //!
-//! Each source ends in a [`levels::SourceSpectrum`]: the energy that it radiates during one shot, per hertz. Surfaces
+//! Each source ends in a [`signals::SourceSpectrum`]: the energy that it radiates during one shot, per hertz. Surfaces
 //! need quadrature points with modal displacements ([`radiation`]) or a closed mesh ([`bem`]); the exhaust needs its
-//! flow ([`exhaust`]). [`sound`] gives the pressures at microphones. Time factor e^{+j omega t}; spectra are one-sided;
-//! SI units throughout.
+//! flow ([`jets`]). [`radiation::sound`] gives the pressures at microphones. Time factor e^{+j omega t}; spectra are
+//! one-sided; SI units throughout.
 //!
 //! The equivalent radiated power of a piston that oscillates at 1 kHz with an acceleration of 1 m/s²:
 //!
@@ -28,21 +28,15 @@ pub mod bem;
 mod blocks;
 mod checks;
 mod error;
-pub mod exhaust;
-pub mod fluid_loading;
-pub mod fourier;
-mod interpolation;
-pub mod levels;
+pub mod jets;
 mod matrix;
 pub mod muffler;
 pub mod radiation;
-pub mod radiator;
 pub mod random;
-pub mod sound;
-pub mod sound_fields;
+pub mod signals;
 mod trig;
 
 pub use air::{Air, GAS_CONSTANT, HEAT_RATIO};
 pub use checks::{InputError, ReceiverError};
 pub use error::AcousticsError;
-pub use interpolation::SamplingError;
+pub use signals::interpolation::SamplingError;

@@ -4,7 +4,7 @@
 mod block_on_table;
 
 use divan::Bencher;
-use nailnoise_fem::transient::{Motion, Settings, SupportLaw, respond};
+use nailnoise_fem::vibration::{Motion, Settings, SupportLaw, respond};
 
 fn main() {
     divan::main();

@@ -9,42 +9,23 @@
 struct Readme;
 
 mod assembly;
-mod assurance;
-mod attachments;
-mod columns;
-mod constraints;
-mod cost;
-mod dense;
-mod eigenpairs;
-mod element;
+mod eigen;
 mod error;
 mod factor;
-mod lanczos;
-mod layout;
-mod load_vector;
 mod material;
-mod modal;
-mod numeric;
-mod order;
-mod panels;
 mod random;
 mod reduction;
-mod rows;
-mod solve;
-mod sparse;
-mod subtrees;
-pub mod supports;
 mod symmetry;
-pub mod transient;
+pub mod vibration;
 
-pub use assembly::{Equations, System, assemble, assemble_in_order, assemble_with, elimination_order};
-pub use assurance::{Correlation, ModePair, Pairing, correlate};
-pub use attachments::{Attachments, Coupling, GroundSpring, LumpedMass, Place, Tie};
-pub use constraints::Constraints;
-pub use cost::{ModalCost, ShortestWave, modes_below, wall_thicknesses};
+pub use assembly::{
+    Equations, LoadVector, Rectangle, System, assemble, assemble_in_order, assemble_with, elimination_order,
+    mirror_planes,
+};
+pub use eigen::{
+    Correlation, ModalBasis, ModalCost, ModalSettings, ModalWork, ModePair, Pairing, Progress, ShortestWave, Sturm,
+    correlate, modes, modes_below, wall_thicknesses,
+};
 pub use error::FemError;
-pub use load_vector::{LoadVector, Rectangle};
 pub use material::{Material, Orthotropic};
-pub use modal::{ModalBasis, ModalSettings, ModalWork, Sturm};
-pub use solve::{Progress, modes};
-pub use symmetry::mirror_planes;
+pub use reduction::{Attachments, Constraints, Coupling, GroundSpring, LumpedMass, Place, Tie};

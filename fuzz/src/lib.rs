@@ -1,6 +1,7 @@
 //! What each fuzz target does with bytes of any kind: reads them as the program reads a file, and goes as far as a
 //! command goes before it spends time. Nothing may panic, hang or need much memory; errors are as good as values.
 
+use std::collections::BTreeMap;
 use std::path::Path;
 
 use nailnoise::artifacts::RunArtifacts;
@@ -10,13 +11,16 @@ use nailnoise::measurement::recordings::{Selector, decode};
 use nailnoise::stages::bodies::{Body, BodySensors, WholeModes};
 use nailnoise::stages::response::ResponseChecks;
 use nailnoise::stages::{Codec, Postcard, WithMatrix};
+use nailnoise_documents::Document;
+use nailnoise_dynamics::network::{AssemblyText, KeyValue};
 use nailnoise_meshes::{Surface, msh, uff};
 
 /// A target by its name.
 pub type Target = (&'static str, fn(&[u8]));
 
 /// All targets; each has a corpus of its name.
-pub const TARGETS: [Target; 8] = [
+pub const TARGETS: [Target; 9] = [
+    ("assembly", assembly),
     ("design", design),
     ("msh22", mesh),
     ("msh41", mesh),
@@ -26,6 +30,15 @@ pub const TARGETS: [Target; 8] = [
     ("manifest", manifest),
     ("recording", recording),
 ];
+
+/// An assembly, evaluated without the keys of a design.
+pub fn assembly(bytes: &[u8]) {
+    let Ok(text) = std::str::from_utf8(bytes) else { return };
+    let keys: BTreeMap<String, KeyValue> = BTreeMap::new();
+    if let Ok(text) = AssemblyText::open(&Document::new(Path::new("fuzzed.toml"), text)) {
+        let _ = text.resolve(&keys);
+    }
+}
 
 /// A design over the shipped ones, and the estimate of its cost.
 pub fn design(bytes: &[u8]) {

@@ -1,6 +1,6 @@
 //! Records on one time axis: travel times, and delays between records.
 
-use nailnoise_acoustics::fourier::RealTransform;
+use nailnoise_acoustics::signals::fourier::RealTransform;
 use std::f64::consts::PI;
 
 use nalgebra::Complex;

@@ -1,8 +1,8 @@
 //! Where the microphones stand, and what the other channels are.
 
 use nailnoise_acoustics::Air;
-use nailnoise_acoustics::levels::{COMMON_RANGE_HZ, REFERENCE_PRESSURE};
-use nailnoise_acoustics::sound::{Iso3744Box, environmental_correction};
+use nailnoise_acoustics::radiation::sound::{Iso3744Box, environmental_correction};
+use nailnoise_acoustics::signals::{COMMON_RANGE_HZ, REFERENCE_PRESSURE};
 use nalgebra::Point3;
 
 use super::manifest::{Manifest, Setup};

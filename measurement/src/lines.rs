@@ -2,8 +2,8 @@
 
 use std::f64::consts::PI;
 
-use nailnoise_acoustics::fourier::RealTransform;
-use nailnoise_acoustics::levels::{Band, Weighting, energy_weights, third_octaves};
+use nailnoise_acoustics::signals::fourier::RealTransform;
+use nailnoise_acoustics::signals::{Band, Weighting, energy_weights, third_octaves};
 use nalgebra::Complex;
 
 /// Length of the analysed piece of a record \[s\].

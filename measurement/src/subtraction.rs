@@ -9,7 +9,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use nailnoise_acoustics::levels::REFERENCE_PRESSURE;
+use nailnoise_acoustics::signals::REFERENCE_PRESSURE;
 
 /// Least level difference of the survey method \[dB\] (ISO 3746:2010, 8.3.2), whose correction is 3.02 dB.
 pub const SURVEY_LIMIT_DB: f64 = 3.0;

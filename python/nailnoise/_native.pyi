@@ -20,6 +20,9 @@ Report = Callable[[str, str, int, int], None]
 Charts = list[tuple[str, str]]
 Bands = list[tuple[float, float | None, float | None]]
 
+def command(arguments: Sequence[str]) -> int:
+    """Runs a command line; returns its exit status."""
+
 class NailnoiseError(Exception):
     help: str | None
     code: str | None

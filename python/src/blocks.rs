@@ -2,9 +2,9 @@
 
 use nailnoise_acoustics::Air;
 use nailnoise_acoustics::bem::{Boundary, BoundaryMesh, Exterior, Panel};
-use nailnoise_acoustics::exhaust::{ExhaustSettings, FlowHistory, Opening, exhaust_noise};
-use nailnoise_acoustics::fourier::{Transform, TransformSettings};
-use nailnoise_acoustics::levels::{
+use nailnoise_acoustics::jets::{ExhaustSettings, FlowHistory, Opening, exhaust_noise};
+use nailnoise_acoustics::signals::fourier::{Transform, TransformSettings};
+use nailnoise_acoustics::signals::{
     REFERENCE_PRESSURE, Weighting, energy_level, energy_weights, exposure_level, peak_level, third_octaves,
 };
 use nailnoise_fem::{Constraints, Material, ModalSettings, Orthotropic, assemble, modes};
@@ -245,7 +245,7 @@ fn bands_of(pressure: &[f64], dt: f64) -> Result<Bands, Refused> {
         let exposure: f64 = density.iter().zip(weights).map(|(e, w)| e * w).sum();
         (exposure > 0.0).then(|| 10.0 * (exposure / REFERENCE_PRESSURE.powi(2)).log10())
     };
-    let row = |band: nailnoise_acoustics::levels::Band| {
+    let row = |band: nailnoise_acoustics::signals::Band| {
         let range = [band.low, band.high];
         (
             band.nominal_hz(),

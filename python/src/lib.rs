@@ -5,6 +5,7 @@
 //! interpreter's lock.
 
 mod blocks;
+mod command;
 mod design;
 mod error;
 mod measure;
@@ -15,7 +16,12 @@ mod tasks;
 mod values;
 mod work;
 
+use mimalloc::MiMalloc;
 use pyo3::prelude::*;
+
+/// The allocator of the command, for the same reason.
+#[global_allocator]
+static MEMORY: MiMalloc = MiMalloc;
 
 #[pymodule]
 fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
@@ -30,6 +36,7 @@ fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     )?;
     module.add("NailnoiseError", module.py().get_type::<error::NailnoiseError>())?;
     module.add("NoCacheError", module.py().get_type::<error::NoCacheError>())?;
+    module.add_function(wrap_pyfunction!(command::command, module)?)?;
     module.add_class::<design::NativeDesign>()?;
     module.add_class::<tasks::NativeCandidates>()?;
     module.add_function(wrap_pyfunction!(design::cache_folder, module)?)?;

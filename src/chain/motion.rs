@@ -1,6 +1,6 @@
 //! Motion of the bodies of a design: of workpiece and support for each start and coupling, of the tool for each cycle.
 
-use nailnoise_acoustics::radiator::Loading;
+use nailnoise_acoustics::radiation::radiator::Loading;
 use nailnoise_dynamics::{CycleRecord, Settings};
 
 use super::bodies::{Bodies, BodyStages};

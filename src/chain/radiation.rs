@@ -1,7 +1,7 @@
 //! Radiation per unit of modal motion, and fluid loads of the air on the modes.
 
-use nailnoise_acoustics::bem::ModalBem;
-use nailnoise_acoustics::radiator::{FluidLoads, Loading, Radiator};
+use nailnoise_acoustics::radiation::boundary_elements::ModalBem;
+use nailnoise_acoustics::radiation::radiator::{FluidLoads, Loading, Radiator};
 
 use super::bodies::{Bodies, BodyStages};
 use super::context::Context;

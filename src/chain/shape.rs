@@ -1,6 +1,6 @@
 //! Radiation by shape: the matrix that boundary elements solve for standard bodies, carried over to the design's.
 
-use nailnoise_acoustics::bem::{ModalBem, ModalPressures};
+use nailnoise_acoustics::radiation::boundary_elements::{ModalBem, ModalPressures};
 use nailnoise_meshes::gmsh;
 
 use super::bodies::{BodyStages, solved_bodies};
@@ -204,8 +204,8 @@ mod tests {
 
     use std::f64::consts::TAU;
 
+    use nailnoise_acoustics::radiation::radiator::Radiator;
     use nailnoise_acoustics::radiation::{ModalRadiation, ModalSpectra};
-    use nailnoise_acoustics::radiator::Radiator;
     use nailnoise_meshes::msh::{self, Format};
     use nailnoise_meshes::{Block, FaceGroup, FaceRef, Surface, block};
     use nalgebra::{Complex, DMatrix, DVector, Vector3};

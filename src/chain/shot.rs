@@ -1,6 +1,6 @@
 //! The shot whose sound the sources emit: its cycle, and its bodies in motion.
 
-use nailnoise_acoustics::levels::SourceSpectrum;
+use nailnoise_acoustics::signals::SourceSpectrum;
 use nailnoise_dynamics::CycleRecord;
 
 use super::bodies::{Bodies, BodyStages};

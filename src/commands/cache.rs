@@ -1,13 +1,12 @@
 //! `nailnoise cache`: results stored between runs.
 
 use std::path::Path;
-use std::process::ExitCode;
 use std::time::SystemTime;
 
 use clap::{Args, Subcommand};
 use serde::Serialize;
 
-use super::table::table;
+use super::{Status, table::table};
 use super::{message, print, print_json};
 use crate::error::Error;
 use crate::store::{Listed, Store};
@@ -62,7 +61,7 @@ impl From<Listed> for Row {
     }
 }
 
-pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
+pub(super) fn execute(arguments: &Arguments) -> Result<Status, Error> {
     let cache = Store::of_user()?;
     let folder = cache.folder().unwrap_or_else(|| "".as_ref()).to_owned();
     let failed = |source| Error::Store {
@@ -105,7 +104,7 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
             } else {
                 print(&format!("  {sound} entries are intact, {removed} removed\n"))?;
             }
-            return Ok(ExitCode::from(u8::from(!damaged.is_empty())));
+            return Ok(Status::from(u8::from(!damaged.is_empty())));
         }
         Action::Clear => {
             for (path, damage) in cache.obstacles().map_err(failed)? {
@@ -120,7 +119,7 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
             }
         }
     }
-    Ok(ExitCode::SUCCESS)
+    Ok(Status::SUCCESS)
 }
 
 /// Reports a file that is not removed.

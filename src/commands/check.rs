@@ -2,15 +2,14 @@
 //! full.
 
 use std::path::PathBuf;
-use std::process::ExitCode;
 
 use clap::Args;
 use nailnoise_fem::{ModalCost, ShortestWave, wall_thicknesses};
 use nailnoise_meshes::{Mesh, Quality, Surface};
 use serde::Serialize;
 
-use super::bodies::Input;
 use super::table::{fixed, table};
+use super::{Status, bodies::Input};
 use super::{print, print_json};
 use crate::error::Error;
 use crate::stages::bodies::{Origin, SIDES_PER_WAVE as FEWEST};
@@ -82,7 +81,7 @@ struct Group {
     origin: &'static str,
 }
 
-pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
+pub(super) fn execute(arguments: &Arguments) -> Result<Status, Error> {
     arguments.input.start_threads()?;
     let design = arguments.input.whole_design()?;
     if let Some(file) = &arguments.drawing {
@@ -178,7 +177,7 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
     } else {
         print(&text(&loaded.name, &result))?;
     }
-    Ok(ExitCode::from(if result.faults.is_empty() { 0 } else { 2 }))
+    Ok(Status::from(if result.faults.is_empty() { 0 } else { 2 }))
 }
 
 fn findings(

@@ -1,12 +1,12 @@
 //! The commands of the program, and the one that a process runs.
 
-use std::process::ExitCode;
+use std::ffi::OsString;
 
 use clap::{CommandFactory as _, Parser, Subcommand};
 
 use super::{
-    cache, check, coloured, compare, compare_measured, completions, cycle, faults, init, list, manual, measure, mesh,
-    modes, optimise, prf, printed, progress, provide, report, run, schema, study, sweep, test, verify, watch,
+    Status, cache, check, coloured, compare, compare_measured, completions, cycle, faults, init, list, manual, measure,
+    mesh, modes, optimise, prf, printed, progress, provide, report, run, schema, study, sweep, test, verify, watch,
 };
 use crate::error::Error;
 
@@ -94,31 +94,37 @@ enum Command {
 }
 
 /// Runs the command line of this process.
-pub fn main() -> ExitCode {
+pub fn main() -> Status {
+    main_with(std::env::args_os())
+}
+
+/// Runs a command line; the first argument is the name of the program. It installs handlers of signals and panics for
+/// the process, and wrong usage ends the process with status 2.
+pub fn main_with(arguments: impl IntoIterator<Item = OsString>) -> Status {
     install_error_style();
     faults::install();
     crate::interrupt::install();
     faults::announce_limits();
     let status = faults::caught(|| {
-        let outcome = match Cli::try_parse() {
+        let outcome = match Cli::try_parse_from(arguments) {
             Ok(cli) => execute(&cli),
             Err(wrong) if wrong.use_stderr() => wrong.exit(), // with status 2
-            Err(help) => printed(help.print()).map(|()| ExitCode::SUCCESS),
+            Err(help) => printed(help.print()).map(|()| Status::SUCCESS),
         };
         outcome.unwrap_or_else(|error| {
             crate::interrupt::give_way();
             let status = error.exit_status();
             report(error);
-            ExitCode::from(status)
+            Status::from(status)
         })
     });
     status.unwrap_or_else(|status| {
         crate::interrupt::give_way();
-        ExitCode::from(status)
+        Status::from(status)
     })
 }
 
-fn execute(cli: &Cli) -> Result<ExitCode, Error> {
+fn execute(cli: &Cli) -> Result<Status, Error> {
     if cli.quiet {
         progress::silence();
     }

@@ -1,11 +1,11 @@
 //! `nailnoise compare`: designs side by side.
 
 use std::path::{Path, PathBuf};
-use std::process::ExitCode;
 
 use clap::Args;
 use serde::Serialize;
 
+use super::Status;
 use super::table::{dash, decibels, fixed, table, with_legend};
 use super::{
     Changes, Keeping, Memory, Threads, comparison_page, comparison_sounds, folder_of, message, print, print_json,
@@ -79,7 +79,7 @@ pub(super) struct Arguments {
     fail_above: Vec<Limit>,
 }
 
-pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
+pub(super) fn execute(arguments: &Arguments) -> Result<Status, Error> {
     arguments.threads.start()?;
     let progress = progress();
     let cache = arguments.keeping.cache()?;
@@ -129,8 +129,8 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
         .iter()
         .for_each(|line| message(&format!("limit exceeded: {line}")));
     let status = status_of(&checks);
-    if status == ExitCode::SUCCESS && !exceeded.is_empty() {
-        return Ok(ExitCode::from(1));
+    if status == Status::SUCCESS && !exceeded.is_empty() {
+        return Ok(Status::from(1));
     }
     Ok(status)
 }

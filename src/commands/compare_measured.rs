@@ -1,10 +1,9 @@
 //! `nailnoise compare --measured`: predictions next to measurements, like with like.
 
 use std::path::Path;
-use std::process::ExitCode;
 
-use super::compare::Arguments;
 use super::table::{dash, table};
+use super::{Status, compare::Arguments};
 use super::{print, print_json, progress};
 use crate::cost;
 use crate::design::Design;
@@ -22,7 +21,7 @@ use crate::wording::drawn_structures;
 /// Draws where `--draws` gives no number.
 const DRAWS: u32 = 64;
 
-pub(super) fn execute(arguments: &Arguments, file: &Path) -> Result<ExitCode, Error> {
+pub(super) fn execute(arguments: &Arguments, file: &Path) -> Result<Status, Error> {
     arguments.threads.start()?;
     let progress = progress();
     let cache = arguments.keeping.cache()?;
@@ -74,7 +73,7 @@ pub(super) fn execute(arguments: &Arguments, file: &Path) -> Result<ExitCode, Er
         print(&text(&comparison))?;
         print(&format!("\n  as a page: {}\n", page.display()))?;
     }
-    Ok(ExitCode::SUCCESS)
+    Ok(Status::SUCCESS)
 }
 
 fn prediction(

@@ -1,13 +1,12 @@
 //! `nailnoise completions`: completion of commands in a shell.
 
 use std::path::{Path, PathBuf};
-use std::process::ExitCode;
 
 use clap::{Args, Command};
 use clap_complete::{Generator as _, Shell};
 
-use super::print;
 use super::user_folders::{config, data};
+use super::{Status, print};
 use crate::error::Error;
 use crate::staging;
 
@@ -27,13 +26,13 @@ pub(super) struct Arguments {
     out: Option<PathBuf>,
 }
 
-pub(super) fn execute(arguments: &Arguments, program: &mut Command) -> Result<ExitCode, Error> {
+pub(super) fn execute(arguments: &Arguments, program: &mut Command) -> Result<Status, Error> {
     let shell = arguments.shell.or_else(Shell::from_env).ok_or(Error::NoShell)?;
     let mut text = Vec::new();
     clap_complete::generate(shell, program, "nailnoise", &mut text);
     if !arguments.install && arguments.out.is_none() {
         print(&String::from_utf8_lossy(&text))?;
-        return Ok(ExitCode::SUCCESS);
+        return Ok(Status::SUCCESS);
     }
     let folder = match &arguments.out {
         Some(folder) => folder.clone(),
@@ -42,7 +41,7 @@ pub(super) fn execute(arguments: &Arguments, program: &mut Command) -> Result<Ex
     let path = folder.join(shell.file_name("nailnoise"));
     staging::write(&path, &text)?;
     print(&format!("{}{}\n", path.display(), remark(shell, &path)))?;
-    Ok(ExitCode::SUCCESS)
+    Ok(Status::SUCCESS)
 }
 
 /// Folder of a user's completions, either the shell's default or one that can be set.

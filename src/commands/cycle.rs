@@ -1,12 +1,12 @@
 //! `nailnoise cycle`: one nailing cycle without its sound.
 
 use std::path::{Path, PathBuf};
-use std::process::ExitCode;
 
 use clap::{Args, ValueEnum};
 use nailnoise_dynamics::{CycleRecord, EnergyFlow, Work, simulate};
 use serde::Serialize;
 
+use super::Status;
 use super::table::{dash, fixed, table};
 use super::{Common, print, print_json, progress, status_of};
 use crate::chain;
@@ -94,7 +94,7 @@ struct CycleResult<'a> {
     figures: Vec<String>,
 }
 
-pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
+pub(super) fn execute(arguments: &Arguments) -> Result<Status, Error> {
     let common = &arguments.common;
     let design = common.begin()?;
     cost::refuse(&design, &[cost::of_cycle(&design)], common.memory.limit())?;

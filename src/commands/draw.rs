@@ -2,12 +2,11 @@
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
-use std::process::ExitCode;
 
 use serde::Serialize;
 
-use super::table::table;
 use super::{Common, message, print, print_json, progress};
+use super::{Status, table::table};
 use crate::design::{Design, Value};
 use crate::error::Error;
 use crate::graph::Graph;
@@ -38,7 +37,7 @@ struct Failure {
     error: String,
 }
 
-pub(super) fn execute(common: &Common, design: &Design, count: usize, seed: u64) -> Result<ExitCode, Error> {
+pub(super) fn execute(common: &Common, design: &Design, count: usize, seed: u64) -> Result<Status, Error> {
     let folder = common.out(design)?;
     let progress = progress();
     progress.stage("drawing designs");
@@ -62,9 +61,9 @@ pub(super) fn execute(common: &Common, design: &Design, count: usize, seed: u64)
     staging.place(&[], "draws.csv".as_ref())?;
     progress.end();
     let status = if failures.is_empty() {
-        ExitCode::SUCCESS
+        Status::SUCCESS
     } else {
-        ExitCode::from(3)
+        Status::from(3)
     };
     for Failure { candidate, error } in &failures {
         message(&format!("candidate {candidate} cannot be computed: {error}"));

@@ -1,11 +1,10 @@
 //! `nailnoise check DESIGN --drawing`: the tool at the dimensions of its design, as an SVG file.
 
 use std::path::{Path, PathBuf};
-use std::process::ExitCode;
 
 use serde::Serialize;
 
-use super::{folder_of, print, print_json};
+use super::{Status, folder_of, print, print_json};
 use crate::design::Design;
 use crate::drawing::Drawing;
 use crate::error::Error;
@@ -38,7 +37,7 @@ struct MisfitResult<'a> {
 }
 
 /// Draws a design to a file, `out/NAME/drawing.svg` by default.
-pub(super) fn execute(design: &Design, file: Option<&Path>, json: bool) -> Result<ExitCode, Error> {
+pub(super) fn execute(design: &Design, file: Option<&Path>, json: bool) -> Result<Status, Error> {
     let path = match file {
         Some(path) => path.to_owned(),
         None => folder_of(Path::new("out"), design.name(), design.path())?.join("drawing.svg"),
@@ -61,7 +60,7 @@ pub(super) fn execute(design: &Design, file: Option<&Path>, json: bool) -> Resul
                 })
                 .collect(),
         })?;
-        return Ok(ExitCode::SUCCESS);
+        return Ok(Status::SUCCESS);
     }
     let mut text = format!(
         "{}: {} keys drawn, written to {}\n",
@@ -76,5 +75,5 @@ pub(super) fn execute(design: &Design, file: Option<&Path>, json: bool) -> Resul
         }
     }
     print(&text)?;
-    Ok(ExitCode::SUCCESS)
+    Ok(Status::SUCCESS)
 }

@@ -2,14 +2,13 @@
 //! effect of each input, the first inputs to measure, and the cost of a run.
 
 use std::collections::BTreeMap;
-use std::process::ExitCode;
 
 use nailnoise_fem::ModalCost;
 use serde::Serialize;
 
-use super::bodies::modal_cost;
 use super::effects::{Effect, Effects, ToMeasure};
 use super::table::{table, texts};
+use super::{Status, bodies::modal_cost};
 use super::{outside_table, print, print_json, progress, red};
 use crate::chain;
 use crate::cost::{self, MemoryLimit, StageCost};
@@ -116,7 +115,7 @@ pub(super) struct Asked {
     pub(super) effects: bool,
 }
 
-pub(super) fn execute(design: &Design, asked: &Asked) -> Result<ExitCode, Error> {
+pub(super) fn execute(design: &Design, asked: &Asked) -> Result<Status, Error> {
     let stages = cost::of_run(design)?;
     cost::refuse(design, &stages, asked.memory)?;
     let explanation = explain(design, stages, asked)?;
@@ -127,7 +126,7 @@ pub(super) fn execute(design: &Design, asked: &Asked) -> Result<ExitCode, Error>
     } else {
         print(&text(&explanation))?;
     }
-    Ok(ExitCode::from(if explanation.runs { 0 } else { 2 }))
+    Ok(Status::from(if explanation.runs { 0 } else { 2 }))
 }
 
 fn explain(design: &Design, mut stages: Vec<StageCost>, asked: &Asked) -> Result<Explanation, Error> {

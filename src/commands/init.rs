@@ -1,7 +1,6 @@
 //! `nailnoise init`: a design to begin with.
 
 use std::path::{Path, PathBuf};
-use std::process::ExitCode;
 
 use clap::Args;
 
@@ -9,7 +8,7 @@ use nailnoise_dynamics::Outcome;
 use nailnoise_quantities::dimension::{LENGTH, MASS};
 use nailnoise_quantities::measure;
 
-use super::print;
+use super::{Status, print};
 use crate::error::Error;
 use crate::scaling::{self, Fastener, Request, Rules, Scaled};
 use crate::shipped;
@@ -100,7 +99,7 @@ fn shipped_design(name: &str) -> Result<(&'static str, &'static str), String> {
     })
 }
 
-pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
+pub(super) fn execute(arguments: &Arguments) -> Result<Status, Error> {
     let mut shot = String::new();
     let mut driven = true;
     let (path, files) = match &arguments.like {
@@ -146,7 +145,7 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
         path.display()
     ));
     print(&text)?;
-    Ok(ExitCode::from(u8::from(!driven)))
+    Ok(Status::from(u8::from(!driven)))
 }
 
 /// The scaled design of a class.

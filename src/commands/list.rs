@@ -1,10 +1,9 @@
 //! `nailnoise list`: the catalogue of woods, nails, worktables and designs.
 
-use std::process::ExitCode;
-
 use clap::{Args, ValueEnum};
 use serde::Serialize;
 
+use super::Status;
 use super::table::{fixed, table};
 use super::{print, print_json};
 use crate::design::{self, Design, Entry, Named, NamedValue, Provenance, Value, WorktablePreset, nearest_word};
@@ -80,7 +79,7 @@ struct ShippedDesign {
     what: String,
 }
 
-pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
+pub(super) fn execute(arguments: &Arguments) -> Result<Status, Error> {
     let mut lists = Lists {
         schema: SCHEMA,
         ..Lists::default()
@@ -126,7 +125,7 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
     } else {
         print(&text)?;
     }
-    Ok(ExitCode::SUCCESS)
+    Ok(Status::SUCCESS)
 }
 
 /// All, or the one of this name; case, hyphens and spaces do not matter.

@@ -1,13 +1,12 @@
 //! `nailnoise manual`: the manual pages of all commands.
 
 use std::path::PathBuf;
-use std::process::ExitCode;
 
 use clap::{Args, Command};
 use clap_mangen::Man;
 
-use super::print;
 use super::user_folders::{beside_the_program, data};
+use super::{Status, print};
 use crate::error::Error;
 use crate::staging::Staging;
 
@@ -29,7 +28,7 @@ pub(super) struct Arguments {
     out: Option<PathBuf>,
 }
 
-pub(super) fn execute(arguments: &Arguments, program: Command) -> Result<ExitCode, Error> {
+pub(super) fn execute(arguments: &Arguments, program: Command) -> Result<Status, Error> {
     let mut program = program.disable_help_subcommand(true);
     program.build();
     if !arguments.install && arguments.out.is_none() {
@@ -40,7 +39,7 @@ pub(super) fn execute(arguments: &Arguments, program: Command) -> Result<ExitCod
                 .ok_or_else(|| Error::NoSuchCommand { name: name.clone() })?;
         }
         print(&String::from_utf8_lossy(&render(page)))?;
-        return Ok(ExitCode::SUCCESS);
+        return Ok(Status::SUCCESS);
     }
     let folder = match &arguments.out {
         Some(folder) => folder.clone(),
@@ -66,7 +65,7 @@ pub(super) fn execute(arguments: &Arguments, program: Command) -> Result<ExitCod
          MANPATH\n",
         folder.display()
     ))?;
-    Ok(ExitCode::SUCCESS)
+    Ok(Status::SUCCESS)
 }
 
 /// `nailnoise-prf-fit.1`.

@@ -2,12 +2,11 @@
 
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
-use std::process::ExitCode;
 
 use clap::{Args, ValueEnum};
 
-use super::progress::noted;
 use super::table::{dash, decibels, table};
+use super::{Status, progress::noted};
 use super::{Threads, folder_of, message, print, print_json, progress};
 use crate::error::Error;
 use crate::measurement::processing::{CorrectedShot, Measured, process_recordings};
@@ -76,7 +75,7 @@ impl From<ZeroedLines> for Reading {
     }
 }
 
-pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
+pub(super) fn execute(arguments: &Arguments) -> Result<Status, Error> {
     arguments.threads.start()?;
     let path = &arguments.manifest;
     let progress = progress();
@@ -132,7 +131,7 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
     } else {
         print(&text(&measured, &folder))?;
     }
-    Ok(ExitCode::SUCCESS)
+    Ok(Status::SUCCESS)
 }
 
 /// Name of a test: of its manifest, or of the folder where the manifest is called so.

@@ -1,14 +1,13 @@
 //! `nailnoise mesh`: builds the mesh of a body, reads, converts and sizes meshes.
 
 use std::path::{Path, PathBuf};
-use std::process::ExitCode;
 
 use clap::{Args, ValueEnum};
 use nailnoise_meshes::msh::{self, Format};
 use nailnoise_meshes::{MeshError, vtu};
 use serde::Serialize;
 
-use super::bodies::Input;
+use super::{Status, bodies::Input};
 use super::{print, print_json};
 use crate::error::Error;
 use crate::staging;
@@ -75,7 +74,7 @@ struct MeshResult {
     written: Vec<PathBuf>,
 }
 
-pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
+pub(super) fn execute(arguments: &Arguments) -> Result<Status, Error> {
     arguments.input.start_threads()?;
     let loaded = arguments.input.load(false)?;
     let mesh = &loaded.imported.mesh;
@@ -111,7 +110,7 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
     } else {
         print(&text(&loaded.name, &result))?;
     }
-    Ok(ExitCode::SUCCESS)
+    Ok(Status::SUCCESS)
 }
 
 fn write(path: &Path, imported: &msh::Imported, format: Format) -> Result<(), Error> {

@@ -39,6 +39,7 @@ mod python;
 mod run;
 mod schema;
 mod sensitivity;
+mod status;
 mod study;
 mod study_text;
 mod sweep;
@@ -50,7 +51,6 @@ mod watch;
 
 use std::io::{ErrorKind, IsTerminal, Write};
 use std::path::{Path, PathBuf};
-use std::process::ExitCode;
 
 use clap::Args;
 
@@ -61,8 +61,9 @@ use crate::result::Check;
 use crate::staging::is_file_name;
 use crate::store::{Store, StoreError};
 use crate::wording::visible;
-pub use cli::main;
+pub use cli::{main, main_with};
 pub(super) use progress::progress;
+pub use status::Status;
 use table::texts;
 
 /// Arguments common to all commands that compute.
@@ -264,7 +265,7 @@ fn coloured() -> bool {
 }
 
 /// Status 0 if all checks pass, else 3 with the failed ones on standard error.
-fn status_of(checks: &[Check]) -> ExitCode {
+fn status_of(checks: &[Check]) -> Status {
     let failed: Vec<&Check> = checks.iter().filter(|check| !check.ok).collect();
     for check in &failed {
         message(&format!(
@@ -273,9 +274,9 @@ fn status_of(checks: &[Check]) -> ExitCode {
         ));
     }
     if failed.is_empty() {
-        ExitCode::SUCCESS
+        Status::SUCCESS
     } else {
-        ExitCode::from(3)
+        Status::from(3)
     }
 }
 

@@ -1,7 +1,6 @@
 //! `nailnoise modes`: the vibration modes of a body.
 
 use std::path::PathBuf;
-use std::process::ExitCode;
 use std::sync::Arc;
 
 use clap::Args;
@@ -9,6 +8,7 @@ use nailnoise_fem::{Correlation, ModalWork, Pairing, Sturm, correlate};
 use nailnoise_meshes::uff;
 use serde::Serialize;
 
+use super::Status;
 use super::bodies::{BodyName, Own, length};
 use super::table::table;
 use super::{Common, Keeping, print, print_json, progress, status_of};
@@ -77,7 +77,7 @@ struct Mode {
     rigid: bool,
 }
 
-pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
+pub(super) fn execute(arguments: &Arguments) -> Result<Status, Error> {
     let common = &arguments.common;
     let mut design = common.begin()?;
     arguments.own.replace(&mut design, arguments.body.into())?;

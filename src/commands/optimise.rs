@@ -4,11 +4,10 @@
 //! package `nailnoise` calls them; this command passes its arguments on.
 
 use std::ffi::OsString;
-use std::process::ExitCode;
 
 use clap::Args;
 
-use super::{progress, python};
+use super::{Status, progress, python};
 use crate::error::Error;
 
 #[derive(Args)]
@@ -24,7 +23,7 @@ pub(super) struct Arguments {
     arguments: Vec<OsString>,
 }
 
-pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
+pub(super) fn execute(arguments: &Arguments) -> Result<Status, Error> {
     // The flag of this command may precede its name, and then the arguments do not have it.
     let quiet = progress::is_quiet().then(|| OsString::from("--quiet"));
     let all: Vec<OsString> = quiet.into_iter().chain(arguments.arguments.iter().cloned()).collect();

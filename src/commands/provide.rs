@@ -3,12 +3,11 @@
 
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::process::ExitCode;
 
 use clap::Args;
 
-use super::table::table;
 use super::{Keeping, Threads, message, print, progress};
+use super::{Status, table::table};
 use crate::design::Design;
 use crate::error::Error;
 use crate::shipped;
@@ -52,7 +51,7 @@ pub(super) struct Arguments {
     keeping: Keeping,
 }
 
-pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
+pub(super) fn execute(arguments: &Arguments) -> Result<Status, Error> {
     let Some(folder) = &arguments.folder else {
         return check();
     };
@@ -96,7 +95,7 @@ enum Current {
 impl Studies<'_> {
     /// Brings the study of each shipped design up to date, one after the other: they share shots and structures by the
     /// cache. A design whose study fails is named, and the others are made.
-    fn provide(&self) -> Result<ExitCode, Error> {
+    fn provide(&self) -> Result<Status, Error> {
         let (mut failed, mut counts) = (Vec::new(), [0; 3]);
         for (number, (path, _)) in (1..).zip(shipped::DESIGNS) {
             self.progress
@@ -126,9 +125,9 @@ impl Studies<'_> {
             self.folder.display()
         ))?;
         Ok(if failed.is_empty() {
-            ExitCode::SUCCESS
+            Status::SUCCESS
         } else {
-            ExitCode::from(3)
+            Status::from(3)
         })
     }
 
@@ -164,7 +163,7 @@ impl Studies<'_> {
 
 /// Lists the studies that are in the program. The status is 1 where a design has none, or one with too few draws or of
 /// another design or code.
-fn check() -> Result<ExitCode, Error> {
+fn check() -> Result<Status, Error> {
     let states = ProvidedStudy::states()?;
     let is_good =
         |draws: Option<usize>, changed: &[&str]| draws.is_some_and(|draws| draws >= FEWEST) && changed.is_empty();
@@ -186,9 +185,9 @@ fn check() -> Result<ExitCode, Error> {
         .collect();
     print(&table(&["design", "draws", "study"], &rows))?;
     Ok(if states.iter().all(|own| is_good(own.draws, &own.changed)) {
-        ExitCode::SUCCESS
+        Status::SUCCESS
     } else {
         message("`nailnoise provide designs/studies` makes them anew; then build the program");
-        ExitCode::from(1)
+        Status::from(1)
     })
 }

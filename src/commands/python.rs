@@ -2,11 +2,11 @@
 
 use std::ffi::OsString;
 use std::path::Path;
-use std::process::ExitCode;
 
 use nailnoise_meshes::child;
 
 use super::Common;
+use super::Status;
 use crate::design::Design;
 use crate::error::Error;
 
@@ -15,9 +15,9 @@ const PYTHON: &str = "NAILNOISE_PYTHON";
 
 /// Calls `python -m nailnoise COMMAND`, which needs a package in addition to nailnoise; returns the exit status. It
 /// ends when this process ends, however that happens.
-pub(super) fn call(needed: &'static str, command: &str, arguments: &[OsString]) -> Result<ExitCode, Error> {
+pub(super) fn call(needed: &'static str, command: &str, arguments: &[OsString]) -> Result<Status, Error> {
     let status = status(needed, command, arguments)?;
-    Ok(ExitCode::from(status))
+    Ok(Status::from(status))
 }
 
 fn status(needed: &'static str, command: &str, arguments: &[OsString]) -> Result<u8, Error> {

@@ -1,13 +1,12 @@
 //! `nailnoise run`: the ranked sources of a design.
 
-use std::process::ExitCode;
 use std::sync::Arc;
 
 use clap::Args;
 
-use super::progress::noted;
 use super::table::{dash, decibels, fixed, table};
 use super::{Common, Keeping, message, print, progress, status_of};
+use super::{Status, progress::noted};
 use crate::artifacts::{Delivered, Delivery, PrintedResult};
 use crate::chain::{Chain, Options};
 use crate::declaration;
@@ -46,7 +45,7 @@ pub(super) struct Arguments {
     components: bool,
 }
 
-pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
+pub(super) fn execute(arguments: &Arguments) -> Result<Status, Error> {
     let common = &arguments.common;
     let design = common.begin()?;
     let folder = common.out(&design)?;
@@ -95,9 +94,9 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
     let status = status_of(&checks);
     match artifacts.contradiction {
         // The numbers are right: the design is outside its limits.
-        Some(check) if status == ExitCode::SUCCESS => {
+        Some(check) if status == Status::SUCCESS => {
             message(&format!("check failed: {}", check.name));
-            Ok(ExitCode::from(1))
+            Ok(Status::from(1))
         }
         _ => Ok(status),
     }

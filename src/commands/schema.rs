@@ -1,11 +1,9 @@
 //! `nailnoise schema`: the layouts of the design file, for editors, and of the result, for programs that read it.
 
-use std::process::ExitCode;
-
 use clap::{Args, ValueEnum};
 use schemars::schema_for;
 
-use super::print_json;
+use super::{Status, print_json};
 use crate::design::json_schema;
 use crate::error::Error;
 use crate::measurement::result::MeasurementResult;
@@ -35,12 +33,12 @@ enum Layout {
     Measurement,
 }
 
-pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
+pub(super) fn execute(arguments: &Arguments) -> Result<Status, Error> {
     match arguments.of {
         Layout::Design => print_json(&json_schema())?,
         Layout::Result => print_json(&RunResult::json_schema())?,
         Layout::Study => print_json(&StudyResult::json_schema())?,
         Layout::Measurement => print_json(&schema_for!(MeasurementResult))?,
     }
-    Ok(ExitCode::SUCCESS)
+    Ok(Status::SUCCESS)
 }

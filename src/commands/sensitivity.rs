@@ -1,10 +1,10 @@
 //! `nailnoise cycle --sensitivity`: effect of the ranges of a design on its shot, parameter by parameter.
 
 use std::fmt::Write as _;
-use std::process::ExitCode;
 
 use serde::Serialize;
 
+use super::Status;
 use super::table::{dash, table};
 use super::{Common, print, print_json, progress};
 use crate::design::Design;
@@ -31,7 +31,7 @@ pub(super) fn execute(
     design: &Design,
     outputs: &[String],
     parameters: &[String],
-) -> Result<ExitCode, Error> {
+) -> Result<Status, Error> {
     let keys: Vec<&str> = parameters.iter().map(|key| key.trim()).collect();
     let keys = (!keys.is_empty()).then_some(keys.as_slice());
     let outputs = if outputs.is_empty() {
@@ -56,7 +56,7 @@ pub(super) fn execute(
         print(&text(design.name(), &sensitivity))?;
         print(&format!("\n  all parameters in {}\n", path.display()))?;
     }
-    Ok(ExitCode::SUCCESS)
+    Ok(Status::SUCCESS)
 }
 
 fn text(name: &str, sensitivity: &Sensitivity) -> String {

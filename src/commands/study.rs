@@ -1,15 +1,14 @@
 //! `nailnoise study`: levels and orders over designs drawn from the ranges of one.
 
 use std::path::{Path, PathBuf};
-use std::process::ExitCode;
 use std::str::FromStr;
 
 use clap::Args;
 use serde::Serialize;
 
-use super::python::Cluster;
 use super::study_text::text;
 use super::{Common, Keeping, message, print, print_json, progress};
+use super::{Status, python::Cluster};
 use crate::chain;
 use crate::cost;
 use crate::design::Design;
@@ -157,7 +156,7 @@ impl Until {
     }
 }
 
-pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
+pub(super) fn execute(arguments: &Arguments) -> Result<Status, Error> {
     let common = &arguments.common;
     let design = common.begin()?;
     let folder = common.out(&design)?.join("study");
@@ -285,11 +284,11 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
         ))?;
     }
     Ok(if result.candidates.failures > 0 {
-        ExitCode::from(3)
+        Status::from(3)
     } else if within {
-        ExitCode::SUCCESS
+        Status::SUCCESS
     } else {
-        ExitCode::from(1)
+        Status::from(1)
     })
 }
 
@@ -338,7 +337,7 @@ fn arguments_of(request: &Request) -> Vec<String> {
 }
 
 /// States the result of a task.
-fn execute_task(task: Task, made: &Draws, folder: &Path, json: bool, progress: &Progress) -> Result<ExitCode, Error> {
+fn execute_task(task: Task, made: &Draws, folder: &Path, json: bool, progress: &Progress) -> Result<Status, Error> {
     progress.end();
     report_failures("draw", &made.failures);
     if json {
@@ -358,7 +357,7 @@ fn execute_task(task: Task, made: &Draws, folder: &Path, json: bool, progress: &
             folder.display()
         ))?;
     }
-    Ok(ExitCode::SUCCESS)
+    Ok(Status::SUCCESS)
 }
 
 /// What made a study, in words.

@@ -2,16 +2,15 @@
 
 use std::collections::HashSet;
 use std::path::PathBuf;
-use std::process::ExitCode;
 
 use clap::Args;
 use serde::Serialize;
 
-use super::python::Cluster;
 use super::run::delivered;
 use super::study_text::probability;
 use super::table::{decibels, table};
 use super::{Common, Keeping, print, print_json, progress, status_of};
+use super::{Status, python::Cluster};
 use crate::artifacts::Delivery;
 use crate::error::Error;
 use crate::figures::{self, Chart};
@@ -73,7 +72,7 @@ struct Layout<'a> {
     points: &'a [SweptPoint],
 }
 
-pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
+pub(super) fn execute(arguments: &Arguments) -> Result<Status, Error> {
     let common = &arguments.common;
     let design = common.begin()?;
     let folder = common.out(&design)?.join("sweep");

@@ -1,11 +1,11 @@
 //! `nailnoise test`: a virtual wrapping test of a design, as recordings or only in energies.
 
 use std::path::Path;
-use std::process::ExitCode;
 
 use clap::{Args, ValueEnum};
 use serde::Serialize;
 
+use super::Status;
 use super::table::{decibels, table};
 use super::{Common, Keeping, folder_of, print, print_json, progress};
 use crate::chain;
@@ -75,7 +75,7 @@ struct TestResult {
     shots: usize,
 }
 
-pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
+pub(super) fn execute(arguments: &Arguments) -> Result<Status, Error> {
     let common = &arguments.common;
     let design = common.begin()?;
     cost::refuse(&design, &cost::of_run(&design)?, common.memory.limit())?;
@@ -120,7 +120,7 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
         print(&super::alarm(&lines))?;
         print(&text(&result))?;
     }
-    Ok(ExitCode::SUCCESS)
+    Ok(Status::SUCCESS)
 }
 
 /// Writes the recordings of all configurations with their manifest; returns the number of shots, and their sources

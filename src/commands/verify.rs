@@ -1,12 +1,11 @@
 //! `nailnoise verify`: public benchmarks on this machine.
 
-use std::process::ExitCode;
 use std::time::Instant;
 
 use clap::Args;
 use serde::Serialize;
 
-use super::table::texts;
+use super::{Status, table::texts};
 use super::{Threads, message, print, print_json, progress};
 use crate::error::Error;
 use crate::verification::{Row, Section, Shown, Verdict, summary, verify};
@@ -72,7 +71,7 @@ impl<'a> JudgedSection<'a> {
     }
 }
 
-pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
+pub(super) fn execute(arguments: &Arguments) -> Result<Status, Error> {
     arguments.threads.start()?;
     let progress = progress();
     progress.stage("benchmarks");
@@ -111,11 +110,7 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
             row.tolerance()
         ));
     }
-    Ok(if failed == 0 {
-        ExitCode::SUCCESS
-    } else {
-        ExitCode::from(3)
-    })
+    Ok(if failed == 0 { Status::SUCCESS } else { Status::from(3) })
 }
 
 /// A section as text: for each case its name and source, then its rows.

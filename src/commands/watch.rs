@@ -2,7 +2,6 @@
 
 use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 use std::path::PathBuf;
-use std::process::ExitCode;
 use std::sync::Arc;
 use std::sync::Mutex;
 use std::time::{Duration, Instant};
@@ -10,9 +9,9 @@ use std::time::{Duration, Instant};
 use clap::Args;
 use miette::{Diagnostic, GraphicalReportHandler, GraphicalTheme};
 
-use super::progress::note;
 use super::table::decibels;
 use super::{Changes, Keeping, Memory, Threads, print, progress};
+use super::{Status, progress::note};
 use crate::artifacts::ReportedRun;
 use crate::cost;
 use crate::design::Design;
@@ -42,7 +41,7 @@ pub(super) struct Arguments {
     keeping: Keeping,
 }
 
-pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
+pub(super) fn execute(arguments: &Arguments) -> Result<Status, Error> {
     arguments.threads.start()?;
     let name = arguments.design.file_stem().unwrap_or_default().to_string_lossy();
     let board = Arc::new(Board::new(name.into_owned()));

@@ -2,7 +2,7 @@
 
 use serde_json::Value;
 
-use nailnoise_acoustics::levels::{REFERENCE_ENERGY, SILENCE};
+use nailnoise_acoustics::signals::{REFERENCE_ENERGY, SILENCE};
 
 use crate::result::{BandLevel, Component, IntervalLevel, RankedSource, Total};
 

@@ -1,6 +1,7 @@
 //! Boundary elements in the mean over frequency above half an octave: their finer meshes, counted without them.
 
-use nailnoise_acoustics::bem::{EquationSolver, MeanBands, SurfaceSize};
+use nailnoise_acoustics::bem::{EquationSolver, SurfaceSize};
+use nailnoise_acoustics::radiation::boundary_elements::MeanBands;
 
 use super::stage::{SOUND_SPEED, StageCost};
 use crate::design::{Acoustics, BemEquations};

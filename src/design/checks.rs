@@ -2,8 +2,8 @@
 //!
 //! Each rule reads plain values, so that a design changed by a program can be checked as well as a file.
 
-use nailnoise_acoustics::levels::{Band, THIRD_OCTAVES};
 use nailnoise_acoustics::muffler::plane_wave_limit;
+use nailnoise_acoustics::signals::{Band, THIRD_OCTAVES};
 
 use super::conflict::{Conflict, SAMPLES, SPRING_LIMIT};
 use super::groups::*;

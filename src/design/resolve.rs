@@ -2,7 +2,7 @@
 
 use std::collections::{BTreeSet, HashMap};
 
-use nailnoise_acoustics::levels::band_containing;
+use nailnoise_acoustics::signals::band_containing;
 use nailnoise_quantities::dimension::NUMBER;
 use nailnoise_quantities::{Dimension, Group, KeySpec, Kind, Measured, Value, dotted, members};
 

@@ -1,7 +1,7 @@
 //! Charts of levels: third-octave bands of the sources and of parts of a source, intervals between events, power over
 //! time.
 
-use nailnoise_acoustics::levels::{energy_level, level_energy};
+use nailnoise_acoustics::signals::{energy_level, level_energy};
 use nailnoise_dynamics::CycleRecord;
 
 use super::chart::{Axis, Chart, Panel, Series, Shape, events, symbol};

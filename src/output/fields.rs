@@ -2,8 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
-use nailnoise_acoustics::levels::{Band, octaves};
 use nailnoise_acoustics::radiation::{LowRank, ModalSpectra};
+use nailnoise_acoustics::signals::{Band, octaves};
 use nailnoise_meshes::vtu::{self, Array, Field, Grid};
 use nalgebra::DMatrix;
 use rayon::prelude::*;

@@ -1,6 +1,6 @@
 //! `levels.csv`: one-third-octave levels of the sources.
 
-use nailnoise_acoustics::levels::energy_level;
+use nailnoise_acoustics::signals::energy_level;
 
 use super::sources::{in_order, titles};
 use super::table::{level, table};

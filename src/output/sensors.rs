@@ -1,6 +1,6 @@
 //! `sensors*`: histories and spectra of the accelerometers.
 
-use nailnoise_acoustics::fourier::{Transform, TransformSettings};
+use nailnoise_acoustics::signals::fourier::{Transform, TransformSettings};
 use nailnoise_meshes::uff::{History, Ordinate};
 
 use super::table::{numbers, stride};

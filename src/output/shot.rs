@@ -1,7 +1,7 @@
 //! The shot as a film for ParaView: velocity of each body's surface at instants around the events.
 
 use nailnoise_dynamics::Events;
-use nailnoise_fem::transient::{ModalResponse, Motion};
+use nailnoise_fem::vibration::{ModalResponse, Motion};
 use nailnoise_meshes::vtu::Array;
 use nalgebra::DMatrix;
 use rayon::prelude::*;

@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use nailnoise_acoustics::sound_fields::{BandField, FieldSeries, FieldShape};
+use nailnoise_acoustics::radiation::sound_fields::{BandField, FieldSeries, FieldShape};
 use nailnoise_meshes::vtu::{self, Field, Grid};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};

@@ -4,7 +4,7 @@
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
 use maud::{Markup, PreEscaped, html};
-use nailnoise_acoustics::levels::octaves;
+use nailnoise_acoustics::signals::octaves;
 use serde_json::json;
 
 use super::raster::{self, Triangle, picture, scale};
@@ -52,7 +52,7 @@ pub(super) fn figure(bodies: &[ColouredSurface<'_>]) -> Option<Markup> {
         return None;
     }
     let image = image(&surfaces, &whole);
-    let in_octave = |(index, octave): (usize, &nailnoise_acoustics::levels::Band)| {
+    let in_octave = |(index, octave): (usize, &nailnoise_acoustics::signals::Band)| {
         bodies.iter().find(|painted| painted.octaves[index].is_some())?;
         // A body that is not analysed there does not radiate there either.
         let energies = |painted: &ColouredSurface<'_>| {

@@ -9,8 +9,8 @@
 //! phi_n^2 dS.
 
 use nailnoise_acoustics::Air;
-use nailnoise_acoustics::levels::{Band, Weighting, octaves};
 use nailnoise_acoustics::radiation::LowRank;
+use nailnoise_acoustics::signals::{Band, Weighting, octaves};
 use nailnoise_meshes::{QuadraturePoint, Surface, open_faces};
 use nalgebra::{DMatrix, DVector, Vector3};
 use rayon::prelude::*;

@@ -1,6 +1,6 @@
 //! Changes of events, figures and levels from the one-way to the two-way coupled run.
 
-use nailnoise_acoustics::levels::{SourceSpectrum, Weighting, energy_level};
+use nailnoise_acoustics::signals::{SourceSpectrum, Weighting, energy_level};
 use nailnoise_dynamics::{CouplingWork, CycleRecord, Summary};
 
 use crate::result::{Coupling, EventChange, FigureChange, LevelChange, RankedSource, Total};

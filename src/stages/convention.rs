@@ -1,7 +1,7 @@
 //! Which source a part counts to. By the convention of selective wrapping the outer side of the cap counts to the
 //! exhaust and the trigger vent to the body; energies move between the two, and their sum stays.
 
-use nailnoise_acoustics::levels::{SourceSpectrum, Weighting};
+use nailnoise_acoustics::signals::{SourceSpectrum, Weighting};
 
 use super::apart::{Apart, Moved, PartError};
 use super::microphones::AtMicrophones;

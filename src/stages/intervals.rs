@@ -1,6 +1,6 @@
 //! The intervals between neighbouring events, for which levels of every source are given.
 
-use nailnoise_acoustics::levels::IntervalLevels;
+use nailnoise_acoustics::signals::IntervalLevels;
 use nailnoise_dynamics::Events;
 use serde::{Deserialize, Serialize};
 

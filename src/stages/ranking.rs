@@ -1,6 +1,6 @@
 //! The ranking: levels, bands and intervals of every source over the common range, and its power over time.
 
-use nailnoise_acoustics::levels::{
+use nailnoise_acoustics::signals::{
     self, BandLevel as Band, Level, PowerHistory, SILENCE, SourceSpectrum, Weighting, energy_level, level_energy,
 };
 
@@ -33,8 +33,8 @@ pub struct SoundPower {
 /// Ranks the sources by A-weighted energy over `range_hz`.
 pub fn rank(sources: &[&SoundSource], range_hz: [f64; 2]) -> (Vec<RankedSource>, Total) {
     let spectra: Vec<&SourceSpectrum> = sources.iter().map(|source| &source.spectrum).collect();
-    let ranking = levels::rank(&spectra, range_hz);
-    let ranked = |place: &levels::RankedSource| {
+    let ranking = signals::rank(&spectra, range_hz);
+    let ranked = |place: &signals::RankedSource| {
         let sound = sources[place.index];
         RankedSource {
             source: sound.spectrum.source.clone(),

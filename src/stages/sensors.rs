@@ -2,10 +2,10 @@
 
 use std::f64::consts::{FRAC_PI_8, TAU};
 
-use nailnoise_acoustics::fourier::filtered;
-use nailnoise_acoustics::radiation::MovingSand;
+use nailnoise_acoustics::radiation::flush::MovingSand;
+use nailnoise_acoustics::signals::fourier::filtered;
 use nailnoise_dynamics::CycleRecord;
-use nailnoise_fem::transient::{Loads, Settings};
+use nailnoise_fem::vibration::{Loads, Settings};
 use nalgebra::{Complex, DMatrix};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};

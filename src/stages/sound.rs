@@ -1,11 +1,11 @@
 //! A source: its energy over frequency and time, and its uncertainty.
 
-use nailnoise_acoustics::exhaust::ExhaustHistory;
-use nailnoise_acoustics::levels::{
+use nailnoise_acoustics::jets::ExhaustHistory;
+use nailnoise_acoustics::radiation::PartOfSurface;
+use nailnoise_acoustics::radiation::radiator::RadiatedSound;
+use nailnoise_acoustics::signals::{
     Contribution, IntervalLevels, LevelsError, PowerHistory, PowerSignals, SourceSpectrum,
 };
-use nailnoise_acoustics::radiation::PartOfSurface;
-use nailnoise_acoustics::radiator::RadiatedSound;
 use serde::{Deserialize, Serialize};
 
 use super::intervals::{EventEdges, Interval};

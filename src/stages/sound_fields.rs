@@ -3,11 +3,12 @@
 use std::sync::Arc;
 
 use nailnoise_acoustics::Air;
-use nailnoise_acoustics::bem::ModalBem;
 use nailnoise_acoustics::radiation::ModalSpectra;
-use nailnoise_acoustics::radiator::Radiator;
-use nailnoise_acoustics::sound_fields::{
-    Cuts, FieldSeries, SolvedSurface, SoundField, boundary_element_field, flush_field, velocity_field,
+use nailnoise_acoustics::radiation::boundary_elements::ModalBem;
+use nailnoise_acoustics::radiation::flush::flush_field;
+use nailnoise_acoustics::radiation::radiator::Radiator;
+use nailnoise_acoustics::radiation::sound_fields::{
+    Cuts, FieldSeries, SolvedSurface, SoundField, boundary_element_field, velocity_field,
 };
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};

@@ -2,7 +2,7 @@
 //!
 //! A source implements [`Emission`]; [`Energy`] and [`Analysis`] are stages of any source.
 
-use nailnoise_acoustics::levels::SourceSpectrum;
+use nailnoise_acoustics::signals::SourceSpectrum;
 use nailnoise_dynamics::CycleRecord;
 use serde::{Deserialize, Serialize};
 

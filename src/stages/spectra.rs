@@ -4,9 +4,9 @@ use std::collections::BTreeMap;
 use std::ops::Range;
 use std::sync::{Arc, Mutex, PoisonError};
 
-use nailnoise_acoustics::fourier::TransformSettings;
 use nailnoise_acoustics::radiation::ModalSpectra;
-use nailnoise_fem::transient::{ModalResponse, Motion};
+use nailnoise_acoustics::signals::fourier::TransformSettings;
+use nailnoise_fem::vibration::{ModalResponse, Motion};
 use nalgebra::DMatrix;
 use serde::Serialize;
 

@@ -4,7 +4,7 @@
 //! change when and how it lands, and so its vibration. The response is computed for several such starts; their spread
 //! is part of the level's uncertainty.
 
-use nailnoise_acoustics::levels::{SourceSpectrum, Weighting};
+use nailnoise_acoustics::signals::{SourceSpectrum, Weighting};
 use serde::Serialize;
 
 use super::apart::Apart;

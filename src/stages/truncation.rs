@@ -4,7 +4,7 @@
 
 use std::borrow::Cow;
 
-use nailnoise_acoustics::levels::{BandLevel, SourceSpectrum, Weighting, bands_of};
+use nailnoise_acoustics::signals::{BandLevel, SourceSpectrum, Weighting, bands_of};
 use serde::{Deserialize, Serialize};
 
 use crate::result::Check;

@@ -1,8 +1,8 @@
 //! A cold subsonic jet of NASA's small hot jet rig, and its scaling to the holes of a nailer.
 
-use nailnoise_acoustics::exhaust::{ExhaustSettings, FlowHistory, Jet, Opening, Outlet, ReceivedNoise, exhaust_noise};
-use nailnoise_acoustics::fourier::TransformSettings;
-use nailnoise_acoustics::levels::{REFERENCE_PRESSURE, Weighting};
+use nailnoise_acoustics::jets::{ExhaustSettings, FlowHistory, Jet, Opening, Outlet, ReceivedNoise, exhaust_noise};
+use nailnoise_acoustics::signals::fourier::TransformSettings;
+use nailnoise_acoustics::signals::{REFERENCE_PRESSURE, Weighting};
 use nailnoise_acoustics::{Air, GAS_CONSTANT, HEAT_RATIO};
 
 use super::row::{Case, Row};

@@ -2,7 +2,7 @@
 
 use std::f64::consts::{PI, TAU};
 
-use nailnoise_fem::transient::{Loads, ModalBody, Motion, Settings, Start, respond};
+use nailnoise_fem::vibration::{Loads, ModalBody, Motion, Settings, Start, respond};
 use nailnoise_fem::{Constraints, LoadVector, Material, ModalBasis, ModalSettings, assemble, modes};
 use nailnoise_meshes::{Block, Mesh, Surface, block};
 use nalgebra::{Complex, DMatrix, DVector, Point3, Vector3};

@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use nailnoise_acoustics::levels::{
+use nailnoise_acoustics::signals::{
     Band, BandFilter, REFERENCE_PRESSURE, SourceSpectrum, Weighting, energy_level, exposure_level, peak_level,
     third_octaves,
 };

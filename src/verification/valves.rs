@@ -1,6 +1,6 @@
 //! The six worked cases of IEC 60534-8-3:2010, annex A.
 
-use nailnoise_acoustics::exhaust::{FlowRegime, ValveFlow, ValveNoise};
+use nailnoise_acoustics::jets::{FlowRegime, ValveFlow, ValveNoise};
 
 use super::row::{Case, Row};
 use crate::error::Error;

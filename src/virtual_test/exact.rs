@@ -1,6 +1,6 @@
 //! The wrapping test in energies alone: what an infinite number of repeats without scatter would give.
 
-use nailnoise_acoustics::levels::{REFERENCE_PRESSURE, Weighting};
+use nailnoise_acoustics::signals::{REFERENCE_PRESSURE, Weighting};
 use schemars::JsonSchema;
 use serde::Serialize;
 

@@ -1,6 +1,6 @@
 //! Causal filters of a given magnitude.
 
-use nailnoise_acoustics::fourier::RealTransform;
+use nailnoise_acoustics::signals::fourier::RealTransform;
 use nalgebra::Complex;
 
 /// A filter on the lines of a transform of fixed length.

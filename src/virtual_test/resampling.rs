@@ -1,7 +1,7 @@
 //! Signals at another sampling rate.
 
-use nailnoise_acoustics::fourier::RealTransform;
-use nailnoise_acoustics::sound::ChirpTransform;
+use nailnoise_acoustics::signals::ChirpTransform;
+use nailnoise_acoustics::signals::fourier::RealTransform;
 use nalgebra::Complex;
 
 /// A plan that brings band-limited records of one length from one rate to another, from their first sample on.

@@ -9,7 +9,7 @@ use nailnoise::run::Run;
 use nailnoise::stages::response::{COUPLED_LOADS, Coupled, couple};
 use nailnoise::store::Store;
 use nailnoise_dynamics::{Geometry, Parameters, simulate};
-use nailnoise_fem::transient::{ModalBody, ModalResponse, Motion, Settings, Support, SupportLaw};
+use nailnoise_fem::vibration::{ModalBody, ModalResponse, Motion, Settings, Support, SupportLaw};
 use nalgebra::DMatrix;
 
 fn design() -> Design {

@@ -9,7 +9,7 @@ use nailnoise::run::{Run, run};
 use nailnoise::stages::bodies::BodyKind;
 use nailnoise::store::{LIMIT, Store};
 use nailnoise_acoustics::Air;
-use nailnoise_acoustics::exhaust::Jet;
+use nailnoise_acoustics::jets::Jet;
 use std::f64::consts::PI;
 use std::sync::LazyLock;
 

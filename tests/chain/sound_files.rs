@@ -8,8 +8,8 @@ use nailnoise::Design;
 use nailnoise::chain::{Chain, Options};
 use nailnoise::measurement::recordings::{Selector, decode};
 use nailnoise::output::{Exports, RunView, of_run};
-use nailnoise_acoustics::fourier::RealTransform;
-use nailnoise_acoustics::levels::{Weighting, band_containing, energy_weights};
+use nailnoise_acoustics::signals::fourier::RealTransform;
+use nailnoise_acoustics::signals::{Weighting, band_containing, energy_weights};
 
 use crate::common::{design, graph, run as of, small, store};
 

@@ -13,7 +13,7 @@ use nailnoise::stages::sound::{Sound, SoundSource};
 use nailnoise::stages::sources::{Analysis, Emission};
 use nailnoise::stages::{Code, Input, Stored};
 use nailnoise::study::{Draw, Draws, Request, StudyResult};
-use nailnoise_acoustics::levels::{SourceSpectrum, Weighting};
+use nailnoise_acoustics::signals::{SourceSpectrum, Weighting};
 use serde::Serialize;
 
 use crate::common::{SMALL, design};

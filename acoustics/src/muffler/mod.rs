@@ -2,7 +2,7 @@
 //!
 //! Plane waves only, in air at rest in the ambient state; sound convection by the flow is neglected. The flow
 //! resistance of the muffler raises the pressure before it and slows the cycle, which models it as a restriction behind
-//! the holes; that pressure is [`FlowHistory::back_pressure`](crate::exhaust::FlowHistory::back_pressure).
+//! the holes; that pressure is [`FlowHistory::back_pressure`](crate::jets::FlowHistory::back_pressure).
 
 mod elements;
 pub(crate) mod error;
@@ -14,7 +14,7 @@ pub use four_pole::FourPole;
 
 use crate::air::Air;
 use crate::checks::{InputError, finite, positive};
-use crate::levels::{Band, band_containing};
+use crate::signals::{Band, band_containing};
 use nalgebra::Complex;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;

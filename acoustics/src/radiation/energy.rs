@@ -4,7 +4,7 @@ use super::operator::ModalRadiation;
 use super::spectra::ModalSpectra;
 use crate::checks::{InputError, same_length};
 use crate::error::AcousticsError;
-use crate::levels::{Contribution, PowerSignals, SourceSpectrum};
+use crate::signals::{Contribution, PowerSignals, SourceSpectrum};
 use nalgebra::{Complex, DMatrix};
 use rayon::prelude::*;
 use std::ops::Range;

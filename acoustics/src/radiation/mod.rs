@@ -9,27 +9,27 @@
 //! R / omega² is sampled and interpolated: it stays finite at f = 0.
 
 mod averaged;
+pub mod boundary_elements;
 mod compact;
 mod covariance;
 mod energy;
 mod erp;
 pub(crate) mod error;
+pub mod fluid_loading;
+pub mod flush;
 mod hermitian_root;
-mod kernel;
 mod operator;
 mod packed;
 mod part;
 mod products;
-mod rayleigh;
+pub mod radiator;
 mod resistance;
 mod sampled;
-mod sand;
-mod sources;
+pub mod sound;
+pub mod sound_fields;
 mod spectra;
 mod sphere;
-mod spherical_waves;
 mod surface;
-mod surface_resistances;
 
 pub(crate) use averaged::AveragedResistance;
 pub use compact::{CompactErp, sphere_efficiency};
@@ -40,12 +40,9 @@ pub use error::RadiationError;
 pub use operator::ModalRadiation;
 pub(crate) use packed::PackedHermitian;
 pub use part::PartOfSurface;
-pub use rayleigh::Rayleigh;
 pub use resistance::Resistance;
 pub use sampled::{SampledRadiation, Sampling};
-pub use sand::{AbsorbingSand, MovingSand, miki_admittance};
 pub use spectra::ModalSpectra;
 pub use sphere::{rigid_body_energy, rigid_body_signals};
 pub(crate) use surface::FACE_POINTS;
 pub use surface::RadiatingSurface;
-pub use surface_resistances::SurfaceResistances;

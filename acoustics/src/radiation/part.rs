@@ -4,7 +4,7 @@ use super::energy::{radiated_energy, radiated_signals};
 use super::operator::ModalRadiation;
 use super::spectra::ModalSpectra;
 use crate::error::AcousticsError;
-use crate::levels::{IntervalLevels, PowerHistory, PowerSignals, SignalAnalysis, SourceSpectrum};
+use crate::signals::{IntervalLevels, PowerHistory, PowerSignals, SignalAnalysis, SourceSpectrum};
 use nalgebra::Complex;
 
 /// The energy of a part i of a surface: its own term and half of each cross term with the rest.

@@ -6,7 +6,7 @@ use super::hermitian_root::hermitian_root;
 use super::packed::{self, PackedHermitian};
 use super::resistance::Resistance;
 use crate::error::AcousticsError;
-use crate::interpolation::{Grid, Interval, Piece, Plan, Run, WIDEST, each, or_infinite, pieces, sample};
+use crate::signals::interpolation::{Grid, Interval, Piece, Plan, Run, WIDEST, each, or_infinite, pieces, sample};
 use nalgebra::{Complex, DMatrix};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};

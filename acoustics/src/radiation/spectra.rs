@@ -1,6 +1,6 @@
 use crate::error::AcousticsError;
-use crate::fourier::{Transform, TransformSettings, Work};
 use crate::matrix::real_product;
+use crate::signals::fourier::{Transform, TransformSettings, Work};
 use faer::linalg::matmul::triangular::{self, BlockStructure};
 use faer::{Accum, Mat, MatMut, Par};
 use nalgebra::{Complex, DMatrix};

@@ -1,8 +1,8 @@
 use crate::air::Air;
 use crate::checks::positive;
 use crate::error::AcousticsError;
-use crate::fourier::{Transform, TransformSettings};
-use crate::levels::{PowerSignals, SourceSpectrum};
+use crate::signals::fourier::{Transform, TransformSettings};
+use crate::signals::{PowerSignals, SourceSpectrum};
 use nalgebra::DMatrix;
 use rustfft::num_complex::Complex;
 use std::f64::consts::PI;

@@ -1,8 +1,9 @@
 //! Coarser surfaces: their agreement with the finer one, and their radiation.
 
-use crate::common::{cuboid, octants, sphere};
+use crate::boundary_meshes::{cuboid, octants, sphere};
 use nailnoise_acoustics::Air;
-use nailnoise_acoustics::bem::{Boundary, BoundaryMesh, Exterior, MeshRange, Parity, Patterns, SurfaceFit};
+use nailnoise_acoustics::bem::{Boundary, BoundaryMesh, Exterior, Parity, Patterns};
+use nailnoise_acoustics::radiation::boundary_elements::{MeshRange, SurfaceFit};
 use nalgebra::{Complex, DMatrix, Vector3};
 use std::f64::consts::PI;
 

@@ -1,6 +1,6 @@
 //! The compressed matrix against closed forms and against the dense matrix.
 
-use crate::common::{cuboid, octants, sphere};
+use crate::boundary_meshes::{cuboid, octants, sphere};
 use nailnoise_acoustics::Air;
 use nailnoise_acoustics::bem::{Boundary, BoundaryMesh, EquationSolver, Exterior, Parity, Patterns};
 use nalgebra::DMatrix;

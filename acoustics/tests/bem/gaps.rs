@@ -1,6 +1,6 @@
 //! Thin gaps above a floor: how they are found, and the flow in them.
 
-use crate::common::cuboid;
+use crate::boundary_meshes::cuboid;
 use nailnoise_acoustics::Air;
 use nailnoise_acoustics::bem::{Boundary, BoundaryMesh, Exterior, Gaps, Panel, Rim, SolidBox};
 use nailnoise_meshes::FaceKind;

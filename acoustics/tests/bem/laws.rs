@@ -1,9 +1,8 @@
 //! Laws of the radiation matrix, and surfaces that are refused or repaired.
 
-use crate::common::{cuboid, sphere};
+use crate::boundary_meshes::{cuboid, sphere};
 use nailnoise_acoustics::Air;
-use nailnoise_acoustics::bem::BemError;
-use nailnoise_acoustics::bem::{Boundary, BoundaryMesh, Exterior, Repairs};
+use nailnoise_acoustics::bem::{BemError, Boundary, BoundaryMesh, Exterior, Repairs};
 use nalgebra::{DMatrix, SymmetricEigen};
 
 fn block(edge: f64) -> BoundaryMesh {

@@ -1,16 +1,13 @@
-//! Boundary elements, and bodies in a heavy fluid.
+//! Boundary elements.
 #![allow(clippy::unwrap_used)]
 
-mod common;
+#[path = "../common/boundary_meshes.rs"]
+mod boundary_meshes;
 
 mod coarse;
 mod compressed;
-mod fluid_plates;
-mod fluid_shell;
 mod gaps;
 mod laws;
-mod means;
-mod modal;
 mod monopole;
 mod sphere;
 mod subdivision;

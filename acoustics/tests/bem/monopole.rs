@@ -1,6 +1,6 @@
 //! A point source inside a body: the body's surface, moving as the field around the source does, radiates its power.
 
-use crate::common::{cuboid, monopole_slope, octants};
+use crate::boundary_meshes::{cuboid, monopole_slope, octants};
 use nailnoise_acoustics::Air;
 use nailnoise_acoustics::bem::{Boundary, Exterior};
 use nalgebra::{Complex, DMatrix, Point3};

@@ -1,6 +1,6 @@
 //! Spheres against closed forms.
 
-use crate::common::{octants, sphere};
+use crate::boundary_meshes::{octants, sphere};
 use nailnoise_acoustics::Air;
 use nailnoise_acoustics::bem::{Boundary, BoundaryMesh, Exterior};
 use nalgebra::{Complex, DMatrix};

@@ -1,6 +1,6 @@
 //! Finer panels of a surface: their agreement with it, and their radiation.
 
-use crate::common::{cuboid, sphere};
+use crate::boundary_meshes::{cuboid, sphere};
 use nailnoise_acoustics::Air;
 use nailnoise_acoustics::bem::{Boundary, BoundaryMesh, Exterior, Panel, Subdivision};
 use nalgebra::DMatrix;

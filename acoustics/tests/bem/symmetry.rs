@@ -1,6 +1,6 @@
 //! A body with two planes of symmetry, whole and in quarters.
 
-use crate::common::cuboid;
+use crate::boundary_meshes::cuboid;
 use nailnoise_acoustics::Air;
 use nailnoise_acoustics::bem::{Boundary, BoundaryMesh, Exterior, Parity, Patterns};
 use nalgebra::{DMatrix, Point3, Vector3};
@@ -66,7 +66,7 @@ fn quarters_with_symmetry_radiate_the_power_of_the_whole() {
         for hz in [150.0, 900.0] {
             let exact = whole.resistance(hz, &v).unwrap();
             let found = quarter.resistance_parities(hz, &parts).unwrap();
-            let sum = |f: fn(&nailnoise_acoustics::bem::TwoEvaluations) -> DMatrix<f64>| {
+            let sum = |f: fn(&nailnoise_acoustics::radiation::boundary_elements::TwoEvaluations) -> DMatrix<f64>| {
                 found.iter().map(f).fold(DMatrix::zeros(3, 3), |sum, r| sum + r)
             };
             let far = sum(|two| two.far_field.clone());

@@ -1,1 +1,267 @@
+//! Every error of an assembly names its file, line and path, what is expected, and the remedy.
 
+use std::path::Path;
+
+use nailnoise_documents::Document;
+use nailnoise_dynamics::network::{AssemblyError, AssemblyText, Resolved};
+
+use crate::common;
+use crate::keys::keys;
+
+/// Reads the N80CB with changes.
+fn changed(changes: &str) -> Result<Resolved, AssemblyError> {
+    let text = format!("[cycle]\nassembly = \"n80cb\"\n{changes}\n");
+    let document = Document::new(Path::new("own.toml"), &text);
+    AssemblyText::open(&document)?.resolve(&keys(&common::n80cb()))
+}
+
+/// The error of a change, with its place and remedy in one text.
+fn refusal(changes: &str) -> (String, AssemblyError) {
+    let error = changed(changes).err().unwrap_or_else(|| panic!("accepted: {changes}"));
+    (format!("{error}; {}", error.help()), error)
+}
+
+fn refused(cases: &[(&str, &[&str])]) {
+    for (changes, expected) in cases {
+        let (message, _) = refusal(changes);
+        for part in *expected {
+            assert!(message.contains(part), "{changes}\n  {message}\n  lacks: {part}");
+        }
+    }
+}
+
+#[test]
+fn a_change_without_an_error_is_accepted() {
+    assert!(changed("[cycle.passage.leak]\ncoefficient = 0.7").is_ok());
+}
+
+#[test]
+fn an_error_names_file_line_path_and_the_nearest_name() {
+    let (message, error) = refusal("\n\n[cycle.passage.leak]\nbetween = [\"below_pistn\", \"atmosphere\"]");
+    assert_eq!((error.at.file(), error.at.line()), ("own.toml", 6));
+    assert_eq!(error.path, "cycle.passage.leak.between");
+    assert!(
+        message.contains("no volume or reservoir") && message.contains("did you mean \"below_piston\"?"),
+        "{message}"
+    );
+}
+
+#[test]
+fn names_must_exist_and_be_unique() {
+    refused(&[
+        (
+            "[cycle.body.piston]\nparent = \"tol\"",
+            &["no body", "did you mean \"tool\"?", "ground"],
+        ),
+        (
+            "[cycle.trigger.released]\nset = \"gaurd opens\"",
+            &["waits for", "did you mean \"guard opens\"?"],
+        ),
+        (
+            "[cycle.passage.fill.open]\nwhen = \"pressed\"",
+            &["no trigger", "released"],
+        ),
+        (
+            "[cycle.opening.vent]\npassage = \"went\"",
+            &["no passage", "did you mean \"vent\"?"],
+        ),
+        (
+            "[cycle.opening.exhaust]\nrestriction = \"hole\"",
+            &["none of seat, holes", "did you mean \"holes\"?"],
+        ),
+        ("[cycle.event.t5]\nafter = \"t99\"", &["no event"]),
+        (
+            "[cycle.spring.seat]\non = \"piston\"\npush = \"up\"\nstiffness = \"1 N/mm\"",
+            &["has the name of a contact"],
+        ),
+        (
+            "[cycle.volume.Silencer]\ndead = \"1 l\"",
+            &["not a name of a block", "lower-case"],
+        ),
+        (
+            "[cycle.event.t4]\nbecomes = \"arm.travel > 1 mm\"",
+            &["\"arm\", which its `if` switches off"],
+        ),
+        (
+            "[cycle.force.push]\nif = true",
+            &["\"arm\", which its `if` switches off", "the same `if`"],
+        ),
+        ("[cycle.load.nose]\ntip = \"nose.force\"", &["no body"]),
+    ]);
+}
+
+#[test]
+fn fields_are_known_complete_and_of_their_kind() {
+    refused(&[
+        (
+            "[cycle.passage.leak]\ncoeficient = 1",
+            &["is not a field of a passage", "did you mean \"coefficient\"?"],
+        ),
+        (
+            "[cycle.volume.extra]\npressure = \"1 bar\"",
+            &["has no field `dead`", "dead = \"100 cm3\""],
+        ),
+        ("[cycle.contact.cap]\nstop = \"left\"", &["none of below, above"]),
+        (
+            "[cycle.passage.leak]\nseat = { body = \"piston\" }",
+            &["more than one of area, seat", "replace = true"],
+        ),
+        (
+            "[cycle.passage.leak]\none_way = 1",
+            &["is the number 1, expected true, false or a condition"],
+        ),
+        ("[cycle.passage.leak]\narea = \"=leak\"", &["`leak` is no key"]),
+        ("end = [1]", &["expected a time"]),
+        (
+            "volumes = {}",
+            &["is not a field of a cycle", "did you mean \"volume\"?"],
+        ),
+    ]);
+}
+
+#[test]
+fn dimensions_and_domains_are_checked() {
+    refused(&[
+        (
+            "[cycle.passage.leak]\narea = \"3 mm\"",
+            &["is a length, expected an area", "mm2"],
+        ),
+        ("[cycle.passage.leak]\narea = 3", &["the unit is missing", "mm2"]),
+        ("[cycle.passage.leak]\narea = \"3 furlong\"", &["furlong"]),
+        ("[cycle.passage.leak]\narea = \"-3 mm2\"", &["allowed is from 0"]),
+        (
+            "[cycle.passage.leak]\narea = \"=disc(tool.mass)\"",
+            &["is a quantity in kg2, expected an area"],
+        ),
+        (
+            "[cycle.passage.leak]\narea = \"=piston.bore + tool.mass\"",
+            &["it adds a length and a mass"],
+        ),
+        (
+            "[cycle.passage.leak]\narea = \"=piston.boer^2\"",
+            &["did you mean `piston.bore`?"],
+        ),
+        ("[cycle.passage.leak]\narea = \"=piston.bore^2/0\"", &["not finite"]),
+        (
+            "[cycle.passage.leak]\narea = \"=(piston.bore\"",
+            &["ends where ) is expected"],
+        ),
+        (
+            "[cycle.passage.leak]\narea = \"=sqrt(piston.bore)\"",
+            &["a length has no square root"],
+        ),
+        (
+            "[cycle.passage.leak]\narea = \"=disk(piston.bore)\"",
+            &["`disk` is not a function", "disc"],
+        ),
+        (
+            "[cycle.event.t4]\nbecomes = \"piston.travel > 0.1 s\"",
+            &["it compares a length and a time"],
+        ),
+        (
+            "[cycle.event.t4]\nbecomes = \"piston.travel\"",
+            &["is a number, expected a condition"],
+        ),
+        (
+            "[cycle.event.t4]\nbecomes = \"piston.travle > 1 mm\"",
+            &["did you mean `piston.travel`?"],
+        ),
+        (
+            "[cycle.sensor.valve_lift]\nunit = \"Pa\"",
+            &["is a length, expected a pressure"],
+        ),
+        (
+            "[cycle.load.tool]\nroof = \"above_piston.gauge\"",
+            &["is a pressure, expected a force"],
+        ),
+    ]);
+}
+
+#[test]
+fn circles_are_found() {
+    refused(&[
+        (
+            "[cycle.body.tool]\nparent = \"piston\"",
+            &["refers to itself", "piston -> tool -> piston"],
+        ),
+        (
+            "[cycle.let]\nx = \"=2*y\"\ny = \"=x\"\n[cycle.passage.leak]\narea = \"=x\"",
+            &["cycle.let.x -> cycle.let.y"],
+        ),
+        ("[cycle.event.t6]\nafter = \"t9\"", &["refers to itself"]),
+        (
+            "[cycle.sensor]\na = { is = \"2*b\", unit = \"m\" }\nb = { is = \"a\", unit = \"m\" }",
+            &["refers to itself", "a -> b -> a"],
+        ),
+        (
+            "[cycle.passage.foot]\nbetween = [\"below_piston\", \"below_piston\"]",
+            &["back to itself"],
+        ),
+    ]);
+}
+
+#[test]
+fn laws_of_the_network_are_checked() {
+    refused(&[
+        (
+            "[cycle.face]\npiston_rod = false",
+            &[
+                "faces of body \"piston\" do not balance: 2827.4 mm2 push down, 2794.3 mm2 up; 33.2 mm2",
+                "unbalanced = true",
+            ],
+        ),
+        (
+            "[cycle.contact.bumper]\nat = \"130 mm\"",
+            &["below_piston", "shrinks to", "\"piston\" at 130.000 mm", "increase"],
+        ),
+        (
+            "[cycle.volume.extra]\ndead = \"1 l\"\npressure = \"1 bar\"",
+            &["no passage and no face"],
+        ),
+        (
+            "[cycle.opening]\nvent = false",
+            &["cycle.passage.vent", "without an opening", "silent = true"],
+        ),
+        (
+            "[cycle.spring.spring]\npreload = \"0.5 mm\"",
+            &["by 5.200 mm at the stop \"cap\"", "valid to 5.000 mm"],
+        ),
+        (
+            "[cycle.passage.intake.seat]\nat = \"=head_valve.lift - 1 mm\"",
+            &["\"exhaust\" are open together from 3.500 to 3.700 mm of \"head_valve\": hose blows into atmosphere"],
+        ),
+        (
+            "[cycle.load.tool]\nbore = false",
+            &["loads on \"tool\" do not add up", "piston_friction in place of 1"],
+        ),
+        (
+            "[cycle.load.tool]\nrim = \"seat.force + (Ai + Ah3 - A1)*above_piston.gauge\"",
+            &["of supply in place of 2.35"],
+        ),
+        (
+            "[cycle.load.workpiece]\nextra = \"tool.mass*tool.acceleration\"",
+            &["exert no force"],
+        ),
+    ]);
+}
+
+#[test]
+fn what_is_no_file_or_no_toml_is_refused() {
+    let open = |text: &str| AssemblyText::open(&Document::new(Path::new("own.toml"), text));
+    for (text, part) in [
+        ("[cycle]\nassembly = \"nowhere.toml\"", "cannot be read"),
+        ("[cycle]\nassembly = 3", "expected the name of an assembly"),
+        ("[cycle]\nassembly = { name = \"x\", schema = 9 }", "expected 1"),
+        ("[cycle\n", "not TOML"),
+        ("cycle = 3", "expected a table"),
+        ("[own]\nx = \"1 mm\"", "has no field `keys.own.x`"),
+        ("[keys.own]\nx = { domain = \"1 .. 2 furlong\" }", "not a domain"),
+        (
+            "[keys.own]\nx = { domain = \"1 .. 2 m\", txet = \"\" }",
+            "is not a field of a declaration",
+        ),
+    ] {
+        let error = open(text).err().unwrap_or_else(|| panic!("accepted: {text}"));
+        assert!(error.to_string().contains(part), "{text}: {error}");
+    }
+}

@@ -5,8 +5,8 @@
 
 use std::f64::consts::{PI, TAU};
 
-use nailnoise_fem::supports::{ContactGrid, GridRule, contact_dashpot};
-use nailnoise_fem::transient::{Loads, ModalBody, Support, SupportLaw};
+use nailnoise_fem::vibration::supports::{ContactGrid, GridRule, contact_dashpot};
+use nailnoise_fem::vibration::{Loads, ModalBody, Support, SupportLaw};
 use nalgebra::DMatrix;
 
 pub struct Case {

@@ -1,4 +1,4 @@
-//! Elements, materials, modes and supports.
+//! Elements, materials and modes.
 #![allow(clippy::unwrap_used)]
 
 #[path = "../common/bodies.rs"]
@@ -6,13 +6,23 @@ mod bodies;
 #[path = "../common/kinds.rs"]
 mod kinds;
 
-mod assembly;
-mod assurance;
-mod attachments;
-mod elements;
-mod elimination;
 mod material;
-mod modes;
-mod spheres;
-mod supports;
-mod symmetry;
+
+mod assembly {
+    mod element;
+    mod system;
+}
+mod eigen {
+    mod assurance;
+    mod modes;
+    mod spheres;
+}
+mod factor {
+    mod elimination;
+}
+mod reduction {
+    mod attachments;
+}
+mod symmetry {
+    mod sectors;
+}

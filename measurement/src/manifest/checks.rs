@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use nailnoise_acoustics::sound::Iso3744Box;
+use nailnoise_acoustics::radiation::sound::Iso3744Box;
 
 use super::channel::{Channel, Kind};
 use super::{Manifest, Microphone};

@@ -1,6 +1,6 @@
 //! What is odd about single channels of a test: a level far from those of the other microphones, a constant part.
 
-use nailnoise_acoustics::levels::REFERENCE_PRESSURE;
+use nailnoise_acoustics::signals::REFERENCE_PRESSURE;
 
 use crate::arrangement::Arrangement;
 use crate::recordings::Shot;

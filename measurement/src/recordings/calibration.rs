@@ -1,6 +1,6 @@
 //! From the numbers of a file to Pa and m/s²: sensitivities, full scales, units and calibrators.
 
-use nailnoise_acoustics::fourier::{Transform, TransformSettings};
+use nailnoise_acoustics::signals::fourier::{Transform, TransformSettings};
 use nailnoise_quantities::dimension::{
     ACCELERATION, PRESSURE, VOLTAGE, VOLTAGE_PER_ACCELERATION, VOLTAGE_PER_PRESSURE,
 };

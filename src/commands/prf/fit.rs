@@ -1,7 +1,6 @@
 //! `nailnoise prf fit`: a penetration law from measured drives.
 
 use std::path::{Path, PathBuf};
-use std::process::ExitCode;
 
 use clap::{Args, ValueEnum};
 use nailnoise_dynamics::prf::fit::{Cleaning, Drive, FitFile, Form, Leave, Method, Start};
@@ -9,6 +8,7 @@ use nailnoise_quantities::dimension::FORCE;
 use nailnoise_quantities::measure;
 use serde::Serialize;
 
+use crate::commands::Status;
 use crate::commands::progress::note;
 use crate::commands::table::{dash, fixed, table};
 use crate::commands::{Threads, print, print_json};
@@ -139,7 +139,7 @@ struct FitResult<'a> {
     files: Vec<String>,
 }
 
-pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
+pub(super) fn execute(arguments: &Arguments) -> Result<Status, Error> {
     let form: Form = arguments.form.parse().map_err(PenetrationError::Form)?;
     let options = Options {
         form,
@@ -189,7 +189,7 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
     } else {
         print(&text(&result))?;
     }
-    Ok(ExitCode::SUCCESS)
+    Ok(Status::SUCCESS)
 }
 
 fn shortened(form: &str) -> String {

@@ -1,7 +1,6 @@
 //! `nailnoise prf law`: penetration laws, published and own, evaluated and compared.
 
 use std::path::{Path, PathBuf};
-use std::process::ExitCode;
 
 use clap::Args;
 use nailnoise_dynamics::prf::{
@@ -10,6 +9,7 @@ use nailnoise_dynamics::prf::{
 use serde::Serialize;
 
 use super::limits::within;
+use crate::commands::Status;
 use crate::commands::progress::note;
 use crate::commands::table::{dash, fixed, table};
 use crate::commands::{print, print_json};
@@ -96,7 +96,7 @@ struct Row {
     work: f64,
 }
 
-pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
+pub(super) fn execute(arguments: &Arguments) -> Result<Status, Error> {
     if arguments.list {
         return if arguments.json { list_json() } else { list() };
     }
@@ -120,7 +120,7 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
             print(&format!("  {}\n", folder.join(file).display()))?;
         }
     }
-    Ok(ExitCode::SUCCESS)
+    Ok(Status::SUCCESS)
 }
 
 /// Every law for every nail, the published ones in every wood.
@@ -345,7 +345,7 @@ fn csv(laws: &[PenetrationCurve]) -> Result<Vec<u8>, Error> {
     )
 }
 
-fn list() -> Result<ExitCode, Error> {
+fn list() -> Result<Status, Error> {
     let laws: Vec<Vec<String>> = PenetrationLaw::ALL
         .iter()
         .map(|law| {
@@ -391,10 +391,10 @@ fn list() -> Result<ExitCode, Error> {
         &nails,
     ));
     print(&text)?;
-    Ok(ExitCode::SUCCESS)
+    Ok(Status::SUCCESS)
 }
 
-fn list_json() -> Result<ExitCode, Error> {
+fn list_json() -> Result<Status, Error> {
     #[derive(Serialize)]
     struct Law {
         name: &'static str,
@@ -410,5 +410,5 @@ fn list_json() -> Result<ExitCode, Error> {
         })
         .collect();
     print_json(&serde_json::json!({ "schema": "nailnoise-prf-list/1", "laws": laws, "woods": WOODS, "nails": NAILS }))?;
-    Ok(ExitCode::SUCCESS)
+    Ok(Status::SUCCESS)
 }

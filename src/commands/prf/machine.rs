@@ -2,7 +2,6 @@
 
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
-use std::process::ExitCode;
 
 use clap::Args;
 use nailnoise_acoustics::random::uniform;
@@ -10,6 +9,7 @@ use nailnoise_dynamics::machine::{Drive, Launched, Machine, Shot, drive, launch,
 use nailnoise_dynamics::prf::fit::{FittedLaw, standard_normal};
 use serde::Serialize;
 
+use crate::commands::Status;
 use crate::commands::table::table;
 use crate::commands::{message, print, print_json};
 use crate::error::Error;
@@ -61,7 +61,7 @@ struct MachineResult {
     file: String,
 }
 
-pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
+pub(super) fn execute(arguments: &Arguments) -> Result<Status, Error> {
     let (machine, fit) = read_machine(&arguments.machine)?;
     let folder = arguments
         .out
@@ -130,9 +130,9 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
         message(&format!(
             "check failed: the energy of a shot is off by {worst:.1e}, limit {BALANCE:.0e}"
         ));
-        return Ok(ExitCode::from(3));
+        return Ok(Status::from(3));
     }
-    Ok(ExitCode::SUCCESS)
+    Ok(Status::SUCCESS)
 }
 
 /// Masses \[kg\] and speeds of impact \[m/s\] of a plan; rows without a speed of impact are left out.

@@ -6,10 +6,9 @@ mod limits;
 mod machine;
 mod plan;
 
-use std::process::ExitCode;
-
 use clap::{Args, Subcommand};
 
+use crate::commands::Status;
 use crate::error::Error;
 
 #[derive(Args)]
@@ -34,7 +33,7 @@ enum Command {
     Plan(plan::Arguments),
 }
 
-pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
+pub(super) fn execute(arguments: &Arguments) -> Result<Status, Error> {
     match &arguments.command {
         Command::Law(arguments) => law::execute(arguments),
         Command::Fit(arguments) => fit::execute(arguments),

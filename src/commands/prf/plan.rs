@@ -1,7 +1,6 @@
 //! `nailnoise prf plan`: tests at high speed for a nail, what they reach, and which terms they tell apart.
 
 use std::path::{Path, PathBuf};
-use std::process::ExitCode;
 
 use clap::{Args, ValueEnum};
 use nailnoise_dynamics::machine::{
@@ -17,6 +16,7 @@ use serde::Serialize;
 
 use super::limits::within;
 use crate::chain;
+use crate::commands::Status;
 use crate::commands::progress::note;
 use crate::commands::table::{fixed, table};
 use crate::commands::{Changes, print, print_json};
@@ -122,7 +122,7 @@ struct Row {
     depth: Option<f64>,
 }
 
-pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
+pub(super) fn execute(arguments: &Arguments) -> Result<Status, Error> {
     let nail = penetration::nail(&arguments.nail)?;
     let wood = penetration::wood(&arguments.wood)?;
     let law = penetration::law(&arguments.law)?;
@@ -201,7 +201,7 @@ pub(super) fn execute(arguments: &Arguments) -> Result<ExitCode, Error> {
     } else {
         print(&text(&result, &form))?;
     }
-    Ok(ExitCode::SUCCESS)
+    Ok(Status::SUCCESS)
 }
 
 /// M v^2/2 of a design's piston at its mean speed while it drives the nail \[J\].

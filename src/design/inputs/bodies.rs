@@ -3,8 +3,8 @@
 use std::path::Path;
 
 use nailnoise_fem::Material;
-use nailnoise_fem::supports::contact_dashpot;
-use nailnoise_fem::transient::{Support, SupportLaw};
+use nailnoise_fem::vibration::supports::contact_dashpot;
+use nailnoise_fem::vibration::{Support, SupportLaw};
 use nailnoise_meshes::{Tool, element_size};
 use nalgebra::Matrix3;
 

@@ -1,8 +1,8 @@
 //! Inputs of the microphones: their positions, the reflecting plane, the room, and the tool as the sphere of its
 //! volume.
 
-use nailnoise_acoustics::sound::Iso3744Box;
-use nailnoise_acoustics::sound_fields::Cuts;
+use nailnoise_acoustics::radiation::sound::Iso3744Box;
+use nailnoise_acoustics::radiation::sound_fields::Cuts;
 use nalgebra::Point3;
 
 use super::air;

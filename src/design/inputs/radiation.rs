@@ -1,7 +1,7 @@
 //! Inputs of the radiation of workpiece and tool: surroundings, microphones, resolution, sand.
 
 use nailnoise_acoustics::bem::{EquationSolver, SolidBox};
-use nailnoise_acoustics::radiator::Loading;
+use nailnoise_acoustics::radiation::radiator::Loading;
 use nalgebra::Vector3;
 
 use super::bodies::block_size;

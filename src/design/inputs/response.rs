@@ -1,6 +1,6 @@
 //! Inputs of the responses of workpiece, support and tool.
 
-use nailnoise_fem::transient::Support;
+use nailnoise_fem::vibration::Support;
 
 use super::bodies;
 use super::cycle::parameters;

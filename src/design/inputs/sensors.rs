@@ -1,6 +1,6 @@
 //! Accelerometers of a design, and their points on its bodies; pressure transducers in its chambers.
 
-use nailnoise_acoustics::radiation::MovingSand;
+use nailnoise_acoustics::radiation::flush::MovingSand;
 use nalgebra::Vector3;
 
 use crate::design::{BodyModel, Carrier, Design, Sensor, SensorProblem, Transducer};

@@ -1,6 +1,6 @@
 //! A source of sound, and its stages in a shot.
 
-use nailnoise_acoustics::levels::SourceSpectrum;
+use nailnoise_acoustics::signals::SourceSpectrum;
 
 use crate::chain::ShotStages;
 use crate::error::Error;

@@ -1,8 +1,8 @@
 //! The sandbox of EN 12549, with whose sand the workpiece's top is flush.
 
-use nailnoise_acoustics::radiation::{AbsorbingSand, MovingSand};
+use nailnoise_acoustics::radiation::flush::{AbsorbingSand, MovingSand};
 use nailnoise_dynamics as dynamics;
-use nailnoise_fem::supports::{RectangularBase, Sand};
+use nailnoise_fem::vibration::supports::{RectangularBase, Sand};
 
 use super::floor;
 use super::support::{Contact, FlushSand, SideContact, Support, law, underside};

@@ -1,11 +1,11 @@
 //! What a support of the workpiece answers for, and the parts of its answers.
 
 use nailnoise_acoustics::bem::SolidBox;
-use nailnoise_acoustics::radiation::{AbsorbingSand, MovingSand};
+use nailnoise_acoustics::radiation::flush::{AbsorbingSand, MovingSand};
 use nailnoise_dynamics as dynamics;
 use nailnoise_fem::Material;
-use nailnoise_fem::supports::contact_dashpot;
-use nailnoise_fem::transient::{Support as Spring, SupportLaw};
+use nailnoise_fem::vibration::supports::contact_dashpot;
+use nailnoise_fem::vibration::{Support as Spring, SupportLaw};
 
 use crate::design::rules::refuse;
 use crate::design::{Carrier, Conflict, Sprung, Values};

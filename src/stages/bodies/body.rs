@@ -1,6 +1,6 @@
 //! A body in modal coordinates: all that a shot reads of it.
 
-use nailnoise_fem::supports::ContactGrid;
+use nailnoise_fem::vibration::supports::ContactGrid;
 use nailnoise_fem::{LoadVector, ModalBasis, ShortestWave, wall_thicknesses};
 use nailnoise_meshes::{Mesh, Surface};
 use nalgebra::{DMatrix, DVector};

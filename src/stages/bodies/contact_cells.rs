@@ -1,6 +1,6 @@
 //! Contact cells: areas where two plane faces touch.
 
-use nailnoise_fem::supports::{ContactGrid, GridRule};
+use nailnoise_fem::vibration::supports::{ContactGrid, GridRule};
 use nailnoise_fem::{LoadVector, Rectangle};
 use nailnoise_meshes::{Mesh, MeshError};
 use nalgebra::{Point3, Vector3};

@@ -6,7 +6,7 @@
 //! between the pieces is left out.
 
 use nailnoise_fem::LoadVector;
-use nailnoise_fem::transient::{Support, SupportLaw};
+use nailnoise_fem::vibration::{Support, SupportLaw};
 use nailnoise_meshes::{JOINT, Mesh, MeshError, gauss_legendre};
 use nalgebra::{Point3, Vector3};
 use serde::Serialize;

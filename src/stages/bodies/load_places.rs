@@ -2,8 +2,8 @@
 
 use std::sync::Arc;
 
-use nailnoise_fem::supports::{RectangularBase, Sand};
-use nailnoise_fem::transient::{Support, SupportLaw};
+use nailnoise_fem::vibration::supports::{RectangularBase, Sand};
+use nailnoise_fem::vibration::{Support, SupportLaw};
 use nailnoise_fem::{LoadVector, Rectangle};
 use nailnoise_meshes::{Mesh, MeshError, Surface};
 use nalgebra::{Point3, Vector3};

@@ -1,7 +1,7 @@
 //! Energies of signals in the one-third-octave bands of a range.
 
-use nailnoise_acoustics::fourier::RealTransform;
-use nailnoise_acoustics::levels::{Band, Weighting, band_containing, energy_weights};
+use nailnoise_acoustics::signals::fourier::RealTransform;
+use nailnoise_acoustics::signals::{Band, Weighting, band_containing, energy_weights};
 use nalgebra::Complex;
 
 /// The bands of a range, the first and the last cut at its ends \[Hz\].

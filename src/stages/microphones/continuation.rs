@@ -2,9 +2,9 @@
 
 use std::f64::consts::PI;
 
-use nailnoise_acoustics::fourier::RealTransform;
-use nailnoise_acoustics::levels::{PowerHistory, Weighting, energy_weights};
-use nailnoise_acoustics::radiator::FADE_OCTAVES;
+use nailnoise_acoustics::radiation::radiator::FADE_OCTAVES;
+use nailnoise_acoustics::signals::fourier::RealTransform;
+use nailnoise_acoustics::signals::{PowerHistory, Weighting, energy_weights};
 use rayon::prelude::*;
 
 use super::SAMPLE_RATE;

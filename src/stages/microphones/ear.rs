@@ -1,6 +1,6 @@
 //! Sound at the operator's ear: exposure and C-weighted peak of the emission sound pressure.
 
-use nailnoise_acoustics::levels::{Weighting, energy_level, peak_level};
+use nailnoise_acoustics::signals::{Weighting, energy_level, peak_level};
 
 use super::bands::{Spectra, density, integrals};
 use super::{AtMicrophones, MicrophoneArray, REFERENCE, SAMPLE_RATE, over_bands};

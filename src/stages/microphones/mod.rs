@@ -9,8 +9,8 @@ mod received;
 mod sources;
 
 use nailnoise_acoustics::Air;
-use nailnoise_acoustics::levels::{SILENCE, band_containing, energy_level, level_energy};
-use nailnoise_acoustics::sound::{Iso3744Box, background_correction, environmental_correction};
+use nailnoise_acoustics::radiation::sound::{Iso3744Box, background_correction, environmental_correction};
+use nailnoise_acoustics::signals::{SILENCE, band_containing, energy_level, level_energy};
 use nalgebra::Point3;
 use serde::{Deserialize, Serialize};
 

@@ -2,8 +2,8 @@
 
 use std::f64::consts::TAU;
 
-use nailnoise_acoustics::fourier::RealTransform;
 use nailnoise_acoustics::random::uniform;
+use nailnoise_acoustics::signals::fourier::RealTransform;
 use nalgebra::Complex;
 
 /// A standard normal number for a place of a sequence (Box and Muller 1958).

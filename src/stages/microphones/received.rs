@@ -1,6 +1,6 @@
 //! A source at the microphones before its signals and spectra are put together.
 
-use nailnoise_acoustics::levels::SourceSpectrum;
+use nailnoise_acoustics::signals::SourceSpectrum;
 use nalgebra::DMatrix;
 
 /// A part of a source with a separate frequency grid.

@@ -3,11 +3,11 @@
 use std::f64::consts::PI;
 
 use nailnoise_acoustics::Air;
-use nailnoise_acoustics::exhaust::{ExhaustNoise, Floor, Outlet, Recording};
-use nailnoise_acoustics::fourier::{Transform, TransformSettings};
-use nailnoise_acoustics::levels::{PowerSignals, SourceSpectrum};
-use nailnoise_acoustics::radiator::Pressures;
-use nailnoise_acoustics::sound::{ChirpTransform, omnidirectional_transfer, oscillating_sphere_pressure};
+use nailnoise_acoustics::jets::{ExhaustNoise, Floor, Outlet, Recording};
+use nailnoise_acoustics::radiation::radiator::Pressures;
+use nailnoise_acoustics::radiation::sound::{omnidirectional_transfer, oscillating_sphere_pressure};
+use nailnoise_acoustics::signals::fourier::{Transform, TransformSettings};
+use nailnoise_acoustics::signals::{ChirpTransform, PowerSignals, SourceSpectrum};
 use nailnoise_dynamics::CycleRecord;
 use nalgebra::{Complex, DMatrix, Point3, Vector3};
 use rayon::prelude::*;

@@ -1,10 +1,10 @@
 //! Boundary elements of a body on several meshes: the problem, its cost, and the radiation matrix.
 
-use nailnoise_acoustics::bem::{
-    Boundary, EquationSolver, Exterior, Gap, Gaps, MeanBands, MeanRanges, MeshRange, ModalBem, Patterns, Receivers,
-    SurfacePressures,
-};
+use nailnoise_acoustics::bem::{Boundary, EquationSolver, Exterior, Gap, Gaps, Patterns};
 use nailnoise_acoustics::radiation::Sampling;
+use nailnoise_acoustics::radiation::boundary_elements::{
+    MeanBands, MeanRanges, MeshRange, ModalBem, Receivers, SurfacePressures,
+};
 use nailnoise_acoustics::{AcousticsError, Air};
 use nalgebra::Point3;
 use serde::Serialize;

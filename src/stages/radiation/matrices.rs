@@ -12,9 +12,8 @@
 //! Other microphones need no boundary elements.
 
 use nailnoise_acoustics::Air;
-use nailnoise_acoustics::bem::{ModalBem, ModalPressures, SurfacePressures};
-use nailnoise_acoustics::radiation::Rayleigh;
-use nailnoise_acoustics::sound::FlushSound;
+use nailnoise_acoustics::radiation::boundary_elements::{ModalBem, ModalPressures, SurfacePressures};
+use nailnoise_acoustics::radiation::flush::{FlushSound, Rayleigh};
 use nalgebra::DMatrix;
 use serde::Serialize;
 

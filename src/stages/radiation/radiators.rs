@@ -1,10 +1,10 @@
 //! The bodies as radiators in the ambient air, and the effect of that air on their modes.
 
-use nailnoise_acoustics::bem::ModalBem;
-use nailnoise_acoustics::fluid_loading::DryModes;
 use nailnoise_acoustics::radiation::Erp;
-use nailnoise_acoustics::radiator::{FluidLoads, FlushRadiator, Loading, Radiator, SeparateBodies};
-use nailnoise_acoustics::sound::FlushSound;
+use nailnoise_acoustics::radiation::boundary_elements::ModalBem;
+use nailnoise_acoustics::radiation::fluid_loading::DryModes;
+use nailnoise_acoustics::radiation::flush::{FlushRadiator, FlushSound};
+use nailnoise_acoustics::radiation::radiator::{FluidLoads, Loading, Radiator, SeparateBodies};
 use nailnoise_acoustics::{AcousticsError, Air};
 use serde::Serialize;
 

@@ -10,7 +10,7 @@
 use std::f64::consts::TAU;
 
 use nailnoise_acoustics::Air;
-use nailnoise_acoustics::bem::{MeshRange, ModalBem, ModalPressures, SurfaceFit};
+use nailnoise_acoustics::radiation::boundary_elements::{MeshRange, ModalBem, ModalPressures, SurfaceFit};
 use nalgebra::{Complex, DMatrix};
 use serde::{Deserialize, Serialize};
 

@@ -13,9 +13,9 @@
 //! microphone's image.
 
 use nailnoise_acoustics::bem::{
-    BemError, Boundary, BoundaryMesh, ClosedOutline, Gaps, MeanBands, MeanRanges, MeshRange, Panel, Parity, Patterns,
-    Rim, SymmetricPart,
+    BemError, Boundary, BoundaryMesh, ClosedOutline, Gaps, Panel, Parity, Patterns, Rim, SymmetricPart,
 };
+use nailnoise_acoustics::radiation::boundary_elements::{MeanBands, MeanRanges, MeshRange};
 use nailnoise_acoustics::{Air, InputError};
 use nailnoise_meshes::Surface;
 use nalgebra::DMatrix;

@@ -6,9 +6,9 @@
 //! another shape (`workpiece.mesh`) radiates from the faces of that mesh.
 
 use nailnoise_acoustics::bem::{
-    BemError, Boundary, BoundaryMesh, Gap, Gaps, MeanBands, MeanRanges, MeshRange, MovingPart, Parity, Patterns, Rim,
-    Side, SolidBox,
+    BemError, Boundary, BoundaryMesh, Gap, Gaps, MovingPart, Parity, Patterns, Rim, Side, SolidBox,
 };
+use nailnoise_acoustics::radiation::boundary_elements::{MeanBands, MeanRanges, MeshRange};
 use nailnoise_acoustics::radiation::{Erp, RadiatingSurface};
 use nailnoise_acoustics::{AcousticsError, Air};
 use nailnoise_meshes::{Surface, open_faces};
@@ -341,8 +341,8 @@ mod tests {
     use std::f64::consts::{PI, TAU};
     use std::sync::Arc;
 
-    use nailnoise_acoustics::bem::TwoEvaluations;
     use nailnoise_acoustics::radiation::ModalRadiation;
+    use nailnoise_acoustics::radiation::boundary_elements::TwoEvaluations;
     use nailnoise_meshes::{FaceKind, Grid};
     use nalgebra::{Point3, Vector3};
 

@@ -1,7 +1,7 @@
 //! Modal bodies in the air around them.
 
-use nailnoise_acoustics::radiator::FluidLoads;
-use nailnoise_fem::transient::ModalBody;
+use nailnoise_acoustics::radiation::radiator::FluidLoads;
+use nailnoise_fem::vibration::ModalBody;
 use nalgebra::DMatrix;
 
 /// A body whose modes radiation damps, in the coordinates of its modes in the air where the air's mass acts, and the

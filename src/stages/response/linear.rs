@@ -2,17 +2,17 @@
 //!
 //! A response in time has the impedance frozen at each mode's resonance, because its contact may open. If nothing
 //! opens, the effect of R and X at every frequency follows in the frequency domain
-//! ([`impedance_correction`](nailnoise_acoustics::fluid_loading::impedance_correction)) and is added.
+//! ([`impedance_correction`](nailnoise_acoustics::radiation::fluid_loading::impedance_correction)) and is added.
 
 use std::ops::Range;
 use std::sync::Arc;
 
 use nailnoise_acoustics::AcousticsError;
-use nailnoise_acoustics::fluid_loading::{
+use nailnoise_acoustics::radiation::fluid_loading::{
     FluidLoadingError, FrozenModes, ImpedanceCorrection, WetModes, impedance_correction,
 };
-use nailnoise_acoustics::radiator::{FluidLoads, Radiator};
-use nailnoise_fem::transient::{AddedMotion, ModalResponse, Motion, Support};
+use nailnoise_acoustics::radiation::radiator::{FluidLoads, Radiator};
+use nailnoise_fem::vibration::{AddedMotion, ModalResponse, Motion, Support};
 use nalgebra::DMatrix;
 use serde::Serialize;
 

@@ -14,9 +14,9 @@ mod two_way;
 
 use std::sync::Arc;
 
-use nailnoise_acoustics::radiator::FluidLoads;
+use nailnoise_acoustics::radiation::radiator::FluidLoads;
 use nailnoise_dynamics::CycleRecord;
-use nailnoise_fem::transient::{Ending, ModalBody, ModalResponse};
+use nailnoise_fem::vibration::{Ending, ModalBody, ModalResponse};
 use nalgebra::DMatrix;
 use serde::{Deserialize, Serialize};
 

@@ -1,7 +1,7 @@
 //! Effects of a shot on workpiece and support: supports, loads, duration.
 
 use nailnoise_dynamics::{CycleRecord, Parameters, Settings as CycleSettings};
-use nailnoise_fem::transient::{Loads, ModalBody, ModalResponse, Settings, Support, SupportLaw, respond};
+use nailnoise_fem::vibration::{Loads, ModalBody, ModalResponse, Settings, Support, SupportLaw, respond};
 use nalgebra::{DMatrix, DVector};
 use serde::Serialize;
 

@@ -14,9 +14,9 @@ mod forces;
 use std::borrow::Cow;
 use std::sync::Arc;
 
-use nailnoise_acoustics::radiator::FluidLoads;
+use nailnoise_acoustics::radiation::radiator::FluidLoads;
 use nailnoise_dynamics::{CycleRecord, Parameters};
-use nailnoise_fem::transient::{Loads, ModalBody, ModalResponse, ModalState, Motion, Settings, Start, respond};
+use nailnoise_fem::vibration::{Loads, ModalBody, ModalResponse, ModalState, Motion, Settings, Start, respond};
 use nalgebra::{DMatrix, DVector};
 use serde::{Deserialize, Serialize};
 

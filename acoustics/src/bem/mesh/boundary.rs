@@ -1,7 +1,7 @@
+use super::panel::{BoundaryMesh, Panel, PanelPoint, PanelShape};
+use super::rules;
+use super::symmetry::Image;
 use crate::bem::error::BemError;
-use crate::bem::mesh::panel::{BoundaryMesh, Panel, PanelPoint, PanelShape};
-use crate::bem::mesh::rules;
-use crate::bem::mesh::symmetry::Image;
 use nalgebra::{DMatrix, Matrix4, Point3, Vector3, Vector4};
 use std::collections::HashMap;
 

@@ -1,5 +1,5 @@
-use crate::bem::mesh::gaps::{LEAST_HEIGHT, RIM_WIDTH, Rim};
-use crate::bem::mesh::panel::{BoundaryMesh, Panel};
+use super::gaps::{LEAST_HEIGHT, RIM_WIDTH, Rim};
+use super::panel::{BoundaryMesh, Panel};
 use nailnoise_meshes::{FaceKind, MeshError, subdivide};
 use nalgebra::Point3;
 use serde::Serialize;

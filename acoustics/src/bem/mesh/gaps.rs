@@ -10,9 +10,9 @@
 //!
 //! Source of the constants: blocks that heave 2 to 20 mm above a floor, `docs/verification.md`.
 
-use crate::bem::mesh::boundary::Boundary;
-use crate::bem::mesh::panel::BoundaryMesh;
-use crate::bem::mesh::symmetry::Image;
+use super::boundary::Boundary;
+use super::panel::BoundaryMesh;
+use super::symmetry::Image;
 use nalgebra::{Point3, Vector3};
 use rayon::prelude::*;
 use std::collections::HashMap;

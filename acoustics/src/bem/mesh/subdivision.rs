@@ -6,8 +6,8 @@
 //! Quadrilaterals that must be cut become two triangles before. All new points lie on the given panels: the surface
 //! stays as it is, and shape functions of the given panels state their motion.
 
-use crate::bem::mesh::gaps::{RIM_WIDTH, Rim, longest_side};
-use crate::bem::mesh::panel::{BoundaryMesh, MOST_NODES, Panel, PanelShape};
+use super::gaps::{RIM_WIDTH, Rim, longest_side};
+use super::panel::{BoundaryMesh, MOST_NODES, Panel, PanelShape};
 use crate::checks::{InputError, positive, same_length};
 use nailnoise_meshes::FaceKind;
 use nalgebra::{DMatrix, Point3, Vector3};

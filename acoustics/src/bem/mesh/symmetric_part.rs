@@ -1,8 +1,8 @@
 //! The part of a symmetric surface that represents the whole surface. Even and odd motions are solved separately, each
 //! only on that part.
 
-use crate::bem::mesh::panel::{BoundaryMesh, Panel};
-use crate::bem::mesh::symmetry::Parity;
+use super::panel::{BoundaryMesh, Panel};
+use super::symmetry::Parity;
 use nalgebra::{DMatrix, Point3};
 use rayon::prelude::*;
 use std::collections::{HashMap, HashSet};

@@ -19,11 +19,11 @@
 //! No closures here: only functions that are always inlined inherit the vector features of their caller.
 #![allow(clippy::needless_range_loop)] // indices are those of the equations, several arrays at once
 
+use super::blocks::{Block, C, N, W, X, fields};
+use super::kernel::{APART, green, load, load3};
+use super::wave::{Buffer, Operators, Wave};
 use crate::bem::mesh::panel::PanelShape;
 use crate::bem::mesh::rules;
-use crate::bem::operators::blocks::{Block, C, N, W, X, fields};
-use crate::bem::operators::kernel::{APART, green, load, load3};
-use crate::bem::operators::wave::{Buffer, Operators, Wave};
 use nailnoise_meshes::FaceKind;
 use pulp::{Simd, WithSimd};
 use std::f64::consts::PI;

@@ -1,12 +1,12 @@
 //! The operators between two blocks of panels.
 #![allow(clippy::needless_range_loop)] // indices are those of the equations, several arrays at once
 
+use super::blocks::Block;
+use super::equations::Sums;
+use super::far::{Far, corner_values};
+use super::near::{NearAt, NearPair, PairMatrices};
+use super::wave::{Buffer, Operators, Wave};
 use crate::bem::mesh::symmetry::{Image, Parity};
-use crate::bem::operators::blocks::Block;
-use crate::bem::operators::equations::Sums;
-use crate::bem::operators::far::{Far, corner_values};
-use crate::bem::operators::near::{NearAt, NearPair, PairMatrices};
-use crate::bem::operators::wave::{Buffer, Operators, Wave};
 use faer::linalg::matmul::matmul;
 use faer::{Accum, Mat, MatMut, MatRef, Par};
 use pulp::Arch;

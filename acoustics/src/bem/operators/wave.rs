@@ -1,6 +1,6 @@
 //! Wave number and coupling, and the matrices between two blocks of panels.
 
-use crate::bem::operators::blocks::Block;
+use super::blocks::Block;
 use faer::MatRef;
 use nalgebra::Complex;
 

@@ -12,7 +12,21 @@ use super::keys::standard;
 use super::node::{Entry, Node, Sources, Spot, Tree, entries};
 
 /// Built-in assemblies: name and text.
-pub const BUILT_IN: [(&str, &str); 1] = [("n80cb", include_str!("../../../assemblies/n80cb.toml"))];
+pub const BUILT_IN: [(&str, &str); 7] = [
+    ("n80cb", include_str!("../../../assemblies/n80cb.toml")),
+    ("n80cb_chamber", include_str!("../../../assemblies/n80cb_chamber.toml")),
+    ("stapler", include_str!("../../../assemblies/stapler.toml")),
+    (
+        "gas_spring_nailer",
+        include_str!("../../../assemblies/gas_spring_nailer.toml"),
+    ),
+    ("blow_gun", include_str!("../../../assemblies/blow_gun.toml")),
+    ("air_gun_valve", include_str!("../../../assemblies/air_gun_valve.toml")),
+    (
+        "air_gun_spring",
+        include_str!("../../../assemblies/air_gun_spring.toml"),
+    ),
+];
 
 /// The assembly of a design without `[cycle]`.
 const DEFAULT: &str = "n80cb";
@@ -82,6 +96,14 @@ impl AssemblyText {
         let text = Self::open_design(std::slice::from_ref(document))?;
         text.check_values()?;
         Ok(text)
+    }
+
+    /// Reads a built-in assembly, if there is one of this name.
+    ///
+    /// # Errors
+    /// As [`open`](Self::open).
+    pub fn built_in(name: &str) -> Option<Result<Self, AssemblyError>> {
+        built_in(name).map(|document| Self::open(&document))
     }
 
     /// Reads the assembly of a design whose files are `documents`, the base first. Without `[cycle]` it is the
@@ -241,11 +263,8 @@ impl AssemblyText {
 
     /// Adds an assembly by name: a built-in one, or a file beside the document that names it.
     fn add_named(&mut self, name: &str, from: Option<(&Document, Spot)>, depth: usize) -> Result<(), AssemblyError> {
-        if let Some((name, text)) = BUILT_IN.iter().find(|(built_in, _)| *built_in == name) {
-            return self.add(
-                &Document::new(Path::new(&format!("assemblies/{name}.toml")), text),
-                depth,
-            );
+        if let Some(document) = built_in(name) {
+            return self.add(&document, depth);
         }
         let Some((document, spot)) = from else { return Ok(()) };
         let path = document.sibling(name);
@@ -371,6 +390,12 @@ impl AssemblyText {
             at: self.sources.place(spot),
         }
     }
+}
+
+/// The text of a built-in assembly.
+fn built_in(name: &str) -> Option<Document> {
+    let (name, text) = BUILT_IN.iter().find(|(own, _)| *own == name)?;
+    Some(Document::new(Path::new(&format!("assemblies/{name}.toml")), text))
 }
 
 /// `path.name`, or `name` in the outermost table.

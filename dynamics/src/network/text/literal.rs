@@ -29,7 +29,7 @@ pub struct Literal {
 /// Range and provenance of a literal.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Details {
-    pub(super) range: Option<[f64; 2]>,
+    pub(super) range: Option<[Measured; 2]>,
     pub(super) provenance: String,
     pub(super) note: String,
 }
@@ -44,10 +44,15 @@ pub(super) fn dimension(kind: Kind) -> Dimension {
     }
 }
 
+/// Whether a gauge pressure may be given.
+fn is_gauge(kind: Kind) -> bool {
+    matches!(kind, Kind::Quantity { gauge: true, .. })
+}
+
 /// Reads a quantity of this kind.
 pub(super) fn read(node: &Node, kind: Kind) -> Result<Measured, Fault> {
     let dimension = dimension(kind);
-    let gauge = matches!(kind, Kind::Quantity { gauge: true, .. });
+    let gauge = is_gauge(kind);
     match &node.value {
         Tree::Text(text) => quantity(text, dimension, gauge).map_err(|error| refused(text, error, dimension)),
         Tree::Number(number) if dimension == NUMBER || *number == 0.0 => Ok(Measured {
@@ -98,8 +103,8 @@ pub(super) fn details(node: &Node, kind: Kind) -> Result<Details, Fault> {
             "range" => {
                 let text = text()?;
                 let dimension = dimension(kind);
-                let [low, high] = range(&text, dimension, false).map_err(|error| refused(&text, error, dimension))?;
-                details.range = Some([low.si, high.si]);
+                let read = range(&text, dimension, is_gauge(kind));
+                details.range = Some(read.map_err(|error| refused(&text, error, dimension))?);
             }
             "provenance" => details.provenance = text()?,
             "note" => details.note = text()?,

@@ -224,17 +224,22 @@ impl<'a> Resolver<'a> {
     fn literal(&self, path: &str, node: &Node, kind: Kind) -> Result<Scalar, AssemblyError> {
         let wrong = |fault| self.error(path, &node.spot, fault);
         let measured = read(node, kind).map_err(wrong)?;
+        let details = details(node, kind).map_err(wrong)?;
+        let ends = details.range.iter().flatten();
+        let ambient = if measured.gauge || ends.clone().any(|end| end.gauge) {
+            self.ambient_pressure(path, node)?
+        } else {
+            0.0
+        };
         let si = match self.keys.value(path) {
             Some(KeyValue::Quantity { si, .. }) => si,
-            Some(_) | None if measured.gauge => measured.si + self.ambient_pressure(path, node)?,
-            Some(_) | None => measured.si,
+            _ => measured.absolute(ambient),
         };
-        let details = details(node, kind).map_err(wrong)?;
         let literal = Literal {
             path: path.to_owned(),
             kind,
             si,
-            range: details.range,
+            range: details.range.map(|ends| ends.map(|end| end.absolute(ambient))),
             provenance: details.provenance,
             note: details.note,
             at: *self.text.sources.place(&node.spot),

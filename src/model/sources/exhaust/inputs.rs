@@ -1,7 +1,7 @@
 //! Inputs of the exhaust: its openings, plenum and muffler, and where its jets leave the tool.
 
 use nailnoise_acoustics::AcousticsError;
-use nailnoise_acoustics::exhaust::{Opening, PipeFitting, PlenumResonance};
+use nailnoise_acoustics::jets::{Opening, PipeFitting, PlenumResonance};
 use nailnoise_acoustics::muffler::{BandLosses, Lining, MufflerChain, MufflerElement};
 
 use super::super::housing::sound::NAME as HOUSING;

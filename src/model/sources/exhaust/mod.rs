@@ -4,7 +4,7 @@ mod inputs;
 mod notes;
 pub(super) mod sound;
 
-use nailnoise_acoustics::exhaust::ExhaustNoise;
+use nailnoise_acoustics::jets::ExhaustNoise;
 use nailnoise_dynamics::CycleRecord;
 
 use self::inputs::{openings, outlet};

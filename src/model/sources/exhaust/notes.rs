@@ -1,6 +1,6 @@
 //! What a reader of the levels of the exhaust should know.
 
-use nailnoise_acoustics::exhaust::ValveNoise;
+use nailnoise_acoustics::jets::ValveNoise;
 use nailnoise_dynamics::CycleRecord;
 
 use super::sound::{ExhaustDetails, Muffler, Openings};

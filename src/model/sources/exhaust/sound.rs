@@ -3,13 +3,13 @@
 use std::f64::consts::PI;
 
 use nailnoise_acoustics::Air;
-use nailnoise_acoustics::exhaust::{
+use nailnoise_acoustics::jets::{
     ExhaustNoise, ExhaustSettings, FlowHistory, Jet, Opening, PipeFitting, PlenumResonance, UNSTEADY_FLOW, ValveNoise,
     exhaust_noise, screech_track,
 };
-use nailnoise_acoustics::fourier::TransformSettings;
-use nailnoise_acoustics::levels::{SourceSpectrum, Weighting, energy_level, energy_weights};
 use nailnoise_acoustics::muffler::{self, BandLosses, MufflerChain};
+use nailnoise_acoustics::signals::fourier::TransformSettings;
+use nailnoise_acoustics::signals::{SourceSpectrum, Weighting, energy_level, energy_weights};
 use nailnoise_dynamics::CycleRecord;
 use serde::Serialize;
 

@@ -4,7 +4,7 @@ pub(super) mod sound;
 
 use std::sync::Arc;
 
-use nailnoise_acoustics::radiator::Loading;
+use nailnoise_acoustics::radiation::radiator::Loading;
 
 use self::sound::{CODE, Cap, Elastic, HousingAtMicrophones, HousingSound, HousingSource, NAME};
 use super::exhaust::sound::NAME as EXHAUST;

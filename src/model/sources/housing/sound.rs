@@ -1,12 +1,12 @@
 //! The tool's body as a source: rigid, or elastic by boundary elements or as the sphere of its volume.
 
-use nailnoise_acoustics::bem::ModalBem;
-use nailnoise_acoustics::levels::{SourceSpectrum, Weighting};
+use nailnoise_acoustics::radiation::boundary_elements::ModalBem;
+use nailnoise_acoustics::radiation::radiator::{Detail, FluidLoads, Loading, MovingBody, Radiator, RigidSphere};
 use nailnoise_acoustics::radiation::{
     CompactErp, Erp, ModalSpectra, PartOfSurface, RadiatingSurface, radiated_energy, radiated_signals,
     sphere_efficiency,
 };
-use nailnoise_acoustics::radiator::{Detail, FluidLoads, Loading, MovingBody, Radiator, RigidSphere};
+use nailnoise_acoustics::signals::{SourceSpectrum, Weighting};
 use nailnoise_acoustics::{AcousticsError, Air};
 use nailnoise_dynamics::CycleRecord;
 use nailnoise_meshes::open_faces;

@@ -2,7 +2,7 @@
 
 pub(super) mod sound;
 
-use nailnoise_acoustics::radiator::Loading;
+use nailnoise_acoustics::radiation::radiator::Loading;
 
 use self::sound::{CODE, NAME, WorkpieceRadiated, WorkpieceSound, WorkpieceSource};
 use super::{Compared, ImpedanceComparison, Source, SourceStages};
@@ -21,7 +21,7 @@ use crate::stages::sources::SourceSound;
 use crate::stages::spectra::BodyMotion;
 use crate::stages::starts::OtherStarts;
 use crate::stages::{Code, Stored};
-use nailnoise_acoustics::levels::SourceSpectrum;
+use nailnoise_acoustics::signals::SourceSpectrum;
 
 /// The workpiece with its support.
 pub(super) struct Workpiece;

@@ -1,8 +1,8 @@
 //! The workpiece with its support as one source.
 
-use nailnoise_acoustics::levels::SourceSpectrum;
 use nailnoise_acoustics::radiation::ModalSpectra;
-use nailnoise_acoustics::radiator::{Detail, FluidLoads, Loading, MovingBody, Pressures, Radiator};
+use nailnoise_acoustics::radiation::radiator::{Detail, FluidLoads, Loading, MovingBody, Pressures, Radiator};
+use nailnoise_acoustics::signals::SourceSpectrum;
 use nailnoise_dynamics::CycleRecord;
 use serde::Serialize;
 

@@ -1,0 +1,8 @@
+//! Frequencies above those solved one by one: averaged boundary elements, and the high-frequency limit.
+
+pub(crate) mod composite;
+pub(crate) mod faces;
+pub(crate) mod frequencies;
+pub(crate) mod mean_bands;
+
+pub use mean_bands::{MeanBand, MeanBands};

@@ -1,0 +1,87 @@
+use super::{AbsorbingSand, Rayleigh, SoundAbovePlane, SurfaceResistances};
+use crate::air::Air;
+use crate::error::AcousticsError;
+use crate::radiation::{SampledRadiation, Sampling};
+use nalgebra::Point3;
+use serde::{Deserialize, Serialize};
+
+/// Radiation of a surface flush in a plane: by spherical waves, by the intensity on the surface, and pressures at
+/// points above.
+///
+/// The radiation of the surface without sand depends only on the wavelength and can be converted to another air.
+///
+/// ```text
+/// R(f; rho, c) = (rho c)/(rho0 c0) R0(f c0/c)        p/a (f; rho, c) = rho/rho0 (p/a)0 (f c0/c)
+/// ```
+///
+/// Absorbing sand multiplies R by its factor g(f) and p by the square root of g. Moving sand has a separate wavenumber:
+/// it is computed for each air, up to the frequency where its motion ends, and [continued](FlushSound::continued) by
+/// the surface only. Only long waves matter there, for which a tenth of the surface's points is sufficient.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub struct FlushSound {
+    /// Its resistance, by spherical waves.
+    pub waves: SampledRadiation,
+    /// Resistance by pairs of points, in bands.
+    pub surface: SurfaceResistances,
+    /// Pressures at points above the plane.
+    pub pressures: SoundAbovePlane,
+}
+
+impl FlushSound {
+    /// Largest ratio of the speeds of sound of two airs for the conversion of a resistance: the centre of a
+    /// one-third-octave band then stays in that band.
+    pub const WIDEST: f64 = 1.122_018_454_301_963_3;
+
+    /// Samples to the tolerance of `sampling`, with pressures at `places` above the plane, without the travel time from
+    /// `origin`; `progress` is called after each frequency.
+    ///
+    /// # Errors
+    /// Those of [`Rayleigh::sampled`] and [`SoundAbovePlane::new`].
+    pub fn new(
+        surface: &Rayleigh,
+        sampling: &Sampling,
+        places: &[Point3<f64>],
+        origin: Point3<f64>,
+        progress: &(dyn Fn() + Sync),
+    ) -> Result<Self, AcousticsError> {
+        let few = surface.up_to(sampling.range_hz[1]);
+        let waves = few.sampled(sampling, progress)?;
+        let observed = if places.iter().all(|place| few.is_far(place)) {
+            &few
+        } else {
+            surface
+        };
+        Ok(Self {
+            pressures: SoundAbovePlane::new(observed, &waves, places, origin)?,
+            waves: waves.with_roots(),
+            surface: SurfaceResistances::new(&few, sampling.range_hz[1]),
+        })
+    }
+
+    /// Converts from `computed`, the air of the computation without absorbing sand, to `air` with the sand `absorbing`.
+    #[must_use]
+    pub fn in_air(self, computed: &Air, air: &Air, absorbing: Option<AbsorbingSand>) -> Self {
+        let (speed, density) = (air.sound_speed / computed.sound_speed, air.density / computed.density);
+        let left = |hz: f64| absorbing.map_or(1.0, |sand| sand.factor(hz));
+        let factor = |hz: f64| density * speed * left(hz);
+        let method = Rayleigh::method(absorbing.is_some(), false);
+        let waves = self.waves.in_air(method, speed, factor);
+        let factors: Vec<f64> = waves.samples_hz().iter().map(|&hz| density * left(hz).sqrt()).collect();
+        Self {
+            pressures: self.pressures.in_air(speed, &factors),
+            waves,
+            surface: self.surface.in_air(speed, factor),
+        }
+    }
+
+    /// Joins this radiation up to its highest frequency with `above` from there on.
+    #[must_use]
+    pub fn continued(self, above: Self) -> Self {
+        let (waves, taken) = self.waves.continued(above.waves);
+        Self {
+            waves,
+            surface: self.surface.continued(above.surface),
+            pressures: self.pressures.continued(above.pressures, &taken),
+        }
+    }
+}

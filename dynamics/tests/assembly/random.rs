@@ -1,0 +1,88 @@
+//! Random assemblies are read, and broken ones are refused with a place and a remedy.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use nailnoise_documents::Document;
+use nailnoise_dynamics::network::{AssemblyError, AssemblyText, KeyValue, Resolved};
+
+use crate::random_assembly::{Random, random_assembly};
+
+const COUNT: u64 = 500;
+
+fn read(text: &str) -> Result<Resolved, AssemblyError> {
+    let keys: BTreeMap<String, KeyValue> = BTreeMap::new();
+    AssemblyText::open(&Document::new(Path::new("random.toml"), text))?.resolve(&keys)
+}
+
+fn check_place(text: &str, error: &AssemblyError) {
+    let lines = text.lines().count().max(1);
+    assert!((1..=lines).contains(&error.at.line()), "{error}\n{text}");
+    assert!(!error.help().is_empty(), "{error}");
+}
+
+#[test]
+fn valid_assemblies_are_read() {
+    for seed in 0..COUNT {
+        let text = random_assembly(&mut Random::new(seed));
+        let resolved = read(&text).unwrap_or_else(|error| panic!("{error}; {}\n{text}", error.help()));
+        assert_eq!(resolved.assembly.reservoirs.len(), 2);
+    }
+}
+
+/// Faults that no assembly survives: a text and what takes its place once.
+const FAULTS: [(&str, &str); 14] = [
+    ("area =", "aera ="),
+    (" mm2\"", " mm\""),
+    ("between = [\"v0\"", "between = [\"v9\""),
+    ("dead = ", "# dead = "),
+    (" cm3\"", " furlong\""),
+    ("pressure = \"=", "pressure = \"=disc("),
+    ("pressure = \"=", "pressure = \"=Pb*"),
+    ("t0 = { at", "t0 = { as"),
+    ("schema = 1", "schema = 2"),
+    ("end = \"20 ms\"", "end = \"20 mm\""),
+    ("empty = { becomes", "empty = { after = \"t9\", becomes"),
+    ("[cycle.volume.v0]", "[cycle.volume.v0"),
+    ("atmosphere = { pressure", "atmos = { pressure"),
+    ("v0.pressure <", "v0.pressure + 1 mm <"),
+];
+
+#[test]
+fn broken_assemblies_are_refused_with_a_place_and_a_remedy() {
+    for seed in 0..COUNT {
+        let mut random = Random::new(seed + 10_000);
+        let text = random_assembly(&mut random);
+        let usable: Vec<_> = FAULTS.iter().filter(|(from, _)| text.contains(from)).collect();
+        let (from, to) = usable[random.below(usable.len())];
+        let broken = text.replacen(from, to, 1);
+        match read(&broken) {
+            Err(error) => check_place(&broken, &error),
+            Ok(_) => panic!("accepted with {to}:\n{broken}"),
+        }
+    }
+}
+
+#[test]
+fn texts_with_random_damage_never_panic() {
+    let mut refused = 0;
+    for seed in 0..COUNT {
+        let mut random = Random::new(seed + 20_000);
+        let text = random_assembly(&mut random);
+        let mut characters: Vec<char> = text.chars().collect();
+        for _ in 0..1 + random.below(4) {
+            let at = random.below(characters.len());
+            match random.below(3) {
+                0 => drop(characters.drain(at..(at + random.below(20)).min(characters.len()))),
+                1 => characters.insert(at, ['=', '"', '(', '^', '.', '9', '\u{e9}', '\n'][random.below(8)]),
+                _ => characters.swap(at, at / 2),
+            }
+        }
+        let damaged: String = characters.into_iter().collect();
+        if let Err(error) = read(&damaged) {
+            check_place(&damaged, &error);
+            refused += 1;
+        }
+    }
+    assert!(refused > COUNT / 2, "only {refused} were refused");
+}

@@ -1,0 +1,162 @@
+//! Random texts of assemblies that are valid by grammar.
+
+use std::fmt::Write as _;
+
+/// Linear congruential generator (Knuth, MMIX).
+pub(crate) struct Random(u64);
+
+impl Random {
+    pub(crate) fn new(seed: u64) -> Self {
+        let mut random = Self(seed.wrapping_mul(0x9E37_79B9_7F4A_7C15) ^ 0x5851_F42D_4C95_7F2D);
+        random.below(2);
+        random
+    }
+
+    /// A whole number from 0 to `most` - 1.
+    pub(crate) fn below(&mut self, most: usize) -> usize {
+        self.0 = self
+            .0
+            .wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(1_442_695_040_888_963_407);
+        ((self.0 >> 33) as usize) % most.max(1)
+    }
+
+    /// A number from `low` to `high`.
+    pub(crate) fn between(&mut self, low: f64, high: f64) -> f64 {
+        low + (high - low) * self.below(10_001) as f64 / 10_000.0
+    }
+
+    pub(crate) fn chance(&mut self, percent: usize) -> bool {
+        self.below(100) < percent
+    }
+}
+
+/// The text of a random assembly: volumes, bodies with balanced faces, passages of all kinds, contacts, springs,
+/// friction, a trigger and events.
+pub(crate) fn random_assembly(random: &mut Random) -> String {
+    let (volumes, bodies) = (1 + random.below(5), random.below(4));
+    let mut text = String::from(
+        "[cycle]\nassembly = { name = \"random\", schema = 1 }\ngas = { constant = \"287.05 J/(kg K)\", ratio = 1.4 }\n\
+         end = \"20 ms\"\n[cycle.let]\nPa = \"101.325 kPa\"\nbore = \"20 mm\"\n\
+         [cycle.reservoir]\natmosphere = { pressure = \"=Pa\", temperature = \"20 degC\" }\n\
+         hose = { pressure = \"=6*Pa\", temperature = \"20 degC\" }\n\
+         [cycle.trigger.pulled]\nstarts = false\nschedule = [[\"2 ms\", true], [\"9 ms\", false]]\n",
+    );
+    let line = |text: &str, out: &mut String| {
+        out.push_str(text);
+        out.push('\n');
+    };
+    for volume in 0..volumes {
+        let (dead, pressure) = (random.between(5.0, 500.0), random.between(1.0, 8.0));
+        line(
+            &format!("[cycle.volume.v{volume}]\ndead = \"{dead:.3} cm3\"\npressure = \"={pressure:.3}*Pa\""),
+            &mut text,
+        );
+        if random.chance(40) {
+            line("wall = { area = \"60 cm2\", transfer = \"200 W/(m2 K)\" }", &mut text);
+        } else if random.chance(20) {
+            line("isothermal = true", &mut text);
+        }
+    }
+    for body in 0..bodies {
+        let mass = random.between(20.0, 2000.0);
+        line(&format!("[cycle.body.b{body}]\nmass = \"{mass:.3} g\""), &mut text);
+        if body > 0 && random.chance(50) {
+            line(&format!("parent = \"b{}\"", random.below(body)), &mut text);
+        }
+        let stroke = random.between(5.0, 80.0);
+        let area = random.between(50.0, 900.0);
+        let volume = random.below(volumes);
+        line(
+            &format!(
+                "[cycle.face.top{body}]\nvolume = \"v{volume}\"\nbody = \"b{body}\"\npush = \"down\"\n\
+                 area = \"{area:.3} mm2\"\n[cycle.face.bottom{body}]\nvolume = \"atmosphere\"\nbody = \"b{body}\"\n\
+                 push = \"up\"\narea = \"{area:.3} mm2\"\n\
+                 [cycle.contact.below{body}]\non = \"b{body}\"\nstop = \"below\"\nat = \"{stroke:.3} mm\"\n\
+                 stiffness = \"1 kN/mm\"\ndamping_ratio = 0.2\n\
+                 [cycle.contact.above{body}]\non = \"b{body}\"\nstop = \"above\"\nstiffness = \"1 kN/mm\"\n\
+                 damping = \"100 N s/m\""
+            ),
+            &mut text,
+        );
+        if random.chance(50) {
+            line(
+                &format!(
+                    "[cycle.spring.return{body}]\non = \"b{body}\"\npush = \"up\"\nstiffness = \"1 N/mm\"\n\
+                     preload = \"{:.3} mm\"",
+                    random.between(0.0, 20.0)
+                ),
+                &mut text,
+            );
+        }
+        if random.chance(50) {
+            line(
+                &format!("[cycle.friction.seal{body}]\non = \"b{body}\"\nstatic = \"6 N\"\nsliding = \"4 N\""),
+                &mut text,
+            );
+        }
+        if random.chance(30) {
+            line(
+                &format!("[cycle.force.push{body}]\non = \"b{body}\"\nforce = \"30 N\""),
+                &mut text,
+            );
+        }
+    }
+    for volume in 0..volumes {
+        let other = match random.below(3) {
+            0 if volume > 0 => format!("v{}", random.below(volume)),
+            1 => "hose".to_owned(),
+            _ => "atmosphere".to_owned(),
+        };
+        let area = random.between(2.0, 100.0);
+        let opens = match random.below(6) {
+            0 if bodies > 0 => format!(
+                "seat = {{ body = \"b{}\", opens = \"down\", at = \"1 mm\", diameter = \"=bore\", angle = \"45 deg\", \
+                 cone = \"widens\" }}",
+                random.below(bodies)
+            ),
+            1 if bodies > 0 => format!(
+                "holes = {{ body = \"b{}\", opens = \"down\", at = \"3 mm\", area = \"{area:.3} mm2\" }}",
+                random.below(bodies)
+            ),
+            2 => format!("ramp = {{ area = \"{area:.3} mm2\", time = \"1 ms\" }}"),
+            3 => "pipe = { length = \"100 mm\", diameter = \"6 mm\" }".to_owned(),
+            4 => format!(
+                "series = [{{ name = \"first\", area = \"{area:.3} mm2\" }}, {{ name = \"last\", area = \"=disc(bore/4)\" }}]"
+            ),
+            _ => format!("area = \"{area:.3} mm2\""),
+        };
+        line(
+            &format!("[cycle.passage.p{volume}]\nbetween = [\"v{volume}\", \"{other}\"]\n{opens}"),
+            &mut text,
+        );
+        for (percent, field) in [
+            (60, "coefficient = 0.82"),
+            (20, "one_way = true"),
+            (20, "open = { when = \"pulled\", delay = \"0.3 ms\" }"),
+        ] {
+            if random.chance(percent) {
+                line(field, &mut text);
+            }
+        }
+        if other == "atmosphere" {
+            if random.chance(50) {
+                line("silent = true", &mut text);
+            } else {
+                let opening =
+                    format!("[cycle.opening.o{volume}]\npassage = \"p{volume}\"\ncount = 2\ndiameter = \"4 mm\"");
+                line(&opening, &mut text);
+            }
+        }
+    }
+    text.push_str("[cycle.event]\nt0 = { at = \"0 s\" }\n");
+    let _ = writeln!(text, "empty = {{ becomes = \"v0.pressure < 1.1*Pa\", after = \"t0\" }}");
+    if bodies > 0 {
+        let _ = writeln!(
+            text,
+            "moves = {{ becomes = \"b0.travel > 1 mm and b0.speed > 0\", after = \"t0\" }}"
+        );
+        let _ = writeln!(text, "strikes = {{ becomes = \"below0 closes\" }}");
+    }
+    text
+}
