@@ -25,6 +25,7 @@ use super::record::{peaked, restriction_name};
 use super::signals::Signals;
 use super::switching::Slots;
 use super::tolerances::tolerances;
+use super::watch::Watch;
 use crate::Method;
 use crate::cycle::locate;
 
@@ -58,6 +59,7 @@ struct Run<'p> {
     finish_after: Option<f64>,
     w: Workspace,
     events: Events,
+    watch: Watch,
     armed: Vec<bool>,
     chatter: Vec<(f64, usize)>,
     recorder: Recorder,
@@ -70,6 +72,7 @@ struct Run<'p> {
     margin: Vec<f64>,
     right: Vec<f64>,
     heights: [Vec<f64>; POINTS],
+    watched: [Vec<f64>; POINTS],
     points: [(f64, Vec<f64>); POINTS],
     /// What margins and levels need of a state.
     need: Need,
@@ -130,6 +133,10 @@ impl<'p> Run<'p> {
         let mut heights = vec![0.0; events.levels()];
         events.measure(plan, &mode, &w, &mut heights);
         events.begin(heights.clone());
+        let mut watch = Watch::new(plan);
+        let mut watched = vec![0.0; watch.len()];
+        watch.measure(0.0, plan, &mode, &w, &mut watched);
+        watch.settle(&watched);
         let armed = margin.iter().map(|m| *m > 0.0).collect();
         let audit = Audit::new(plan, &origin.y, &mode, &w);
         let point = || (0.0, vec![0.0; origin.y.len()]);
@@ -146,6 +153,8 @@ impl<'p> Run<'p> {
             finish_after: None,
             w,
             events,
+            watch,
+            watched: [watched.clone(), watched],
             armed,
             chatter: vec![(0.0, 0); slots.list.len()],
             audit,
@@ -187,23 +196,24 @@ impl<'p> Run<'p> {
             let states = (&before, &self.y[..]);
             self.audit
                 .cross(self.plan, name, states, (&self.mode, &self.y), &mut self.w);
-            self.tell(word);
+            self.tell(word, self.t);
         }
     }
 
-    /// Logs a word and lets triggers and events hear it.
-    fn tell(&mut self, word: Word) {
+    /// Logs a word at a time and lets triggers and events hear it; `y` is the state there.
+    fn tell(&mut self, word: Word, time: f64) {
         let plan = self.plan;
-        self.log.push(LogEntry {
-            time: self.t,
+        let place = self.log.partition_point(|entry| entry.time <= time);
+        let entry = LogEntry {
+            time,
             block: plan.assembly.name_of(word.block).to_owned(),
             restriction: restriction_name(plan, word.block.family, word.block.index, word.restriction),
             word: word.action.word(),
-        });
-        self.work.events += 1;
-        plan.observe(self.events.at_edges(), self.t, &self.y, &self.mode, &mut self.w);
-        self.events.hear(word, self.t, plan, &self.mode, &self.w);
-        self.signals.hear(plan, self.t, &mut self.mode, word);
+        };
+        self.log.insert(place, entry);
+        plan.observe(self.events.at_edges(), time, &self.y, &self.mode, &mut self.w);
+        self.events.hear(word, time, plan, &self.mode, &self.w);
+        self.signals.hear(plan, time, &mut self.mode, word);
     }
 
     /// Step size for a first-order start, from the error h^2 |y''|/3 it makes.
@@ -278,6 +288,7 @@ impl<'p> Run<'p> {
             };
             let stretch = self.stretch(from, to, &mut at)?;
             self.note_levels(from, stretch.used, &mut at)?;
+            self.note_changes(from, stretch.used, &mut at)?;
             let t_end = self.points[stretch.used - 1].0;
             while self.recorder.next_time() < t_end {
                 self.fresh = false;
@@ -291,7 +302,7 @@ impl<'p> Run<'p> {
             self.accept()?;
 
             let stopped = reason == OdeSolverStopReason::TstopReached;
-            let due = stopped && self.t >= self.signals.next(f64::NEG_INFINITY).min(stop) - 1e-13;
+            let due = stopped || self.signals.is_due(self.t);
             if let Some(slot) = stretch.event {
                 self.cross(slot)?;
             }
@@ -335,6 +346,7 @@ impl<'p> Run<'p> {
             self.fresh = true;
             slots.margins(plan, mode, &self.w, &mut self.right);
             self.events.measure(plan, mode, &self.w, &mut self.heights[k]);
+            self.watch.measure(t, plan, mode, &self.w, &mut self.watched[k]);
             for (slot, (before, after)) in self.margin.iter().zip(&self.right).enumerate() {
                 if *after > slots.noise[slot] {
                     self.armed[slot] = true;
@@ -364,6 +376,7 @@ impl<'p> Run<'p> {
                 plan.observe(self.need, time, &self.points[k].1, mode, &mut self.w);
                 self.fresh = true;
                 self.events.measure(plan, mode, &self.w, &mut self.heights[k]);
+                self.watch.measure(time, plan, mode, &self.w, &mut self.watched[k]);
                 return Ok(Stretch {
                     used: k + 1,
                     event: Some(slot),
@@ -411,6 +424,41 @@ impl<'p> Run<'p> {
                 self.events.pass(level, time, heights[level], plan, mode, &self.w);
             }
             self.events.settle(heights);
+            left = t;
+        }
+        Ok(())
+    }
+
+    /// Logs the changes that are only noted, between `from` and the last point.
+    fn note_changes(
+        &mut self,
+        from: f64,
+        used: usize,
+        at: &mut impl FnMut(f64, &mut [f64]) -> Result<(), RunError>,
+    ) -> Result<(), RunError> {
+        let plan = self.plan;
+        let mut left = from;
+        for k in 0..used {
+            let t = self.points[k].0;
+            for i in 0..self.watch.len() {
+                let (before, after) = (self.watch.last[i], self.watched[k][i]);
+                if (before > 0.0) == (after > 0.0) {
+                    continue;
+                }
+                self.fresh = false;
+                let (watch, mode, w, y) = (&self.watch, &self.mode, &mut self.w, &mut self.y);
+                let height = |t: f64| {
+                    at(t, y)?;
+                    plan.instant(y, w);
+                    Ok(watch.height(i, t, plan, mode, w))
+                };
+                let time = locate(left, t, before, after, height)?;
+                for note in self.watch.pass(i, time, after > 0.0, plan, &self.mode) {
+                    at(time, &mut self.y)?;
+                    self.tell(note.word, note.time);
+                }
+            }
+            self.watch.settle(&self.watched[k]);
             left = t;
         }
         Ok(())
@@ -539,8 +587,9 @@ impl<'p> Run<'p> {
                     after: self.y[driver],
                 });
             }
-            self.tell(word);
+            self.tell(word, self.t);
         }
+        self.work.events += 1;
         plan.observe(self.slots.need, self.t, &self.y, &self.mode, &mut self.w);
         self.slots.margins(plan, &self.mode, &self.w, &mut self.right);
         for (other, armed) in self.armed.iter_mut().enumerate() {

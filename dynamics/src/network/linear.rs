@@ -95,6 +95,12 @@ impl Factors {
         self.inverse.clear();
         self.lu.resize(n * n, 0.0);
         self.pivot.resize(n, 0);
+        if n == 0 {
+            self.upper.clear();
+            self.upper_end.clear();
+            self.ready = true;
+            return;
+        }
         for (j, column) in matrix.chunks_exact(size).take(n).enumerate() {
             self.lu[j * n..][..n].copy_from_slice(&column[..n]);
             let column = entries(&column[n..], 0);

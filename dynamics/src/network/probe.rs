@@ -169,7 +169,7 @@ impl Probe {
             Self::Face(i) => w.pressure[plan.faces[i].gas] * plan.faces[i].area,
             Self::Contact(i) => plan.contacts[i].side * w.contact[i].force,
             Self::Spring(i) => w.spring[i].force,
-            Self::Friction(i) => w.friction[i],
+            Self::Friction(i) => w.friction[i].force,
             Self::Imposed(i) => w.imposed[i],
             Self::Motor(i) => w.motor[i],
             Self::Hold(i) => w.hold[i].force,

@@ -215,39 +215,81 @@ impl Record {
     /// A record from its parts.
     pub(crate) fn new(parts: Parts, mut recorder: Recorder) -> Self {
         recorder.flush();
-        let of = |place: usize| recorder.histories[place].clone();
-        let channels: Vec<Channel> = recorder
-            .columns
-            .iter()
-            .map(|column| Channel {
-                name: column.name.clone(),
-                unit: column.unit.clone(),
+        let Recorder {
+            interval,
+            mut histories,
+            columns,
+            openings,
+            loads,
+            pressures,
+            ..
+        } = recorder;
+        // Histories that several results share are copied, the others are moved.
+        let mut uses = vec![0usize; histories.len()];
+        let surfaces = || loads.iter().chain(&pressures);
+        let of_openings = openings.iter().flat_map(|opening| {
+            [
+                opening.mass_flow,
+                opening.pressure,
+                opening.back_pressure,
+                opening.temperature,
+                opening.choked,
+            ]
+        });
+        let places = columns.iter().map(|column| column.place).chain(of_openings);
+        let divided = surfaces().filter_map(|surface| surface.divided).flatten();
+        for place in places.chain(surfaces().map(|surface| surface.place)).chain(divided) {
+            uses[place] += 1;
+        }
+        let mut of = |place: usize| {
+            uses[place] -= 1;
+            if uses[place] == 0 {
+                std::mem::take(&mut histories[place])
+            } else {
+                histories[place].clone()
+            }
+        };
+        let mut channels = Vec::with_capacity(columns.len());
+        for column in columns {
+            channels.push(Channel {
+                name: column.name,
+                unit: column.unit,
                 values: of(column.place),
-            })
-            .collect();
-        let openings = recorder.openings.iter().map(|opening| FlowHistory {
-            name: opening.name.clone(),
-            mass_flow: of(opening.mass_flow),
-            pressure: of(opening.pressure),
-            back_pressure: of(opening.back_pressure),
-            temperature: of(opening.temperature),
-            choked: recorder.histories[opening.choked]
-                .iter()
-                .map(|choked| *choked != 0.0)
-                .collect(),
-        });
-        let loads = recorder.loads.iter().map(|load| LoadHistory {
-            body: load.body.clone(),
-            surface: load.surface.clone(),
-            force: of(load.place),
-        });
-        let pressures = recorder.pressures.iter().map(|surface| PressureHistory {
-            body: surface.body.clone(),
-            surface: surface.surface.clone(),
-            pressure: of(surface.place),
-            below: surface.divided.map_or_else(Vec::new, |[below, _]| of(below)),
-            divide: surface.divided.map_or_else(Vec::new, |[_, divide]| of(divide)),
-        });
+            });
+        }
+        let mut flows = Vec::with_capacity(openings.len());
+        for opening in openings {
+            flows.push(FlowHistory {
+                name: opening.name,
+                mass_flow: of(opening.mass_flow),
+                pressure: of(opening.pressure),
+                back_pressure: of(opening.back_pressure),
+                temperature: of(opening.temperature),
+                choked: of(opening.choked).into_iter().map(|choked| choked != 0.0).collect(),
+            });
+        }
+        let mut forces = Vec::with_capacity(loads.len());
+        for load in loads {
+            forces.push(LoadHistory {
+                body: load.body,
+                surface: load.surface,
+                force: of(load.place),
+            });
+        }
+        let mut walls = Vec::with_capacity(pressures.len());
+        for surface in pressures {
+            let [below, divide] = match surface.divided {
+                Some(places) => places.map(&mut of),
+                None => [Vec::new(), Vec::new()],
+            };
+            walls.push(PressureHistory {
+                body: surface.body,
+                surface: surface.surface,
+                pressure: of(surface.place),
+                below,
+                divide,
+            });
+        }
         let Parts {
             end,
             events,
@@ -260,16 +302,16 @@ impl Record {
             work,
         } = parts;
         Self {
-            interval: recorder.interval,
+            interval,
             end,
             index: channels
                 .iter()
                 .enumerate()
                 .map(|(i, channel)| (channel.name.clone(), i))
                 .collect(),
-            openings: openings.collect(),
-            loads: loads.collect(),
-            pressures: pressures.collect(),
+            openings: flows,
+            loads: forces,
+            pressures: walls,
             channels,
             events,
             log,

@@ -1,7 +1,7 @@
 //! The built-in assembly of the N80CB with the numbers of the base design.
 
 #[path = "../assembly/keys.rs"]
-mod keys;
+pub(crate) mod keys;
 
 use nailnoise_dynamics::Parameters;
 use nailnoise_dynamics::network::{Assembly, AssemblyText};
