@@ -4,6 +4,8 @@ use std::path::PathBuf;
 
 use miette::Diagnostic;
 use nailnoise_dynamics::CycleError;
+use nailnoise_dynamics::network::RunError;
+use nailnoise_pipeline::{PipelineError, StageError};
 use thiserror::Error;
 
 use crate::design::DesignError;
@@ -12,12 +14,10 @@ use crate::design::DesignError;
 #[derive(Debug, Error, Diagnostic)]
 #[non_exhaustive]
 pub enum Error {
-    /// An input could not be computed; its own error is reported once, where it occurred.
-    #[error("{stage} could not be computed")]
-    Upstream {
-        /// Name of the stage that failed.
-        stage: &'static str,
-    },
+    /// An input of a stage could not be computed.
+    #[error(transparent)]
+    #[diagnostic(transparent)]
+    Pipeline(#[from] PipelineError),
     /// The page of a watched design cannot be served.
     #[error("the page cannot be served on this machine: {source}")]
     #[diagnostic(help("permit connections to 127.0.0.1, or use `nailnoise run`"))]
@@ -32,6 +32,16 @@ pub enum Error {
     /// The cycle could not be computed.
     #[error("the nailing cycle of this design cannot be computed")]
     Cycle(#[from] CycleError),
+    /// The cycle of an assembly could not be computed.
+    #[error("the cycle of this assembly cannot be computed")]
+    Network(#[from] RunError),
+    /// An option for the tool of a design, given with an assembly.
+    #[error("{option} is an option for a design without `[cycle]`")]
+    #[diagnostic(help("leave it out: an assembly is computed as its file describes it"))]
+    OfDesign {
+        /// The option.
+        option: &'static str,
+    },
     /// A figure of the shot that does not exist.
     #[error("there is no output \"{name}\"")]
     #[diagnostic(help("choose from the groups speed, penetration, events, forces, masses, all, or from {known}"))]
@@ -235,6 +245,10 @@ pub enum Error {
     #[error(transparent)]
     #[diagnostic(transparent)]
     Measurement(#[from] nailnoise_measurement::MeasurementError),
+    /// A design cannot be calibrated.
+    #[error(transparent)]
+    #[diagnostic(transparent)]
+    Calibration(#[from] crate::calibration::CalibrationError),
     /// A penetration law cannot be evaluated.
     #[error(transparent)]
     #[diagnostic(help("{}", _0.remedy()))]
@@ -757,6 +771,12 @@ from_modules_of_acoustics!(
     nailnoise_acoustics::radiation::RadiationError,
 );
 
+impl StageError for Error {
+    fn is_cause(&self) -> bool {
+        !matches!(self, Self::Pipeline(cause) if !cause.is_cause())
+    }
+}
+
 /// Fate of candidates if none counts: outcomes of shots, and reasons why others are not valid designs.
 fn outcomes_and_reasons(outcomes: &str, refused: &str) -> String {
     let refused = (!refused.is_empty()).then(|| format!("no designs: {refused}"));
@@ -793,11 +813,6 @@ impl Error {
         matches!(self, Self::NoLoadSurface { group, .. } if *group == surface)
     }
 
-    /// Whether it is a cause, not the consequence of an input that failed.
-    pub(crate) fn is_cause(&self) -> bool {
-        !matches!(self, Self::Upstream { .. })
-    }
-
     /// The error in one line, followed by causes and remedy.
     pub(crate) fn in_words(&self) -> String {
         let help = Diagnostic::help(self).map_or_else(String::new, |help| format!("; {help}"));
@@ -813,6 +828,12 @@ impl Error {
             Self::Unusable { problems, .. } => problems.iter().map(Self::exit_status).min().unwrap_or(2),
             Self::Fem(_) | Self::Transient(_) | Self::Acoustics(_) | Self::Json(_) | Self::NoLevels { .. } => 3,
             Self::PythonEnded { .. } => 3,
+            Self::Network(
+                RunError::Integration { .. }
+                | RunError::Collapse { .. }
+                | RunError::Chatter { .. }
+                | RunError::Switching { .. },
+            ) => 3,
             Self::Cycle(CycleError::Integration { .. } | CycleError::Collapse { .. } | CycleError::Chatter { .. }) => 3,
             _ => 2,
         }

@@ -13,6 +13,7 @@
 #![forbid(unsafe_code)]
 
 pub mod artifacts;
+pub mod calibration;
 pub mod chain;
 pub mod commands;
 pub mod comparison;
@@ -36,10 +37,8 @@ pub mod sensitivity;
 pub mod shipped;
 pub mod stages;
 pub mod staging;
-pub mod store;
 pub mod study;
-mod table;
-mod threads;
+mod tables;
 pub mod verification;
 pub mod virtual_test;
 pub mod watch;
@@ -48,3 +47,4 @@ mod wording;
 pub use design::Design;
 pub use error::Error;
 pub use nailnoise_measurement as measurement;
+pub use nailnoise_pipeline::store;

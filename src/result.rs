@@ -7,18 +7,18 @@ mod study;
 
 use std::borrow::Cow;
 use std::collections::BTreeMap;
-use std::time::Duration;
 
 pub use nailnoise_acoustics::radiation::radiator::{
     FluidLoading, Loading, ModeShare, RadiationBand, RadiationReport, Uncertainty,
 };
 use nailnoise_acoustics::signals::level_energy;
 use nailnoise_dynamics::{CycleRecord, EnergyFlow, Events, LogEntry, Outcome, Summary};
+use nailnoise_pipeline::Timing;
 pub use nailnoise_quantities::Check;
 use schemars::generate::SchemaSettings;
 use schemars::transform::RecursiveTransform;
 use schemars::{JsonSchema, Schema};
-use serde::{Deserialize, Serialize, Serializer};
+use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
 use crate::design::Design;
@@ -303,6 +303,23 @@ pub struct EarReport {
     pub lpc_peak_signal_db: Option<f64>,
     /// Why L_pC,peak is not stated; null where it is.
     pub not_stated: Option<String>,
+    /// Loudness of each source, and of all of them as `total`, by ISO 532-1:2017 for time-varying sounds.
+    #[serde(default)]
+    pub loudness: Vec<SourceLoudness>,
+}
+
+/// Loudness of one shot of a source at the operator's ear: Zwicker's method for time-varying sounds (ISO 532-1:2017,
+/// clause 6), free field from the front, the same sound at both ears.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct SourceLoudness {
+    /// Its name, or `total`.
+    pub source: String,
+    /// Greatest loudness N_max \[sone\]; null above 120 dB in a band up to 250 Hz, where the standard ends.
+    pub n_max_sone: Option<f64>,
+    /// Loudness level of N_max \[phon\].
+    pub level_phon: Option<f64>,
+    /// Time of N_max after the trigger is pulled \[s\].
+    pub time_s: Option<f64>,
 }
 
 /// A source at the microphones.
@@ -590,47 +607,4 @@ pub struct Total {
     pub lwa_db: Option<f64>,
     /// The same without weighting.
     pub lw_db: Option<f64>,
-}
-
-/// Wall time of each stage \[s\], in the order of their ends, without that of the stages it waits for; some run side by
-/// side.
-#[derive(Debug, Clone, Default)]
-pub struct Timing(Vec<(&'static str, f64)>);
-
-/// The complete run, in the list of its stages.
-const WHOLE: &str = "whole run";
-
-impl Timing {
-    /// Adds time to a stage.
-    pub fn add(&mut self, stage: &'static str, time: Duration) {
-        let seconds = time.as_secs_f64();
-        match self.0.iter_mut().find(|(known, _)| *known == stage) {
-            Some((_, sum)) => *sum += seconds,
-            None => self.0.push((stage, seconds)),
-        }
-    }
-
-    /// Adds the time of all of it.
-    pub(crate) fn end(&mut self, whole: Duration) {
-        self.add(WHOLE, whole);
-    }
-
-    /// Stages and their times \[s\].
-    pub fn stages(&self) -> impl Iterator<Item = (&str, f64)> {
-        self.0.iter().map(|(stage, seconds)| (*stage, *seconds))
-    }
-
-    /// Wall time of all of it \[s\].
-    pub fn whole(&self) -> f64 {
-        self.stages()
-            .filter(|(stage, _)| *stage == WHOLE)
-            .map(|(_, seconds)| seconds)
-            .sum()
-    }
-}
-
-impl Serialize for Timing {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        serializer.collect_map(self.0.iter().map(|(stage, seconds)| (stage, seconds)))
-    }
 }

@@ -77,11 +77,11 @@ impl RunResult {
 
 impl Chain {
     /// Everything that the result of a run reads.
-    pub fn outputs(&self) -> Vec<&dyn Input> {
-        let mut all: Vec<&dyn Input> = vec![&self.sensors, &self.response_report];
+    pub fn outputs(&self) -> Vec<&dyn Input<Error>> {
+        let mut all: Vec<&dyn Input<Error>> = vec![&self.sensors, &self.response_report];
         all.extend(self.sources.iter().flat_map(SourceStages::outputs));
-        all.extend(self.tool_report.iter().map(|report| report as &dyn Input));
-        all.extend(self.one_way.iter().map(|one_way| &one_way.report as &dyn Input));
+        all.extend(self.tool_report.iter().map(|report| report as &dyn Input<Error>));
+        all.extend(self.one_way.iter().map(|one_way| &one_way.report as &dyn Input<Error>));
         all
     }
 
@@ -153,7 +153,7 @@ impl Chain {
     /// # Errors
     /// Those of meshes, and of bodies that a run cannot use.
     pub(crate) fn check_bodies(&self) -> Result<(), Error> {
-        let usable: Vec<&dyn Input> = self.usable.iter().map(|usable| usable as &dyn Input).collect();
+        let usable: Vec<&dyn Input<Error>> = self.usable.iter().map(|usable| usable as &dyn Input<Error>).collect();
         self.graph.prepare(&usable)
     }
 

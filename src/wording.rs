@@ -2,6 +2,7 @@
 
 use std::borrow::Cow;
 
+pub(crate) use nailnoise_pipeline::store::hexadecimal;
 pub(crate) use nailnoise_quantities::rounded;
 
 /// A text as a terminal may show it: control characters, which could move its cursor or set its title, and those that
@@ -39,11 +40,6 @@ fn colour(text: &str) -> Option<usize> {
     let parameters = text.strip_prefix("\u{1b}[")?;
     let end = parameters.find(|letter: char| !(letter.is_ascii_digit() || letter == ';'))?;
     parameters[end..].starts_with('m').then_some(2 + end + 1)
-}
-
-/// Bytes in hexadecimal digits.
-pub(crate) fn hexadecimal(bytes: &[u8]) -> String {
-    bytes.iter().map(|byte| format!("{byte:02x}")).collect()
 }
 
 /// A number to so many decimals without a tail of zeros.

@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 
 use serde::Serialize;
 
-use crate::{Ambient, Block, Exhaust, HeadValve, Nail, Parameters, Piston, SupportDamping, Trigger};
+use crate::{Ambient, Block, Exhaust, HeadValve, Nail, Parameters, Piston, Support, SupportDamping, Trigger};
 
 /// Derived quantities of a design (SI).
 ///
@@ -56,10 +56,7 @@ impl Geometry {
     /// Derives all quantities of `p`.
     pub fn new(p: &Parameters) -> Self {
         let workpiece_mass = p.workpiece.mass(p.wood.density);
-        let support_damping = match p.support.damping {
-            SupportDamping::Ratio(zeta) => 2.0 * zeta * (p.support.stiffness * workpiece_mass).sqrt(),
-            SupportDamping::Coefficient(c) => c,
-        };
+        let support_damping = p.support.dashpot(workpiece_mass);
         Self {
             piston_area: p.piston.area(),
             rod_area: p.piston.rod_area(),
@@ -167,6 +164,16 @@ impl Block {
     /// M_w, mass of the block of wood of this density \[kg/m3\] \[kg\].
     pub fn mass(&self, density: f64) -> f64 {
         density * self.length * self.width * self.thickness
+    }
+}
+
+impl Support {
+    /// c_ws, dashpot of the support under a block of this mass \[kg\] \[N s/m\].
+    pub fn dashpot(&self, mass: f64) -> f64 {
+        match self.damping {
+            SupportDamping::Ratio(zeta) => 2.0 * zeta * (self.stiffness * mass).sqrt(),
+            SupportDamping::Coefficient(c) => c,
+        }
     }
 }
 

@@ -4,6 +4,7 @@ use std::path::Path;
 use std::sync::Arc;
 use std::thread;
 
+use nailnoise_pipeline::{beside, first_cause};
 use rayon::prelude::*;
 
 use super::fields::{FieldFiles, PendingFields, field_files};
@@ -13,14 +14,13 @@ use crate::cost::{self, MemoryLimit};
 use crate::design::Design;
 use crate::design::inputs::located;
 use crate::error::Error;
-use crate::graph::{Graph, first_cause};
+use crate::graph::{Graph, program_key};
 use crate::output::{self, BodyFields, Exports, File, LAST, RunView};
 use crate::result::RunResult;
 use crate::stages::{Digest, Postcard, Progress};
 use crate::staging::{self, Staging};
-use crate::store::{Key, Store};
+use crate::store::Store;
 use crate::study::StudySource;
-use crate::threads::beside;
 
 /// Name of the entries in the store with the artifacts of runs.
 const RUN: &str = "run";
@@ -244,7 +244,7 @@ fn key(design: &Design, exports: Exports, study: &StudySource) -> Result<Digest,
     // The report has the design's text in its head.
     let entries = serde_json::to_string(&(entries, design.report(), exports)).map_err(Error::Json)?;
     // The digest follows the content of the files that the design names.
-    Ok(Key::new()
+    Ok(program_key()
         .with(design.name())
         .with(&design.digest())
         .with(&entries)

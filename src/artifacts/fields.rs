@@ -8,10 +8,11 @@ use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use crate::error::Error;
+use crate::graph::program_key;
 use crate::output::{BodyFields, Fields};
 use crate::stages::{Digest, Postcard, Stage, Stored};
 use crate::staging::Staging;
-use crate::store::{Checksum, Key, Store, checksum};
+use crate::store::{Checksum, Store, checksum};
 
 /// Name of the entries in the store with the checksums of the files.
 const CHECKSUMS: &str = "checksums of fields";
@@ -101,7 +102,7 @@ pub(super) fn field_files(
 ) -> Result<(FieldFiles, PendingFields), Error> {
     let key = fields.key();
     // Its layout is of this file, which is not in the key of the fields.
-    let of_checksums = Key::new().with(key).digest();
+    let of_checksums = program_key().with(key).digest();
     if let Some(files) = store.load::<FieldFiles, Postcard>(CHECKSUMS, &of_checksums) {
         let missing = files.missing(folder);
         let fields = if missing.is_empty() {

@@ -8,11 +8,11 @@ use crate::design::{BodyModel, Carrier, Design};
 use crate::error::Error;
 use crate::graph::Graph;
 use crate::model::supports;
-use crate::stages::Stored;
 use crate::stages::bodies::{
     Body, BodyKind, BodySensors, Discretisation, Meshed, ModalModel, Model, Modes, SensorModes, WholeModes,
 };
 use crate::stages::requirements::{Radiating, Requirements, Usable};
+use crate::stages::{OnDemand, Stored};
 
 /// The stages of a body.
 #[derive(Clone)]
@@ -179,7 +179,7 @@ fn requirements(
     Ok(Some(graph.add(Requirements {
         kind,
         meshed: own.meshed.clone(),
-        model: own.model.clone(),
+        model: OnDemand(own.model.clone()),
         sensors: inputs::sensors::points(design, carrier)?,
         mass: inputs::bodies::mass(design, kind),
         radiating,

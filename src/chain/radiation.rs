@@ -14,7 +14,7 @@ use crate::stages::radiation::{
     WorkpieceRadiator,
 };
 use crate::stages::sound_fields::FieldMethod;
-use crate::stages::{Digest, Stored};
+use crate::stages::{Digest, OnDemand, Stored};
 
 /// How the bodies of a design radiate.
 pub(crate) struct Radiators {
@@ -164,7 +164,7 @@ pub(crate) fn workpiece_radiation(context: Context<'_>, bodies: &[Stored<Body>])
     let radiator = |method| {
         graph.add(WorkpieceRadiator {
             method,
-            bodies: bodies.to_vec(),
+            bodies: OnDemand(bodies.to_vec()),
             air,
         })
     };

@@ -12,7 +12,7 @@ use crate::stages::radiation::{
     MatrixWithMicrophones, Places, PressureAtMicrophones, PressureOnSurface, RadiatingShape, RadiationMatrix, ShapeFit,
     ShapeMatrix, ShapePressures, Solution, Standard, SurfaceModes, ToolCapSolution, ToolSolution, WorkpieceSolution,
 };
-use crate::stages::{Digest, Stored};
+use crate::stages::{Digest, OnDemand, Stored};
 
 /// Whether other designs have the shape of a design's bodies. If none does, boundary elements are solved for its modes,
 /// and standard bodies need no modes.
@@ -158,12 +158,12 @@ pub(super) fn by_shape(
     }
     Radiation {
         matrix: graph.add(ShapeMatrix {
-            standards: powers,
-            own: own.matrix,
+            standards: OnDemand(powers),
+            own: OnDemand(own.matrix),
         }),
         pressures: graph.add(ShapePressures {
-            standards: pressures,
-            own: own.pressures,
+            standards: OnDemand(pressures),
+            own: OnDemand(own.pressures),
         }),
     }
 }
@@ -173,12 +173,12 @@ fn solved(graph: &Graph, shape: &RadiatingShape, places: &Places, modes: Surface
     let bodies = modes.0.first().cloned().unwrap_or_default();
     let solution = solution(graph, shape, modes);
     let surface = graph.add(PressureOnSurface {
-        solution: solution.clone(),
+        solution: OnDemand(solution.clone()),
     });
     Radiation {
         matrix: graph.add(RadiationMatrix {
-            solution,
-            surface: surface.clone(),
+            solution: OnDemand(solution),
+            surface: OnDemand(surface.clone()),
         }),
         pressures: graph.add(PressureAtMicrophones {
             shape: shape.clone(),

@@ -14,6 +14,7 @@ use nailnoise_quantities::measure;
 use super::{Changes, Memory, Threads};
 use crate::chain;
 use crate::cost::{self, MemoryLimit};
+use crate::design::inputs::assembly::AssembledTool;
 use crate::design::inputs::{bodies as inputs, located};
 use crate::design::{Design, Values};
 use crate::error::Error;
@@ -219,6 +220,15 @@ impl Input {
         (is_design && self.body.is_none())
             .then(|| self.changes.load_without_ranges(&self.path))
             .transpose()
+    }
+
+    /// The assembly of a file with a table `[cycle]`, if no body is chosen.
+    pub(super) fn assembled(&self) -> Result<Option<AssembledTool>, Error> {
+        let is_design = self.path.extension().is_some_and(|end| end == "toml");
+        if !is_design || self.body.is_some() {
+            return Ok(None);
+        }
+        AssembledTool::load(&self.path, &self.changes.set)
     }
 
     /// Sets the size of the thread pool of the process.

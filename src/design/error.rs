@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 
 use miette::{Diagnostic, LabeledSpan, Severity, SourceCode};
 use nailnoise_documents::{DocumentError, Place};
+use nailnoise_dynamics::network::AssemblyError;
 use nailnoise_quantities::dimension::LENGTH;
 use nailnoise_quantities::{Dimension, UnitError};
 
@@ -93,6 +94,15 @@ pub enum Problem {
         nearest: Option<String>,
         /// The permitted groups at this place.
         known: Vec<String>,
+    },
+    /// A fault of the assembly.
+    #[error(transparent)]
+    Assembly(AssemblyError),
+    /// A design with its own assembly, where only the tool of the keys can be computed.
+    #[error("`[cycle]` describes the tool as the assembly \"{name}\", whose sound is not computed yet")]
+    OwnAssembly {
+        /// Name of the assembly.
+        name: String,
     },
     /// A member of a list whose name could not be one in results and files.
     #[error("\"{name}\" cannot be a name")]
@@ -448,6 +458,11 @@ impl Problem {
             Self::UnknownKey { nearest, known, .. } => meant(nearest.as_deref(), known, "the keys here are"),
             Self::Replaced { successors, .. } => format!("give {successors}"),
             Self::UnknownGroup { nearest, known, .. } => meant(nearest.as_deref(), known, "the groups here are"),
+            Self::Assembly(error) => error.help(),
+            Self::OwnAssembly { .. } => "`nailnoise check` lists its network, and `nailnoise cycle` computes its motion, \
+                                         pressures, forces, flows and events; without `[cycle]` the sound of the tool of \
+                                         the keys is computed"
+                .to_owned(),
             Self::BadName { .. } => "use letters, digits, `_` and `-` alone: [sensors.block_top]".to_owned(),
             Self::Sensor { problem, .. } => problem.remedy(),
             Self::TooCostly { keys, .. } => {
@@ -554,6 +569,8 @@ impl Problem {
             Self::UnknownKey { .. } => ["unknown_key", "unknown key"],
             Self::Replaced { .. } => ["replaced", "replaced"],
             Self::UnknownGroup { .. } => ["unknown_group", "unknown group"],
+            Self::Assembly(_) => ["assembly", "here"],
+            Self::OwnAssembly { .. } => ["own_assembly", "its own assembly"],
             Self::BadName { .. } => ["bad_name", "no name"],
             Self::Sensor { .. } => ["sensor", "of this sensor"],
             Self::TooCostly { .. } => ["too_costly", "too costly"],

@@ -12,6 +12,7 @@
 //! conflicting values, and derived quantities that disagree with their primary ones. Each error names file, line, key
 //! and remedy ([`DesignError`]).
 
+mod assembly;
 mod assignment;
 mod catalogue;
 mod checks;
@@ -50,6 +51,7 @@ use std::ops::{Deref, DerefMut};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+use nailnoise_dynamics::network::AssemblyText;
 use nailnoise_quantities::Group;
 use sha2::{Digest as _, Sha256};
 
@@ -81,6 +83,7 @@ use crate::wording::hexadecimal;
 use derived_range::DerivedRange;
 use resolve::{Record, Records, Resolved};
 
+pub(crate) use assembly::refused as refused_assembly;
 pub(crate) use nailnoise_documents::nearest as nearest_word;
 pub(crate) use show::{mm as length_in_words, show as quantity_in_words};
 pub(crate) use source::File;
@@ -101,6 +104,8 @@ pub struct Design {
     derived: Arc<Vec<DerivedRange>>,
     study: StudySettings,
     report: ReportSettings,
+    /// The network of its tables `[cycle]`; none for a tool like the N80CB.
+    assembly: Option<Arc<AssemblyText>>,
     warnings: Vec<Warning>,
     /// Standard normal scores by which the fitted penetration law is drawn; none for the law itself.
     law_scores: Vec<f64>,
@@ -147,6 +152,7 @@ impl Design {
             derived,
             study,
             report,
+            assembly,
             mut warnings,
         } = resolve::resolve(&chain)?;
         warnings.extend(File::shipped_base(&chain));
@@ -161,9 +167,50 @@ impl Design {
             derived: Arc::new(derived),
             study,
             report,
+            assembly: assembly.map(Arc::new),
             warnings,
             law_scores: Vec::new(),
         })
+    }
+
+    /// The assembly of a file and those it inherits from: with the design whose keys it uses, or alone if the files give
+    /// no base. None if no file has a table `[cycle]`.
+    ///
+    /// # Errors
+    /// As [`load`](Self::load).
+    pub(crate) fn load_assembly(
+        path: &Path,
+        assignments: &[Assignment],
+    ) -> Result<Option<LoadedAssembly>, DesignError> {
+        let files = File::read(path, None)?.chain()?;
+        let has_base = files.len() > 1;
+        let over = assignments.iter().rev().map(Assignment::file);
+        let chain: Vec<File> = over.chain(files).collect();
+        if !assembly::has_cycle(&chain)? {
+            return Ok(None);
+        }
+        if has_base {
+            return Ok(Some(LoadedAssembly::OfDesign(Self::load_with(path, assignments)?)));
+        }
+        let text = AssemblyText::open_files(&assembly::documents(&chain)).map_err(assembly::refused)?;
+        Ok(Some(LoadedAssembly::Alone(text)))
+    }
+
+    /// The network of its tables `[cycle]`; none for a design that has no such table.
+    pub fn assembly(&self) -> Option<&AssemblyText> {
+        self.assembly.as_deref()
+    }
+
+    /// Refuses a design with its own assembly, where only the tool of the keys can be computed.
+    ///
+    /// # Errors
+    /// [`Problem::OwnAssembly`].
+    pub(crate) fn refuse_assembly(&self) -> Result<(), DesignError> {
+        let Some(text) = self.assembly() else { return Ok(()) };
+        Err(Problem::OwnAssembly {
+            name: text.name().to_owned(),
+        }
+        .at(None))
     }
 
     /// The file's name without folder and extension.
@@ -230,6 +277,9 @@ impl Design {
         });
         for score in &self.law_scores {
             let _ = writeln!(text, "law_score={score:.11e}");
+        }
+        if let Some(assembly) = self.assembly() {
+            text.push_str(&assembly.canonical());
         }
         hexadecimal(&Sha256::digest(text))
     }
@@ -341,6 +391,15 @@ impl Design {
     pub fn drawn_derived(&self) -> impl Iterator<Item = (Entry, &'static Solution)> + '_ {
         self.derived.iter().map(|own| (own.entry(&self.values), own.solution))
     }
+}
+
+/// An assembly that a command reads.
+#[derive(Debug)]
+pub(crate) enum LoadedAssembly {
+    /// One that uses the keys of a design.
+    OfDesign(Design),
+    /// One whose files give all values.
+    Alone(AssemblyText),
 }
 
 /// SHA-256 of the content of a file, so that a digest follows the content and not the place; its name if it cannot be

@@ -6,6 +6,7 @@ use nailnoise_acoustics::signals::band_containing;
 use nailnoise_quantities::dimension::NUMBER;
 use nailnoise_quantities::{Dimension, Group, KeySpec, Kind, Measured, Value, dotted, members};
 
+use super::assembly::{self, OwnKeys};
 use super::catalogue::Names;
 use super::derived::{AGREEMENT, Derived};
 use super::derived_range::{DerivedRange, MergedDerived};
@@ -24,6 +25,7 @@ use super::springs::Sprung;
 use super::study::{self, StudyLayer, StudySettings};
 use super::surfaces::SurfaceProblem;
 use nailnoise_documents::Place;
+use nailnoise_dynamics::network::AssemblyText;
 
 /// A key with its resolved value and the facts about it.
 #[derive(Debug, Clone)]
@@ -52,6 +54,7 @@ pub(crate) struct Resolved {
     pub(crate) derived: Vec<DerivedRange>,
     pub(crate) study: StudySettings,
     pub(crate) report: ReportSettings,
+    pub(crate) assembly: Option<AssemblyText>,
     pub(crate) warnings: Vec<Warning>,
 }
 
@@ -61,9 +64,11 @@ pub(crate) fn resolve(chain: &[File]) -> Result<Resolved, DesignError> {
     let mut layers = Vec::new();
     let mut studies = Vec::new();
     let mut report = ReportSettings::default();
+    let assembly = assembly::of_chain(chain)?;
+    let own = OwnKeys::of(assembly.as_ref());
     for (depth, file) in chain.iter().enumerate().rev() {
         let table = file.table()?;
-        let layer = Layer::read(file, &table, &Values::SPEC)?;
+        let layer = Layer::read(file, &table, &Values::SPEC, &own)?;
         layers.push((depth, file.is_command_line(), layer));
         studies.extend(StudyLayer::of(file, &table, &Values::SPEC)?);
         report.read(file, &table)?;
@@ -71,7 +76,10 @@ pub(crate) fn resolve(chain: &[File]) -> Result<Resolved, DesignError> {
     let mut derived = MergedDerived::default();
     let (names, agreeing) = merge_layers(&mut merged, &mut derived, layers)?;
     let default = study::default_range(&studies);
-    complete(&merged, chain)?;
+    complete(&merged, chain).map_err(|error| match &assembly {
+        Some(text) => assembly::only_assembly(text, chain),
+        None => error,
+    })?;
 
     let ambient = match merged.get("ambient.pressure").and_then(|merged| merged.value.as_ref()) {
         Some((Given::Quantity(pressure), ..)) => pressure.si,
@@ -114,6 +122,7 @@ pub(crate) fn resolve(chain: &[File]) -> Result<Resolved, DesignError> {
         derived,
         study,
         report,
+        assembly,
         warnings,
     })
 }

@@ -9,6 +9,7 @@ use nailnoise_quantities::{
 use toml::Spanned;
 use toml::de::{DeArray, DeTable, DeValue};
 
+use super::assembly::OwnKeys;
 use super::derived::Derived;
 use super::distribution::Distribution;
 use super::error::{DesignError, Problem};
@@ -60,10 +61,15 @@ pub(crate) struct Layer {
 }
 
 impl Layer {
-    /// Reads the `table` of a `file` by the declaration `root`.
-    pub(crate) fn read(file: &File, table: &DeTable<'_>, root: &'static GroupSpec) -> Result<Self, DesignError> {
+    /// Reads the `table` of a `file` by the declaration `root`, apart from keys of its assembly.
+    pub(crate) fn read(
+        file: &File,
+        table: &DeTable<'_>,
+        root: &'static GroupSpec,
+        own: &OwnKeys,
+    ) -> Result<Self, DesignError> {
         let mut layer = Self::default();
-        Reader { file, root }.group(table, root, "", &mut layer)?;
+        Reader { file, root, own }.group(table, root, "", &mut layer)?;
         Ok(layer)
     }
 }
@@ -98,6 +104,7 @@ const NAMED: &[(&str, &str)] = &[("wood.species", "woods"), ("nail.kind", "nails
 struct Reader<'a> {
     file: &'a File,
     root: &'static GroupSpec,
+    own: &'a OwnKeys,
 }
 
 impl Reader<'_> {
@@ -140,6 +147,9 @@ impl Reader<'_> {
                 }
             } else if let Some(derived) = Derived::find(&full) {
                 layer.derived.push(self.derived(derived, value)?);
+            } else if self.own.covers(&full) {
+                // Read with the assembly.
+                continue;
             } else if let Some((_, successors)) = REPLACED.iter().find(|(old, _)| *old == full) {
                 let at = self.file.place(key.span());
                 return Err(Problem::Replaced { key: full, successors }.at(at));

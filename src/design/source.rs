@@ -56,6 +56,10 @@ impl File {
         self.document.path()
     }
 
+    pub(super) fn document(&self) -> &Document {
+        &self.document
+    }
+
     pub(crate) fn place(&self, span: Range<usize>) -> Box<Place> {
         self.document.place(span)
     }

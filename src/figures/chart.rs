@@ -105,7 +105,7 @@ pub struct Event {
     /// Its symbol.
     pub symbol: String,
     /// What happens.
-    pub name: &'static str,
+    pub name: String,
 }
 
 impl Axis {
@@ -222,7 +222,7 @@ pub(crate) fn events(events: &Events) -> Vec<Event> {
             Some(Event {
                 at: 1e3 * (*time)?,
                 symbol: symbol(&format!("t{index}")),
-                name,
+                name: name.to_owned(),
             })
         });
     let mut events: Vec<Event> = taking_place.collect();

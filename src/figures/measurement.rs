@@ -246,7 +246,7 @@ fn signals(measured: &Measured) -> Option<Chart> {
         .map(|(name, at)| Event {
             at: 1e3 * at,
             symbol: symbol(name),
-            name: meaning(name),
+            name: meaning(name).to_owned(),
         })
         .collect();
     Some(chart)

@@ -8,7 +8,7 @@ use super::film::Fields;
 use super::{Output, fields, modes, shot};
 use crate::error::Error;
 use crate::stages::spectra::{Driven, MovingBody};
-use crate::stages::{Code, Input, Postcard, Progress, Stage, Stored, code};
+use crate::stages::{Code, Postcard, Progress, Stage, Stored, code};
 
 /// Table of the modes of the bodies.
 pub(super) const MODES: Output = Output::of_bodies("modes.csv");
@@ -46,6 +46,7 @@ pub struct BodyFields {
 
 impl Stage for BodyFields {
     type Output = Fields;
+    type Error = Error;
     type Codec = Postcard;
     const NAME: &'static str = "fields of the bodies";
     const CODE: Code = code!(
@@ -65,11 +66,6 @@ impl Stage for BodyFields {
         stages_spectra,
         output
     );
-
-    fn inputs(&self) -> Vec<&dyn Input> {
-        let moving = self.moving.iter().flat_map(MovingBody::inputs);
-        moving.chain([&self.cycle as &dyn Input]).collect()
-    }
 
     fn compute(&self, _: &Progress) -> Result<Fields, Error> {
         let moving: Vec<Driven> = self.moving.iter().map(MovingBody::get).collect::<Result<_, _>>()?;

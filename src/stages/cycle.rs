@@ -28,6 +28,7 @@ impl Cycle {
 
 impl Stage for Cycle {
     type Output = CycleRecord;
+    type Error = Error;
     /// Computing the record takes less time than reading its 20 MB.
     type Codec = Uncached;
     const NAME: &'static str = "nailing cycle";

@@ -337,6 +337,7 @@ pub(crate) struct Influences {
 
 impl Stage for Influences {
     type Output = Vec<Influence>;
+    type Error = Error;
     type Codec = Postcard;
     const NAME: &'static str = "inputs of the outcome";
     const CODE: Code = code![dynamics, stages_cycle, stages_headline];

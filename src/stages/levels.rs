@@ -11,7 +11,7 @@ use super::response::Vibration;
 use super::sensors::{SensorRecord, Sensors};
 use super::sound::SoundSource;
 use super::sources::AnalysedSource;
-use super::{Code, Input, Postcard, Progress, Stage, Stored, all, code};
+use super::{Code, Postcard, Progress, Stage, Stored, all, code};
 use crate::error::Error;
 
 /// Inputs of the levels of a shot.
@@ -61,6 +61,7 @@ pub struct SourceLevels {
 
 impl Stage for ShotLevels {
     type Output = Levels;
+    type Error = Error;
     type Codec = Postcard;
     const NAME: &'static str = "levels of a draw";
     const CODE: Code = code!(
@@ -84,15 +85,6 @@ impl Stage for ShotLevels {
         stages_spectra,
         stages_truncation
     );
-
-    fn inputs(&self) -> Vec<&dyn Input> {
-        let sources = self.sources.iter().map(|source| source as &dyn Input);
-        let mut inputs: Vec<&dyn Input> = sources.chain([&self.cycle as &dyn Input]).collect();
-        inputs.extend(self.bodies.iter().map(|body| body as &dyn Input));
-        inputs.extend(self.responses.iter().map(|response| response as &dyn Input));
-        inputs.extend(self.sensors.iter().flat_map(Stage::inputs));
-        inputs
-    }
 
     fn compute(&self, _: &Progress) -> Result<Levels, Error> {
         let record = self.cycle.get()?;

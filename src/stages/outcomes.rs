@@ -55,6 +55,7 @@ impl ShotOutcome {
 
 impl Stage for Outcomes {
     type Output = Vec<ShotOutcome>;
+    type Error = Error;
     type Codec = Postcard;
     const NAME: &'static str = "outcomes of shots";
     const CODE: Code = code![dynamics, stages_cycle, stages_outcomes];

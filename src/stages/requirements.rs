@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 use super::bodies::tool_loads::MASS_LIMIT;
 use super::bodies::{BodyKind, FoundSurface, Meshed, Model, SensorPoint};
 use super::radiation::{CapSurface, Places, ToolRadiation, WorkpieceRadiation};
-use super::{Code, Input, Postcard, Progress, Stage, Stored, all, code};
+use super::{Code, OnDemand, Postcard, Progress, Stage, Stored, all, code};
 use crate::error::Error;
 
 /// Requirements of a run on a body: places of forces, contacts, springs and sensors, its mass, one piece, and a surface
@@ -20,7 +20,7 @@ pub struct Requirements {
     /// The meshed body.
     pub meshed: Stored<Meshed>,
     /// Its finite elements with the load vectors of the shot.
-    pub model: Stored<Model>,
+    pub model: OnDemand<Stored<Model>>,
     /// Sensors on it.
     pub sensors: Vec<SensorPoint>,
     /// Mass that it must have \[kg\]; none for a body whose mass is that of its mesh.
@@ -47,6 +47,7 @@ pub struct Usable {
 
 impl Stage for Requirements {
     type Output = Usable;
+    type Error = Error;
     type Codec = Postcard;
     const NAME: &'static str = "requirements of a body";
     const CODE: Code = code!(
@@ -57,16 +58,6 @@ impl Stage for Requirements {
         stages_radiation,
         stages_requirements
     );
-
-    /// Without the model, whose errors are reported with the others.
-    fn inputs(&self) -> Vec<&dyn Input> {
-        let others = match &self.radiating {
-            Some(Radiating::Workpiece(_, bodies, _)) => &bodies[..],
-            _ => &[],
-        };
-        let others = others.iter().map(|meshed| meshed as &dyn Input);
-        others.chain([&self.meshed as &dyn Input]).collect()
-    }
 
     fn compute(&self, _: &Progress) -> Result<Usable, Error> {
         let (meshed, body) = (self.meshed.get()?, self.kind.name());

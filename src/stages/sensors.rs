@@ -12,7 +12,7 @@ use serde::{Deserialize, Serialize};
 
 use super::response::Vibration;
 use super::spectra::{BodyMotion, SensorMotion};
-use super::{Code, Input, Postcard, Progress, Stage, Stored, all, code};
+use super::{Code, Postcard, Progress, Stage, Stored, all, code};
 use crate::design::Carrier;
 use crate::error::Error;
 use crate::result::SensorLevel;
@@ -93,6 +93,7 @@ pub struct Sensors {
 
 impl Stage for Sensors {
     type Output = Vec<SensorRecord>;
+    type Error = Error;
     type Codec = Postcard;
     const NAME: &'static str = "sensors";
     const CODE: Code = code!(
@@ -105,11 +106,6 @@ impl Stage for Sensors {
         stages_sensors,
         stages_spectra
     );
-
-    fn inputs(&self) -> Vec<&dyn Input> {
-        let motions = self.motions.iter().map(|motion| motion as &dyn Input);
-        motions.chain([&self.cycle as &dyn Input, &self.vibration]).collect()
-    }
 
     fn compute(&self, _: &Progress) -> Result<Vec<SensorRecord>, Error> {
         self.records()

@@ -16,7 +16,7 @@ use serde::{Deserialize, Serialize};
 use super::bodies::Body;
 use super::radiation::{FlushTop, ToolRadiation, WorkpieceBoundaryElements, top_of};
 use super::spectra::BodyMotion;
-use super::{Code, Input, Postcard, Progress, Stage, Stored, all, code};
+use super::{Code, Postcard, Progress, Stage, Stored, all, code};
 use crate::error::Error;
 use crate::result::Check;
 
@@ -84,6 +84,7 @@ pub struct Fields {
 
 impl Stage for SoundFields {
     type Output = Fields;
+    type Error = Error;
     type Codec = Postcard;
     const NAME: &'static str = "sound fields";
     const CODE: Code = code!(
@@ -97,22 +98,6 @@ impl Stage for SoundFields {
         stages_sound_fields,
         stages_spectra
     );
-
-    fn inputs(&self) -> Vec<&dyn Input> {
-        let bodies = self.bodies.iter().map(|body| body as &dyn Input);
-        let motions = self.motions.iter().map(|motion| motion as &dyn Input);
-        let mut inputs: Vec<&dyn Input> = bodies.chain(motions).collect();
-        match &self.method {
-            FieldMethod::BoundaryElements(_, matrix) => inputs.push(matrix),
-            FieldMethod::Rayleigh(_, radiator) => inputs.push(radiator),
-            FieldMethod::Erp => {}
-        }
-        if let Some(tool) = &self.tool {
-            inputs.extend([&tool.body as &dyn Input, &tool.motion]);
-            inputs.extend(tool.elements.iter().map(|(_, matrix)| matrix as &dyn Input));
-        }
-        inputs
-    }
 
     fn compute(&self, _: &Progress) -> Result<Fields, Error> {
         let bodies = all(&self.bodies)?;

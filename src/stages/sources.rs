@@ -11,7 +11,7 @@ use super::intervals::EventEdges;
 use super::microphones::Heard;
 use super::sound::{SoundSource, SourceHistory};
 use super::truncation::Truncation;
-use super::{Code, Input, Postcard, Progress, Stage, Stored, Uncached};
+use super::{Code, Postcard, Progress, Stage, Stored, Uncached};
 use crate::error::Error;
 use crate::result::Check;
 
@@ -19,9 +19,6 @@ use crate::result::Check;
 pub trait Emission: Clone + Serialize + Send + Sync + 'static {
     /// Digests of the code that makes its sound.
     const CODE: Code;
-
-    /// The inputs that it reads in every case.
-    fn inputs(&self) -> Vec<&dyn Input>;
 
     /// Energy over frequency, without signals.
     ///
@@ -50,13 +47,10 @@ pub struct Energy<E>(pub E);
 
 impl<E: Emission> Stage for Energy<E> {
     type Output = Apart<SourceSpectrum>;
+    type Error = Error;
     type Codec = Postcard;
     const NAME: &'static str = "energy of a source";
     const CODE: Code = E::CODE;
-
-    fn inputs(&self) -> Vec<&dyn Input> {
-        self.0.inputs()
-    }
 
     fn compute(&self, _: &Progress) -> Result<Apart<SourceSpectrum>, Error> {
         self.0.energy()
@@ -87,15 +81,10 @@ pub struct AnalysedSource {
 
 impl<E: Emission> Stage for Analysis<E> {
     type Output = AnalysedSource;
+    type Error = Error;
     type Codec = Uncached;
     const NAME: &'static str = "analysis of a source";
     const CODE: Code = E::CODE;
-
-    fn inputs(&self) -> Vec<&dyn Input> {
-        let mut inputs = self.emission.inputs();
-        inputs.extend([&self.cycle as &dyn Input, &self.end]);
-        inputs
-    }
 
     fn compute(&self, _: &Progress) -> Result<AnalysedSource, Error> {
         let edges = EventEdges::new(&self.cycle.get()?.events, *self.end.get()?);

@@ -12,7 +12,7 @@ use serde::Serialize;
 
 use super::bodies::{Body, BodySensors};
 use super::response::Vibration;
-use super::{Code, Input, Progress, Stage, Stored, Uncached, code};
+use super::{Code, Progress, Stage, Stored, Uncached, code};
 use crate::error::Error;
 
 /// Modes whose motion is computed together: their forces are one matrix product.
@@ -48,11 +48,6 @@ pub struct MovingBody {
 }
 
 impl MovingBody {
-    /// Inputs that the stage of an export waits for.
-    pub fn inputs(&self) -> [&dyn Input; 3] {
-        [&self.body, &self.vibration, &self.motion]
-    }
-
     /// The body with its motion.
     ///
     /// # Errors
@@ -110,6 +105,7 @@ impl SensorMotion {
 
 impl Stage for BodyAnalysis {
     type Output = BodyMotion;
+    type Error = Error;
     type Codec = Uncached;
     const NAME: &'static str = "modal spectra";
     const CODE: Code = code!(
@@ -121,11 +117,6 @@ impl Stage for BodyAnalysis {
         stages_response,
         stages_spectra
     );
-
-    fn inputs(&self) -> Vec<&dyn Input> {
-        let sensors = self.sensors.iter().map(|sensors| sensors as &dyn Input);
-        sensors.chain([&self.vibration as &dyn Input]).collect()
-    }
 
     fn compute(&self, _: &Progress) -> Result<BodyMotion, Error> {
         let vibration = self.vibration.get()?;

@@ -9,7 +9,7 @@ use serde::Serialize;
 
 use super::apart::Apart;
 use super::sources::SourceSound;
-use super::{Code, Input, Postcard, Progress, Stage, Stored, code};
+use super::{Code, OnDemand, Postcard, Progress, Stage, Stored, code};
 use crate::error::Error;
 use crate::result::Starts;
 
@@ -19,7 +19,7 @@ pub struct OtherStarts {
     /// The workpiece of the run, whose start is the first.
     pub first: Stored<SourceSound>,
     /// Energies of the other starts.
-    pub others: Vec<Stored<Apart<SourceSpectrum>>>,
+    pub others: OnDemand<Vec<Stored<Apart<SourceSpectrum>>>>,
     /// Range over which sources are compared \[Hz\].
     pub range_hz: [f64; 2],
 }
@@ -27,6 +27,7 @@ pub struct OtherStarts {
 impl Stage for OtherStarts {
     /// None for a silent workpiece.
     type Output = Option<Starts>;
+    type Error = Error;
     type Codec = Postcard;
     const NAME: &'static str = "other starts";
     const CODE: Code = code!(
@@ -47,18 +48,13 @@ impl Stage for OtherStarts {
         stages_truncation
     );
 
-    fn inputs(&self) -> Vec<&dyn Input> {
-        // The others one after the other, so that no more than one motion is in memory.
-        vec![&self.first]
-    }
-
     fn compute(&self, _: &Progress) -> Result<Option<Starts>, Error> {
         let level = |spectrum: &SourceSpectrum| spectrum.level(self.range_hz, Weighting::A);
         let Some(first) = level(&self.first.get()?.source().spectrum) else {
             return Ok(None);
         };
         let mut levels = vec![first];
-        for other in &self.others {
+        for other in self.others.iter() {
             levels.extend(level(&other.get()?.own));
         }
         let count = levels.len() as f64;

@@ -4,7 +4,7 @@ use nailnoise_dynamics::CycleRecord;
 use rayon::prelude::*;
 use serde::Serialize;
 
-use super::{Code, Input, Progress, Stage, Stored, Uncached, code};
+use super::{Code, Progress, Stage, Stored, Uncached, code};
 use crate::design::Chamber;
 use crate::error::Error;
 use crate::result::TransducerRange;
@@ -61,13 +61,10 @@ pub struct Transducers {
 
 impl Stage for Transducers {
     type Output = Vec<PressureRecord>;
+    type Error = Error;
     type Codec = Uncached;
     const NAME: &'static str = "pressure transducers";
     const CODE: Code = code!(dynamics, stages_transducers);
-
-    fn inputs(&self) -> Vec<&dyn Input> {
-        vec![&self.cycle]
-    }
 
     fn compute(&self, _: &Progress) -> Result<Vec<PressureRecord>, Error> {
         let record = self.cycle.get()?;

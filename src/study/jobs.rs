@@ -3,12 +3,13 @@
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
 
+use nailnoise_pipeline::{Begun, StageError as _, beside};
+
 use crate::chain::Chain;
 use crate::error::Error;
 use crate::graph::Graph;
 use crate::stages::levels::{Levels, ShotLevels};
 use crate::stages::{Postcard, Stage};
-use crate::threads::{Begun, beside};
 
 /// Computes the jobs `0 .. count`, as many at a time as the pool has threads; the results come in the order of the
 /// jobs.

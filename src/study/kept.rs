@@ -9,6 +9,7 @@ use super::result::StudyResult;
 use super::weighted::reweighted;
 use crate::design::Design;
 use crate::error::Error;
+use crate::graph::program_key;
 use crate::model::sources::ALL;
 use crate::result::Weighting;
 use crate::stages::levels::ShotLevels;
@@ -80,7 +81,7 @@ pub(super) fn code() -> String {
 }
 
 fn all(store: &Store) -> (Digest, Vec<Kept>) {
-    let key = Key::new().with(&LAYOUT).with(&code()).digest();
+    let key = program_key().with(&LAYOUT).with(&code()).digest();
     let kept = store.load::<Vec<Kept>, Postcard>(STUDY, &key).unwrap_or_default();
     (key, kept)
 }

@@ -225,8 +225,12 @@ impl<'a> VirtualTest<'a> {
         };
         let chain = Chain::new(self.graph, design, options)?;
         chain.check_bodies().map_err(|error| located(design, error))?;
-        let mut outputs: Vec<&dyn Input> = chain.sources.iter().map(|own| &own.sound as &dyn Input).collect();
-        outputs.extend([&chain.sensors as &dyn Input, &chain.transducers]);
+        let mut outputs: Vec<&dyn Input<Error>> = chain
+            .sources
+            .iter()
+            .map(|own| &own.sound as &dyn Input<Error>)
+            .collect();
+        outputs.extend([&chain.sensors as &dyn Input<Error>, &chain.transducers]);
         self.graph.prepare(&outputs).map_err(|error| located(design, error))?;
         let count = chain.sources.len() as u64;
         // Numbers of the noise of a shot: those of the sources, then those of parts by the source to which they count.

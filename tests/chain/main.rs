@@ -4,12 +4,12 @@
 #[path = "../common/mod.rs"]
 mod common;
 
+mod cached_body;
 mod convention;
 mod coupling;
 mod cycle;
 mod figures;
 mod fluid_loading;
-mod graph;
 mod joint;
 mod laws;
 mod layering;
@@ -19,7 +19,6 @@ mod requirements;
 mod sensitivity;
 mod sound_files;
 mod sources;
-mod store;
 mod study;
 mod tool;
 mod transducers;

@@ -11,7 +11,7 @@ use nailnoise::stages::outcomes::Shot;
 use nailnoise::stages::ranking::rank;
 use nailnoise::stages::sound::{Sound, SoundSource};
 use nailnoise::stages::sources::{Analysis, Emission};
-use nailnoise::stages::{Code, Input, Stored};
+use nailnoise::stages::{Code, Stored};
 use nailnoise::study::{Draw, Draws, Request, StudyResult};
 use nailnoise_acoustics::signals::{SourceSpectrum, Weighting};
 use serde::Serialize;
@@ -66,10 +66,6 @@ impl Noise {
 
 impl Emission for Noise {
     const CODE: Code = Code(&[]);
-
-    fn inputs(&self) -> Vec<&dyn Input> {
-        Vec::new()
-    }
 
     fn energy(&self) -> Result<Apart<SourceSpectrum>, Error> {
         Ok(Apart {

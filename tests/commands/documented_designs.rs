@@ -19,7 +19,7 @@ fn pages(root: &Path) -> Vec<PathBuf> {
     pages
 }
 
-/// Blocks of TOML that name a base, with their lines.
+/// Blocks of TOML that name a base, with their lines, other than those of an assembly (`assembly.rs`).
 fn designs(text: &str) -> Vec<(usize, String)> {
     let mut found = Vec::new();
     let mut block: Option<(usize, String)> = None;
@@ -34,7 +34,7 @@ fn designs(text: &str) -> Vec<(usize, String)> {
             }
         }
     }
-    found.retain(|(_, text)| text.lines().any(|line| line.starts_with("base = ")));
+    found.retain(|(_, text)| text.lines().any(|line| line.starts_with("base = ")) && !text.contains("[cycle"));
     found
 }
 

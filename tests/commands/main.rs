@@ -4,6 +4,7 @@
 #[path = "../common/mod.rs"]
 mod common;
 
+mod assembly;
 mod cache;
 mod compare;
 mod cycle;

@@ -254,7 +254,7 @@ fn what_is_no_file_or_no_toml_is_refused() {
         ("[cycle]\nassembly = { name = \"x\", schema = 9 }", "expected 1"),
         ("[cycle\n", "not TOML"),
         ("cycle = 3", "expected a table"),
-        ("[own]\nx = \"1 mm\"", "has no field `keys.own.x`"),
+        ("[own]\nx = \"1 mm\"", "is not a key of the assembly"),
         ("[keys.own]\nx = { domain = \"1 .. 2 furlong\" }", "not a domain"),
         (
             "[keys.own]\nx = { domain = \"1 .. 2 m\", txet = \"\" }",

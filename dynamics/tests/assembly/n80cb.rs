@@ -244,6 +244,9 @@ fn switches_of_the_model_and_the_release_act() {
         panic!("no polynomial")
     };
     assert!(same(law[1], 0.9 * 79_135.7));
+    assert_eq!(assembly(&p).passages[1].restrictions.len(), 2);
+    p.muffler_area = Some(120e-6);
+    assert!(matches!(assembly(&p).passages[1].restrictions[2].opens, Opens::Constant { area } if area == 120e-6));
     p.model.refill = nailnoise_dynamics::Form::Published;
     assert!(!assembly(&p).passages.iter().any(|passage| passage.name == "refill"));
 }

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use nailnoise_documents::Document;
-use nailnoise_dynamics::network::{AssemblyError, AssemblyText, KeyValue, Resolved};
+use nailnoise_dynamics::network::{AssemblyError, AssemblyText, KeyValue, Numerics, Resolved, simulate};
 
 use crate::random_assembly::{Random, random_assembly};
 
@@ -28,6 +28,29 @@ fn valid_assemblies_are_read() {
         let resolved = read(&text).unwrap_or_else(|error| panic!("{error}; {}\n{text}", error.help()));
         assert_eq!(resolved.assembly.reservoirs.len(), 2);
     }
+}
+
+#[test]
+fn random_assemblies_end_with_their_energy_balanced_or_with_an_error() {
+    let mut ended = 0;
+    for seed in 0..COUNT / 5 {
+        let text = random_assembly(&mut Random::new(seed));
+        let Ok(resolved) = read(&text) else { panic!("{text}") };
+        let numerics = Numerics {
+            sample_interval: None,
+            ..Numerics::default()
+        };
+        if let Ok(record) = simulate(&resolved.assembly, &numerics) {
+            let gas = record.checks.iter().find(|check| check.name.starts_with("gas energy"));
+            assert!(
+                gas.is_some_and(|check| check.ok),
+                "seed {seed}: {:?}\n{text}",
+                record.checks
+            );
+            ended += 1;
+        }
+    }
+    assert!(ended > COUNT / 10, "{ended} ended");
 }
 
 /// Faults that no assembly survives: a text and what takes its place once.

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use nailnoise_dynamics::network::{AssemblyText, BUILT_IN, KeyValue};
+use nailnoise_dynamics::network::{AssemblyText, BUILT_IN, KeyValue, Numerics, Record, simulate};
 
 use crate::common;
 use crate::keys::keys;
@@ -44,5 +44,74 @@ fn every_own_key_is_used_and_has_a_provenance() {
             let literal = literal.unwrap_or_else(|| panic!("{name}: {path} is not used"));
             assert!(!literal.provenance.is_empty(), "{name}: {path} has no provenance");
         }
+    }
+}
+
+/// Runs a built-in assembly with its own keys.
+fn run(name: &str) -> Record {
+    let Some(Ok(text)) = AssemblyText::built_in(name) else {
+        panic!("{name}")
+    };
+    let Ok(resolved) = text.resolve(&BTreeMap::<String, KeyValue>::new()) else {
+        panic!("{name}")
+    };
+    simulate(&resolved.assembly, &Numerics::default()).unwrap_or_else(|error| panic!("{name}: {error}"))
+}
+
+#[test]
+fn built_in_assemblies_run_and_conserve_mass_energy_and_momentum() {
+    for (name, _) in BUILT_IN.iter().filter(|(name, _)| !name.starts_with("n80cb")) {
+        let record = run(name);
+        assert!(record.is_certified(), "{name}: {:?}", record.checks);
+        let events = record.events.iter().filter(|event| event.time.is_some()).count();
+        assert_eq!(events, record.events.len(), "{name}: {:?}", record.events);
+    }
+}
+
+/// Strike, bumper, stop and lift of the prototype \[ms\], and its speed at the strike \[m/s\].
+#[test]
+fn the_gas_spring_nailer_equals_the_prototype() {
+    let record = run("gas_spring_nailer");
+    let events = [
+        ("strike", 7.9311),
+        ("bumper_hit", 10.384),
+        ("stop", 10.747),
+        ("lifted", 376.815),
+    ];
+    for (name, expected) in events {
+        let time = 1e3 * record.event(name).unwrap_or(f64::NAN);
+        assert!(
+            (time - expected).abs() < 1e-3,
+            "{name}: {time} ms in place of {expected} ms"
+        );
+    }
+    assert!(
+        (record.strikes[0].before - 21.8376).abs() < 1e-3,
+        "{:?}",
+        record.strikes
+    );
+}
+
+/// Rows of the measured air guns at the chosen parameters: 21.64 m/s at 30 psi, 92.0 m/s with the spring K11.
+#[test]
+fn the_air_guns_have_the_muzzle_velocities_of_the_prototype() {
+    for (name, channel, expected) in [
+        ("air_gun_valve", "projectile.speed", 21.64),
+        ("air_gun_spring", "dart.speed", 92.0),
+    ] {
+        let record = run(name);
+        let (Some(interval), Some(muzzle)) = (record.interval, record.event("muzzle")) else {
+            panic!("{name}")
+        };
+        let at = (muzzle / interval).round() as usize;
+        let speed = record
+            .get(channel)
+            .and_then(|values| values.get(at))
+            .copied()
+            .unwrap_or(f64::NAN);
+        assert!(
+            (speed - expected).abs() < 0.02,
+            "{name}: {speed} m/s in place of {expected} m/s"
+        );
     }
 }

@@ -12,6 +12,7 @@ use std::path::Path;
 use nailnoise_quantities::{Group as _, Value};
 use toml::de::{DeTable, DeValue};
 
+use super::assembly::OwnKeys;
 use super::error::DesignError;
 use super::groups::Values;
 use super::settings::{Given, Layer, Setting};
@@ -77,7 +78,7 @@ impl Catalogue {
         }
         let text = |key: &str| table.get(key).and_then(|value| value.get_ref().as_str());
         let sets = match table.get("sets").map(|value| value.get_ref()) {
-            Some(DeValue::Table(sets)) => Layer::read(&file, sets, &Values::SPEC)?.settings,
+            Some(DeValue::Table(sets)) => Layer::read(&file, sets, &Values::SPEC, &OwnKeys::default())?.settings,
             _ => Vec::new(),
         };
         Ok(Meaning {

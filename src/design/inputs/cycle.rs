@@ -26,8 +26,10 @@ pub fn cycle_settings(design: &Design) -> dynamics::Settings {
 /// The cycle's parameters of a design.
 ///
 /// # Errors
-/// [`Error::Sand`] when the sand's constants are outside the range of the foundation's formulas.
+/// [`Error::Sand`] when the sand's constants are outside the range of the foundation's formulas; [`Error::Design`] for
+/// a design with its own assembly.
 pub fn parameters(design: &Design) -> Result<dynamics::Parameters, Error> {
+    design.refuse_assembly()?;
     let muffler = &design.exhaust.muffler;
     Ok(dynamics::Parameters {
         supply: design.supply.clone(),

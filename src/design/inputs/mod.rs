@@ -5,6 +5,7 @@ use nailnoise_acoustics::Air;
 use super::Design;
 use crate::error::Error;
 
+pub mod assembly;
 pub mod bodies;
 pub mod cycle;
 pub(crate) mod exports;

@@ -89,18 +89,18 @@ pub(crate) struct ImpedanceComparison {
 
 impl SourceStages {
     /// All that the result of a run reads.
-    pub(crate) fn outputs(&self) -> Vec<&dyn Input> {
-        let mut all: Vec<&dyn Input> = vec![&self.sound];
+    pub(crate) fn outputs(&self) -> Vec<&dyn Input<Error>> {
+        let mut all: Vec<&dyn Input<Error>> = vec![&self.sound];
         let Compared {
             one_way,
             impedance,
             starts,
         } = &self.compared;
-        all.extend(one_way.iter().map(|energy| energy as &dyn Input));
-        all.extend(starts.iter().map(|starts| starts as &dyn Input));
+        all.extend(one_way.iter().map(|energy| energy as &dyn Input<Error>));
+        all.extend(starts.iter().map(|starts| starts as &dyn Input<Error>));
         if let Some(impedance) = impedance {
-            all.extend([&impedance.frozen as &dyn Input, &impedance.complete]);
-            all.extend(impedance.report.iter().map(|report| report as &dyn Input));
+            all.extend([&impedance.frozen as &dyn Input<Error>, &impedance.complete]);
+            all.extend(impedance.report.iter().map(|report| report as &dyn Input<Error>));
         }
         all
     }

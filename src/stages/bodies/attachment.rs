@@ -10,7 +10,7 @@ use super::geometry::{AddedSand, Geometry, Properties, Remainder};
 use super::meshing::NamedMesh;
 use super::surfaces::FoundSurface;
 use crate::error::Error;
-use crate::stages::{Code, Input, Progress, Stage, Stored, Uncached, code};
+use crate::stages::{Code, Progress, Stage, Stored, Uncached, code};
 
 /// A meshed body with its materials, supports and attachments.
 #[derive(Debug, Clone)]
@@ -42,13 +42,10 @@ pub struct Attachment {
 
 impl Stage for Attachment {
     type Output = Meshed;
+    type Error = Error;
     type Codec = Uncached;
     const NAME: &'static str = "materials and attachments";
     const CODE: Code = code!(meshes, fem, stages_bodies);
-
-    fn inputs(&self) -> Vec<&dyn Input> {
-        vec![&self.mesh]
-    }
 
     fn compute(&self, _: &Progress) -> Result<Meshed, Error> {
         self.properties.attached(NamedMesh::clone(&*self.mesh.get()?), self.fit)

@@ -13,7 +13,7 @@ use super::load_places::Model;
 use super::modes::WholeModes;
 use crate::error::Error;
 use crate::result::Check;
-use crate::stages::{Code, HasMatrix, Input, Progress, Stage, Stored, WithMatrix, code, matrix};
+use crate::stages::{Code, HasMatrix, Progress, Stage, Stored, WithMatrix, code, matrix};
 
 /// Reduces the finite elements of a body to its modes.
 #[derive(Serialize)]
@@ -144,13 +144,10 @@ impl HasMatrix for Body {
 
 impl Stage for ModalModel {
     type Output = Body;
+    type Error = Error;
     type Codec = WithMatrix;
     const NAME: &'static str = "body";
     const CODE: Code = code!(meshes, fem, stages_bodies);
-
-    fn inputs(&self) -> Vec<&dyn Input> {
-        vec![&self.modes, &self.model]
-    }
 
     fn compute(&self, _: &Progress) -> Result<Body, Error> {
         let (modes, model) = (self.modes.get()?, self.model.get()?);

@@ -8,7 +8,7 @@ use super::attachment::{constraints, ties};
 use super::geometry::{AddedSand, Geometry, Properties};
 use super::meshing::NamedMesh;
 use crate::error::Error;
-use crate::stages::{Code, Input, Postcard, Progress, Stage, Stored, code};
+use crate::stages::{Code, Postcard, Progress, Stage, Stored, code};
 
 /// Finds an order of elimination for the matrices of a body. The order is stored, because it does not depend on masses
 /// and materials, and nothing else changes between designs of one shape.
@@ -26,13 +26,10 @@ pub struct Elimination {
 
 impl Stage for Elimination {
     type Output = Option<Vec<u32>>;
+    type Error = Error;
     type Codec = Postcard;
     const NAME: &'static str = "order of elimination";
     const CODE: Code = code!(meshes, fem, stages_bodies);
-
-    fn inputs(&self) -> Vec<&dyn Input> {
-        vec![&self.mesh]
-    }
 
     fn compute(&self, _: &Progress) -> Result<Option<Vec<u32>>, Error> {
         let named = self.mesh.get()?;

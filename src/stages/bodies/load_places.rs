@@ -16,7 +16,7 @@ use super::joint::Joint;
 use super::nail_stations::NailPlace;
 use super::tool_loads::{self, ToolPlaces};
 use crate::error::Error;
-use crate::stages::{Code, Input, Progress, Stage, Stored, Uncached, code};
+use crate::stages::{Code, Progress, Stage, Stored, Uncached, code};
 
 /// The mesh of a body with its materials and load vectors.
 #[derive(Serialize)]
@@ -42,13 +42,10 @@ pub struct Model {
 
 impl Stage for Discretisation {
     type Output = Model;
+    type Error = Error;
     type Codec = Uncached;
     const NAME: &'static str = "load vectors";
     const CODE: Code = code!(meshes, fem, stages_bodies);
-
-    fn inputs(&self) -> Vec<&dyn Input> {
-        vec![&self.meshed]
-    }
 
     fn compute(&self, _: &Progress) -> Result<Model, Error> {
         let meshed = self.meshed.get()?;

@@ -30,6 +30,7 @@ pub struct NamedMesh {
 
 impl Stage for Meshing {
     type Output = NamedMesh;
+    type Error = Error;
     type Codec = Uncached;
     const NAME: &'static str = "mesh";
     const CODE: Code = code!(meshes, fem, stages_bodies);

@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 use super::geometry::BodyKind;
 use super::load_places::Model;
 use crate::error::Error;
-use crate::stages::{Code, HasMatrix, Input, Progress, Stage, Stored, WithMatrix, code};
+use crate::stages::{Code, HasMatrix, Progress, Stage, Stored, WithMatrix, code};
 
 /// The modes of a body below a frequency, with static corrections for its loads.
 #[derive(Serialize)]
@@ -50,13 +50,10 @@ impl HasMatrix for WholeModes {
 
 impl Stage for Modes {
     type Output = WholeModes;
+    type Error = Error;
     type Codec = WithMatrix;
     const NAME: &'static str = "modes";
     const CODE: Code = code!(meshes, fem, stages_bodies);
-
-    fn inputs(&self) -> Vec<&dyn Input> {
-        vec![&self.model, &self.order]
-    }
 
     fn compute(&self, progress: &Progress) -> Result<WholeModes, Error> {
         let model = self.model.get()?;

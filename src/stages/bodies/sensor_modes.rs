@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 use super::body::{Body, participation};
 use super::modes::WholeModes;
 use crate::error::Error;
-use crate::stages::{Code, Input, Postcard, Progress, Stage, Stored, code, matrix};
+use crate::stages::{Code, Postcard, Progress, Stage, Stored, code, matrix};
 
 /// Permitted distance of a sensor from its body \[m\]: less than half its base, and more than the distance between the
 /// chords of a mesh and the cylinders that they approximate.
@@ -48,13 +48,10 @@ pub struct SensorModes {
 
 impl Stage for SensorModes {
     type Output = BodySensors;
+    type Error = Error;
     type Codec = Postcard;
     const NAME: &'static str = "sensor modes";
     const CODE: Code = code!(meshes, fem, stages_bodies);
-
-    fn inputs(&self) -> Vec<&dyn Input> {
-        vec![&self.body, &self.modes]
-    }
 
     fn compute(&self, _: &Progress) -> Result<BodySensors, Error> {
         let (body, modes) = (self.body.get()?, self.modes.get()?);

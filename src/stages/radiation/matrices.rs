@@ -26,7 +26,7 @@ use super::tool::{CapSurface, ToolRadiation};
 use super::workpiece::WorkpieceBoundaryElements;
 use crate::error::Error;
 use crate::stages::bodies::{Body, MovingSurface};
-use crate::stages::{Code, Input, Postcard, Progress, Stage, Stored, Uncached, all};
+use crate::stages::{Code, OnDemand, Postcard, Progress, Stage, Stored, Uncached, all};
 
 /// Boundary elements of workpiece and worktable as one surface, or of a workpiece only.
 #[derive(Serialize)]
@@ -39,13 +39,10 @@ pub struct WorkpieceSolution {
 
 impl Stage for WorkpieceSolution {
     type Output = Solution;
+    type Error = Error;
     type Codec = Uncached;
     const NAME: &'static str = "radiation of workpiece and worktable";
     const CODE: Code = CODE;
-
-    fn inputs(&self) -> Vec<&dyn Input> {
-        self.modes.inputs()
-    }
 
     fn compute(&self, progress: &Progress) -> Result<Solution, Error> {
         self.elements.compute(&self.modes.get()?.surfaces(), progress)
@@ -63,13 +60,10 @@ pub struct ToolSolution {
 
 impl Stage for ToolSolution {
     type Output = Solution;
+    type Error = Error;
     type Codec = Uncached;
     const NAME: &'static str = "radiation of the tool";
     const CODE: Code = CODE;
-
-    fn inputs(&self) -> Vec<&dyn Input> {
-        self.modes.inputs()
-    }
 
     fn compute(&self, progress: &Progress) -> Result<Solution, Error> {
         self.elements.compute(&self.modes.get()?.surfaces(), progress)
@@ -90,13 +84,10 @@ pub struct ToolCapSolution {
 
 impl Stage for ToolCapSolution {
     type Output = Solution;
+    type Error = Error;
     type Codec = Uncached;
     const NAME: &'static str = "radiation of the tool's cap";
     const CODE: Code = CODE;
-
-    fn inputs(&self) -> Vec<&dyn Input> {
-        self.modes.inputs()
-    }
 
     fn compute(&self, progress: &Progress) -> Result<Solution, Error> {
         let modes = self.modes.get()?;
@@ -108,13 +99,14 @@ impl Stage for ToolCapSolution {
 #[derive(Serialize)]
 pub struct RadiationMatrix {
     /// Results of boundary elements for the surface.
-    pub solution: Stored<Solution>,
+    pub solution: OnDemand<Stored<Solution>>,
     /// The pressures of the same solution.
-    pub surface: Stored<SurfacePressures>,
+    pub surface: OnDemand<Stored<SurfacePressures>>,
 }
 
 impl Stage for RadiationMatrix {
     type Output = ModalBem;
+    type Error = Error;
     type Codec = Postcard;
     const NAME: &'static str = "radiation matrix";
     const CODE: Code = CODE;
@@ -131,11 +123,12 @@ impl Stage for RadiationMatrix {
 #[derive(Serialize)]
 pub struct PressureOnSurface {
     /// Results of boundary elements for the surface.
-    pub solution: Stored<Solution>,
+    pub solution: OnDemand<Stored<Solution>>,
 }
 
 impl Stage for PressureOnSurface {
     type Output = SurfacePressures;
+    type Error = Error;
     type Codec = Postcard;
     const NAME: &'static str = "pressure on the surface";
     const CODE: Code = CODE;
@@ -160,14 +153,10 @@ pub struct PressureAtMicrophones {
 
 impl Stage for PressureAtMicrophones {
     type Output = ModalPressures;
+    type Error = Error;
     type Codec = Postcard;
     const NAME: &'static str = "pressure at the microphones";
     const CODE: Code = CODE;
-
-    fn inputs(&self) -> Vec<&dyn Input> {
-        let bodies = self.bodies.iter().map(|body| body as &dyn Input);
-        bodies.chain([&self.surface as &dyn Input]).collect()
-    }
 
     fn compute(&self, _: &Progress) -> Result<ModalPressures, Error> {
         let bodies = all(&self.bodies)?;
@@ -192,13 +181,10 @@ pub struct MatrixWithMicrophones {
 
 impl Stage for MatrixWithMicrophones {
     type Output = ModalBem;
+    type Error = Error;
     type Codec = Uncached;
     const NAME: &'static str = "radiation at the microphones";
     const CODE: Code = CODE;
-
-    fn inputs(&self) -> Vec<&dyn Input> {
-        vec![&self.matrix, &self.pressures]
-    }
 
     fn compute(&self, _: &Progress) -> Result<ModalBem, Error> {
         let with = self.matrix.get()?.with_pressures(self.pressures.get()?);
@@ -231,13 +217,10 @@ impl FlushMatrix {
 
 impl Stage for FlushMatrix {
     type Output = FlushSound;
+    type Error = Error;
     type Codec = Postcard;
     const NAME: &'static str = "radiation of the workpiece in a plane";
     const CODE: Code = CODE;
-
-    fn inputs(&self) -> Vec<&dyn Input> {
-        vec![&self.body]
-    }
 
     fn compute(&self, progress: &Progress) -> Result<FlushSound, Error> {
         let surface = top_of(&self.body.get()?.moving_surface())?;

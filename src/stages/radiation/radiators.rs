@@ -14,7 +14,7 @@ use super::flush::{FlushTop, top_of};
 use super::matrices::FlushMatrix;
 use crate::error::Error;
 use crate::stages::bodies::Body;
-use crate::stages::{Code, Input, Postcard, Progress, Stage, Stored, Uncached, all};
+use crate::stages::{Code, OnDemand, Postcard, Progress, Stage, Stored, Uncached, all};
 
 /// How the workpiece with its support radiates, with the known results in standard air.
 #[derive(Serialize)]
@@ -33,24 +33,17 @@ pub struct WorkpieceRadiator {
     /// The method.
     pub method: WorkpieceMethod,
     /// The bodies.
-    pub bodies: Vec<Stored<Body>>,
+    pub bodies: OnDemand<Vec<Stored<Body>>>,
     /// The ambient air.
     pub air: Air,
 }
 
 impl Stage for WorkpieceRadiator {
     type Output = Box<dyn Radiator>;
+    type Error = Error;
     type Codec = Uncached;
     const NAME: &'static str = "radiation in the ambient air";
     const CODE: Code = CODE;
-
-    fn inputs(&self) -> Vec<&dyn Input> {
-        match &self.method {
-            WorkpieceMethod::BoundaryElements(matrix) => vec![matrix],
-            WorkpieceMethod::Erp(_) => self.bodies.iter().map(|body| body as &dyn Input).collect(),
-            WorkpieceMethod::Rayleigh(_, alone) => vec![alone, &self.bodies[0]],
-        }
-    }
 
     fn compute(&self, progress: &Progress) -> Result<Box<dyn Radiator>, Error> {
         let air = &self.air;
@@ -58,7 +51,7 @@ impl Stage for WorkpieceRadiator {
             WorkpieceMethod::BoundaryElements(matrix) => Box::new(matrix.get()?.in_air(&Air::default(), air)),
             WorkpieceMethod::Erp(covered) => {
                 let mut parts = Vec::new();
-                for body in &self.bodies {
+                for body in self.bodies.iter() {
                     let body = body.get()?;
                     parts.push((body.name, covered.erp(&body.moving_surface(), air)?));
                 }
@@ -89,13 +82,10 @@ pub struct ToolRadiator {
 
 impl Stage for ToolRadiator {
     type Output = ModalBem;
+    type Error = Error;
     type Codec = Uncached;
     const NAME: &'static str = "radiation of the tool in the ambient air";
     const CODE: Code = CODE;
-
-    fn inputs(&self) -> Vec<&dyn Input> {
-        vec![&self.matrix]
-    }
 
     fn compute(&self, _: &Progress) -> Result<ModalBem, Error> {
         Ok(self.matrix.get()?.in_air(&Air::default(), &self.air))
@@ -104,7 +94,7 @@ impl Stage for ToolRadiator {
 
 /// Damping and added mass by the air for each mode of each body.
 #[derive(Serialize)]
-#[serde(bound = "")]
+#[serde(bound = "R: Send + Sync + 'static")]
 pub struct FluidLoadings<R> {
     /// How the bodies radiate.
     pub radiator: Stored<R>,
@@ -117,14 +107,10 @@ pub struct FluidLoadings<R> {
 impl<R: Radiator + 'static> Stage for FluidLoadings<R> {
     /// One for each body.
     type Output = Vec<FluidLoads>;
+    type Error = Error;
     type Codec = Postcard;
     const NAME: &'static str = "fluid loading";
     const CODE: Code = CODE;
-
-    fn inputs(&self) -> Vec<&dyn Input> {
-        let bodies = self.bodies.iter().map(|body| body as &dyn Input);
-        bodies.chain([&self.radiator as &dyn Input]).collect()
-    }
 
     fn compute(&self, _: &Progress) -> Result<Vec<FluidLoads>, Error> {
         let mut modes = Vec::new();

@@ -20,7 +20,7 @@ use super::tool::{CapSurface, ToolRadiation};
 use super::workpiece::WorkpieceBoundaryElements;
 use crate::error::Error;
 use crate::stages::bodies::{Body, MovingSurface};
-use crate::stages::{Code, Input, Postcard, Progress, Stage, Stored, Uncached, all};
+use crate::stages::{Code, OnDemand, Postcard, Progress, Stage, Stored, Uncached, all};
 
 /// Largest share of a surface's energy of motion under any load that the known modes of workpiece and table may miss.
 /// Beyond it others are added, or the matrix is solved for the body's modes.
@@ -131,14 +131,10 @@ pub struct ShapeFit {
 
 impl Stage for ShapeFit {
     type Output = Fitted;
+    type Error = Error;
     type Codec = Postcard;
     const NAME: &'static str = "fit of surface velocities";
     const CODE: Code = CODE;
-
-    fn inputs(&self) -> Vec<&dyn Input> {
-        let own = self.bodies.iter().map(|body| body as &dyn Input);
-        self.standard.inputs().into_iter().chain(own).collect()
-    }
 
     fn compute(&self, _: &Progress) -> Result<Fitted, Error> {
         let (standard, bodies) = (self.standard.get()?, all(&self.bodies)?);
@@ -192,7 +188,7 @@ fn lacking(fit: &SurfaceFit, bodies: &[&Body], top_hz: f64) -> Vec<[f64; 2]> {
 
 /// Known results of standard bodies in the shape of a design's.
 #[derive(Serialize)]
-#[serde(bound = "")]
+#[serde(bound = "T: Send + Sync + 'static")]
 pub struct Standard<T> {
     /// How well their modes represent those of the design's bodies.
     pub fit: Stored<Fitted>,
@@ -209,21 +205,17 @@ pub struct Standard<T> {
 #[derive(Serialize)]
 pub struct ShapeMatrix {
     /// Standard bodies, in the order of trial.
-    pub standards: Vec<Standard<ModalBem>>,
+    pub standards: OnDemand<Vec<Standard<ModalBem>>>,
     /// The matrix of the design's modes; read only if no fit is good enough.
-    pub own: Stored<ModalBem>,
+    pub own: OnDemand<Stored<ModalBem>>,
 }
 
 impl Stage for ShapeMatrix {
     type Output = ModalBem;
+    type Error = Error;
     type Codec = Uncached;
     const NAME: &'static str = "radiation by shape";
     const CODE: Code = CODE;
-
-    /// The first fit; others are made if it is not good enough.
-    fn inputs(&self) -> Vec<&dyn Input> {
-        first_fit(&self.standards)
-    }
 
     fn compute(&self, progress: &Progress) -> Result<ModalBem, Error> {
         for Standard {
@@ -231,7 +223,7 @@ impl Stage for ShapeMatrix {
             known,
             name,
             limit,
-        } in &self.standards
+        } in self.standards.iter()
         {
             let fitted = fit.get()?;
             let Some(combinations) = &fitted.fit else {
@@ -261,32 +253,24 @@ impl Stage for ShapeMatrix {
 #[derive(Serialize)]
 pub struct ShapePressures {
     /// As in [`ShapeMatrix`].
-    pub standards: Vec<Standard<ModalPressures>>,
+    pub standards: OnDemand<Vec<Standard<ModalPressures>>>,
     /// The pressures of the design's modes; read only if no fit is good enough.
-    pub own: Stored<ModalPressures>,
+    pub own: OnDemand<Stored<ModalPressures>>,
 }
 
 impl Stage for ShapePressures {
     type Output = ModalPressures;
+    type Error = Error;
     type Codec = Uncached;
     const NAME: &'static str = "pressure by shape";
     const CODE: Code = CODE;
 
-    fn inputs(&self) -> Vec<&dyn Input> {
-        first_fit(&self.standards)
-    }
-
     fn compute(&self, _: &Progress) -> Result<ModalPressures, Error> {
-        for Standard { fit, known, limit, .. } in &self.standards {
+        for Standard { fit, known, limit, .. } in self.standards.iter() {
             if fit.get()?.within(*limit) {
                 return Ok(ModalPressures::clone(&*known.get()?));
             }
         }
         Ok(ModalPressures::clone(&*self.own.get()?))
     }
-}
-
-fn first_fit<T>(standards: &[Standard<T>]) -> Vec<&dyn Input> {
-    let fits = standards.iter().take(1).map(|standard| &standard.fit as &dyn Input);
-    fits.collect()
 }

@@ -7,7 +7,7 @@ use serde::Serialize;
 
 use crate::error::Error;
 use crate::stages::bodies::{Body, MovingSurface};
-use crate::stages::{Input, Stored, all};
+use crate::stages::{Stored, all};
 
 /// Structures of one shape: each of the same bodies, but of other materials or loads. Their meshes are the same or, if
 /// a structure is a single body, other ones of the same outer surface.
@@ -15,11 +15,6 @@ use crate::stages::{Input, Stored, all};
 pub struct SurfaceModes(pub Vec<Vec<Stored<Body>>>);
 
 impl SurfaceModes {
-    /// The bodies of all structures.
-    pub fn inputs(&self) -> Vec<&dyn Input> {
-        self.0.iter().flatten().map(|body| body as &dyn Input).collect()
-    }
-
     /// The modes of each body, those of all structures with the same meshes side by side.
     ///
     /// # Errors

@@ -20,7 +20,7 @@ use super::{CODE, Vibration};
 use crate::error::Error;
 use crate::result::Check;
 use crate::stages::bodies::Body;
-use crate::stages::{Code, Input, Progress, Stage, Stored, Uncached, all};
+use crate::stages::{Code, Progress, Stage, Stored, Uncached, all};
 
 /// Modes whose records are in memory together.
 const BLOCK: usize = 32;
@@ -34,7 +34,7 @@ const ENERGY_LIMIT: f64 = 0.01;
 
 /// A linear response with the complete impedance in place of the frozen one.
 #[derive(Serialize)]
-#[serde(bound = "")]
+#[serde(bound = "R: Send + Sync + 'static")]
 pub struct LinearResponse<R> {
     /// The response with the impedance frozen.
     pub frozen: Stored<Vibration>,
@@ -54,16 +54,11 @@ pub struct LinearResponse<R> {
 
 impl<R: Radiator + 'static> Stage for LinearResponse<R> {
     type Output = Vibration;
+    type Error = Error;
     /// An intermediate of stored outputs.
     type Codec = Uncached;
     const NAME: &'static str = "response with the complete impedance of the air";
     const CODE: Code = CODE;
-
-    fn inputs(&self) -> Vec<&dyn Input> {
-        let bodies = self.bodies.iter().map(|body| body as &dyn Input);
-        let others: [&dyn Input; 3] = [&self.frozen, &self.radiator, &self.fluid];
-        bodies.chain(others).collect()
-    }
 
     fn compute(&self, _: &Progress) -> Result<Vibration, Error> {
         let (vibration, radiator) = (self.frozen.get()?, self.radiator.get()?);

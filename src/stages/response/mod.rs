@@ -28,7 +28,7 @@ pub use shot::Shot;
 pub use two_way::{CoupledCycle, CoupledResponse, CoupledVibration, CouplingReport, Reported};
 
 use super::bodies::Body;
-use super::{Code, Input, Postcard, Progress, Stage, Stored, Uncached, code};
+use super::{Code, Postcard, Progress, Stage, Stored, Uncached, code};
 use crate::error::Error;
 use crate::result::Check;
 
@@ -59,12 +59,6 @@ pub struct Structure {
 }
 
 impl Structure {
-    fn inputs(&self) -> Vec<&dyn Input> {
-        let bodies = self.bodies.iter().map(|body| body as &dyn Input);
-        let fluid = self.fluid.iter().map(|fluid| fluid as &dyn Input);
-        bodies.chain(fluid).collect()
-    }
-
     /// The bodies as the transient solver takes them, the workpiece first, with [`Vibration::coordinates`].
     fn modal_bodies(&self, shot: &Shot) -> Result<(Vec<ModalBody>, Vec<Option<DMatrix<f64>>>), Error> {
         let mut bodies = Vec::new();
@@ -99,16 +93,11 @@ pub struct Response {
 
 impl Stage for Response {
     type Output = Vibration;
+    type Error = Error;
     /// An intermediate of stored outputs.
     type Codec = Uncached;
     const NAME: &'static str = "response of workpiece and support";
     const CODE: Code = CODE;
-
-    fn inputs(&self) -> Vec<&dyn Input> {
-        let mut inputs = self.structure.inputs();
-        inputs.push(&self.cycle);
-        inputs
-    }
 
     fn compute(&self, _: &Progress) -> Result<Vibration, Error> {
         let (bodies, coordinates) = self.structure.modal_bodies(&self.shot)?;
@@ -133,13 +122,10 @@ pub struct End {
 impl Stage for End {
     /// Time \[s\].
     type Output = f64;
+    type Error = Error;
     type Codec = Postcard;
     const NAME: &'static str = "end of the records";
     const CODE: Code = CODE;
-
-    fn inputs(&self) -> Vec<&dyn Input> {
-        vec![&self.cycle, &self.longest]
-    }
 
     fn compute(&self, _: &Progress) -> Result<f64, Error> {
         let record = self.cycle.get()?;
@@ -168,14 +154,10 @@ pub struct ResponseChecks {
 
 impl Stage for ResponseReport {
     type Output = ResponseChecks;
+    type Error = Error;
     type Codec = Postcard;
     const NAME: &'static str = "checks of the response";
     const CODE: Code = CODE;
-
-    fn inputs(&self) -> Vec<&dyn Input> {
-        let bodies = self.bodies.iter().map(|body| body as &dyn Input);
-        bodies.chain([&self.vibration as &dyn Input]).collect()
-    }
 
     fn compute(&self, _: &Progress) -> Result<ResponseChecks, Error> {
         let mut checks = Vec::new();

@@ -10,7 +10,7 @@ use super::shot::Shot;
 use super::{CODE, Structure, Vibration, checks};
 use crate::error::Error;
 use crate::result::Check;
-use crate::stages::{Code, Input, Postcard, Progress, Stage, Stored, Uncached};
+use crate::stages::{Code, Postcard, Progress, Stage, Stored, Uncached};
 
 /// Cycle and response of workpiece and support together, each acting on the other.
 #[derive(Serialize)]
@@ -25,14 +25,11 @@ pub struct CoupledResponse {
 
 impl Stage for CoupledResponse {
     type Output = Coupled;
+    type Error = Error;
     /// An intermediate of stored outputs.
     type Codec = Uncached;
     const NAME: &'static str = "nailing cycle with workpiece and support";
     const CODE: Code = CODE;
-
-    fn inputs(&self) -> Vec<&dyn Input> {
-        self.structure.inputs()
-    }
 
     fn compute(&self, _: &Progress) -> Result<Coupled, Error> {
         let (bodies, coordinates) = self.structure.modal_bodies(&self.shot)?;
@@ -47,13 +44,10 @@ pub struct CoupledCycle(pub Stored<Coupled>);
 
 impl Stage for CoupledCycle {
     type Output = CycleRecord;
+    type Error = Error;
     type Codec = Uncached;
     const NAME: &'static str = "nailing cycle of the coupled response";
     const CODE: Code = CODE;
-
-    fn inputs(&self) -> Vec<&dyn Input> {
-        vec![&self.0]
-    }
 
     fn compute(&self, _: &Progress) -> Result<CycleRecord, Error> {
         Ok(self.0.get()?.record.clone())
@@ -66,13 +60,10 @@ pub struct CoupledVibration(pub Stored<Coupled>);
 
 impl Stage for CoupledVibration {
     type Output = Vibration;
+    type Error = Error;
     type Codec = Uncached;
     const NAME: &'static str = "motion of the coupled response";
     const CODE: Code = CODE;
-
-    fn inputs(&self) -> Vec<&dyn Input> {
-        vec![&self.0]
-    }
 
     fn compute(&self, _: &Progress) -> Result<Vibration, Error> {
         let both = self.0.get()?;
@@ -100,13 +91,10 @@ pub struct Reported {
 
 impl Stage for CouplingReport {
     type Output = Reported;
+    type Error = Error;
     type Codec = Postcard;
     const NAME: &'static str = "checks of the coupling";
     const CODE: Code = CODE;
-
-    fn inputs(&self) -> Vec<&dyn Input> {
-        vec![&self.0]
-    }
 
     fn compute(&self, _: &Progress) -> Result<Reported, Error> {
         let both = self.0.get()?;

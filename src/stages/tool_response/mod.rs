@@ -21,7 +21,7 @@ use nalgebra::{DMatrix, DVector};
 use serde::{Deserialize, Serialize};
 
 use super::response::{Vibration, in_air};
-use super::{Code, Input, Postcard, Progress, Stage, Stored, Uncached, code};
+use super::{Code, Postcard, Progress, Stage, Stored, Uncached, code};
 use crate::error::Error;
 use crate::result::Check;
 use crate::stages::bodies::Body;
@@ -66,15 +66,11 @@ pub struct ToolResponse {
 
 impl Stage for ToolResponse {
     type Output = Vibration;
+    type Error = Error;
     /// An intermediate of stored outputs.
     type Codec = Uncached;
     const NAME: &'static str = "response of the tool";
     const CODE: Code = CODE;
-
-    fn inputs(&self) -> Vec<&dyn Input> {
-        let fluid = self.fluid.iter().map(|fluid| fluid as &dyn Input);
-        fluid.chain([&self.body as &dyn Input, &self.cycle]).collect()
-    }
 
     fn compute(&self, _: &Progress) -> Result<Vibration, Error> {
         let (body, record) = (self.body.get()?, self.cycle.get()?);
@@ -106,13 +102,10 @@ pub struct ToolChecks {
 
 impl Stage for ToolReport {
     type Output = ToolChecks;
+    type Error = Error;
     type Codec = Postcard;
     const NAME: &'static str = "checks of the tool";
     const CODE: Code = CODE;
-
-    fn inputs(&self) -> Vec<&dyn Input> {
-        vec![&self.body, &self.vibration]
-    }
 
     fn compute(&self, _: &Progress) -> Result<ToolChecks, Error> {
         let body = self.body.get()?;

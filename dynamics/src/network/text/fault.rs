@@ -42,6 +42,16 @@ pub enum Fault {
         name: String,
         /// Message of the file system.
         reason: String,
+        /// Names of built-in assemblies.
+        known: Vec<String>,
+    },
+    /// A value of a key that is neither declared nor a standard one.
+    #[error("is not a key of the assembly")]
+    Undeclared {
+        /// Full name of the key.
+        key: String,
+        /// Declared keys.
+        known: Vec<String>,
     },
     /// Unknown field.
     #[error("is not a field of a {owner}")]
@@ -240,8 +250,17 @@ impl Fault {
     fn help(&self) -> String {
         match self {
             Self::Syntax(_) => "correct the syntax at this place".to_owned(),
-            Self::Unreadable { .. } => {
-                "give a file beside this one, or a built-in assembly; `nailnoise list assemblies` names them".to_owned()
+            Self::Unreadable { known, .. } => {
+                format!(
+                    "name a file relative to this one, or a built-in assembly: {}",
+                    known.join(", ")
+                )
+            }
+            Self::Undeclared { key, known } => {
+                let near = nearest(known.iter().map(String::as_str), key);
+                let near = near.map_or_else(String::new, |near| format!("did you mean `{near}`? "));
+                let (group, key) = key.rsplit_once('.').unwrap_or(("", key));
+                format!("{near}an own key is declared, as [keys.{group}] {key} = {{ domain = \"1 .. 100 mm\" }}")
             }
             Self::UnknownField { name, known, .. } => choose(name, known, "the fields are"),
             Self::Missing { example, .. } => format!("add it, as {example}"),

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use nailnoise_quantities::dimension::{DAMPING, NUMBER, STIFFNESS};
+use nailnoise_quantities::dimension::{AREA, DAMPING, NUMBER, STIFFNESS};
 use nailnoise_quantities::{Dimension, Group, GroupSpec, KeySpec, Kind, Value};
 
 use crate::{
@@ -65,7 +65,8 @@ impl Keys for BTreeMap<String, KeyValue> {
 }
 
 impl Parameters {
-    /// Values of all keys of the cycle, with `support.stiffness` and `support.damping` of the support in use.
+    /// Values of all keys of the cycle, with `support.stiffness` and `support.damping` of the support in use, and the
+    /// muffler's kind and area.
     pub fn keys(&self) -> BTreeMap<String, KeyValue> {
         let mut keys = BTreeMap::new();
         self.visit(&mut |path, spec, value| {
@@ -78,6 +79,13 @@ impl Parameters {
         for (path, si, dimension) in support {
             keys.insert(path.to_owned(), KeyValue::Quantity { si, dimension });
         }
+        let kind = if self.muffler_area.is_some() { "given" } else { "none" };
+        keys.insert("exhaust.muffler.kind".to_owned(), KeyValue::Word(kind.to_owned()));
+        let area = KeyValue::Quantity {
+            si: self.muffler_area.unwrap_or(0.0),
+            dimension: AREA,
+        };
+        keys.insert("exhaust.muffler.flow_area".to_owned(), area);
         keys
     }
 }

@@ -93,7 +93,15 @@ impl AssemblyText {
     /// # Errors
     /// A file that cannot be read, is not TOML, or gives an undeclared key.
     pub fn open(document: &Document) -> Result<Self, AssemblyError> {
-        let text = Self::open_design(std::slice::from_ref(document))?;
+        Self::open_files(std::slice::from_ref(document))
+    }
+
+    /// Reads an assembly whose files are `documents`, the base first.
+    ///
+    /// # Errors
+    /// As [`open`](Self::open).
+    pub fn open_files(documents: &[Document]) -> Result<Self, AssemblyError> {
+        let text = Self::open_design(documents)?;
         text.check_values()?;
         Ok(text)
     }
@@ -139,6 +147,27 @@ impl AssemblyText {
     /// Keys that the assembly declares, by full name.
     pub fn declared(&self) -> &BTreeMap<String, DeclaredKey> {
         &self.declared
+    }
+
+    /// The text that the files give for a field by its full name (`cycle.event.t4.becomes`), if it is one.
+    pub fn text_of(&self, path: &str) -> Option<&str> {
+        let fields = path.strip_prefix("cycle.")?.split('.');
+        let node = fields.into_iter().try_fold(&self.cycle, |node, key| node.get(key))?;
+        node.text()
+    }
+
+    /// All fields and values of keys, one a line, in alphabetical order: the same for two assemblies that are written
+    /// in different files and order of fields.
+    pub fn canonical(&self) -> String {
+        let mut lines = Vec::new();
+        self.cycle.lines("cycle", &mut lines);
+        for (path, node) in &self.values {
+            if self.declared.contains_key(path) {
+                node.lines(path, &mut lines);
+            }
+        }
+        lines.sort();
+        lines.concat()
     }
 
     /// Adds a document on top of the layers so far, after the assembly that it is based on.
@@ -274,8 +303,8 @@ impl AssemblyText {
         match read {
             Ok(base) => self.add(&base, depth),
             Err(reason) => {
-                let name = name.to_owned();
-                Err(self.error("cycle.assembly", &spot, Fault::Unreadable { name, reason }))
+                let (name, known) = (name.to_owned(), BUILT_IN.map(|(name, _)| name.to_owned()).to_vec());
+                Err(self.error("cycle.assembly", &spot, Fault::Unreadable { name, reason, known }))
             }
         }
     }
@@ -375,10 +404,9 @@ impl AssemblyText {
 
     /// The error of a value whose key is not declared.
     pub(super) fn undeclared(&self, path: &str, node: &Node) -> AssemblyError {
-        let (group, key) = path.rsplit_once('.').unwrap_or(("", path));
-        let fault = Fault::Missing {
-            field: format!("keys.{path}"),
-            example: format!("[keys.{group}] {key} = {{ domain = \"1 .. 100 mm\", text = \"...\" }}"),
+        let fault = Fault::Undeclared {
+            key: path.to_owned(),
+            known: self.declared.keys().cloned().collect(),
         };
         self.error(path, &node.spot, fault)
     }

@@ -16,10 +16,11 @@ mod layers;
 mod literal;
 mod names;
 mod node;
+mod resolve;
 mod resolver;
 
 pub use fault::{AssemblyError, Fault};
 pub use keys::{KeyValue, Keys};
 pub use layers::{AssemblyText, BUILT_IN, DeclaredKey};
 pub use literal::Literal;
-pub use resolver::Resolved;
+pub use resolve::Resolved;

@@ -106,6 +106,29 @@ impl Node {
         self.get("value").is_some()
     }
 
+    /// Every value under `path` as a line.
+    pub(super) fn lines(&self, path: &str, lines: &mut Vec<String>) {
+        let line = match &self.value {
+            Tree::Table(entries) => {
+                for entry in entries {
+                    entry.node.lines(&format!("{path}.{}", entry.key), lines);
+                }
+                return;
+            }
+            Tree::Array(items) => {
+                for (index, item) in items.iter().enumerate() {
+                    item.lines(&format!("{path}.{index}"), lines);
+                }
+                return;
+            }
+            Tree::Text(text) => format!("{path}={text}\n"),
+            Tree::Number(number) => format!("{path}={number:e}\n"),
+            Tree::Flag(on) => format!("{path}={on}\n"),
+            Tree::Other(words) => format!("{path}={words}\n"),
+        };
+        lines.push(line);
+    }
+
     /// The value in words, for messages.
     pub(super) fn found(&self) -> String {
         match &self.value {

@@ -6,8 +6,6 @@ use std::collections::{BTreeMap, BTreeSet};
 use nailnoise_quantities::dimension::NUMBER;
 use nailnoise_quantities::{Dimension, Kind, any};
 
-use super::blocks;
-use super::checks;
 use super::compile::{Compiled, Scalar, Scope, Trouble, compile};
 use super::fault::{AssemblyError, Fault};
 use super::formula::parse;
@@ -16,42 +14,7 @@ use super::layers::{AssemblyText, dotted};
 use super::literal::{Literal, details, dimension, read};
 use super::names::{self, Block, CHANNELS, Names, family_name, quantities};
 use super::node::{Node, Spot, Tree};
-use crate::network::assembly::{Assembly, BlockRef, Channel, Expression, Family};
-
-/// An assembly with the literals and keys that it uses.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Resolved {
-    /// The assembly.
-    pub assembly: Assembly,
-    /// Numbers that it gives itself, in the order in which they are read.
-    pub literals: Vec<Literal>,
-    /// Full names of the keys that its formulas use.
-    pub keys: BTreeSet<String>,
-}
-
-impl AssemblyText {
-    /// Evaluates the assembly.
-    ///
-    /// # Errors
-    /// The first field, block or law that is wrong, with its place.
-    pub fn resolve(&self, keys: &dyn Keys) -> Result<Resolved, AssemblyError> {
-        let mut resolver = Resolver {
-            text: self,
-            keys,
-            names: Names::default(),
-            state: RefCell::default(),
-        };
-        resolver.names = resolver.collect()?;
-        let assembly = blocks::read(&resolver)?;
-        checks::run(&resolver, &assembly)?;
-        let state = resolver.state.into_inner();
-        Ok(Resolved {
-            assembly,
-            literals: state.literals,
-            keys: state.used,
-        })
-    }
-}
+use crate::network::assembly::{BlockRef, Channel, Expression, Family};
 
 /// Largest number of names that need each other in turn.
 const DEEPEST: usize = 64;
@@ -75,6 +38,24 @@ struct State {
 }
 
 impl<'a> Resolver<'a> {
+    /// The evaluation of an assembly over the values of keys.
+    pub(super) fn new(text: &'a AssemblyText, keys: &'a dyn Keys) -> Result<Self, AssemblyError> {
+        let mut resolver = Self {
+            text,
+            keys,
+            names: Names::default(),
+            state: RefCell::default(),
+        };
+        resolver.names = resolver.collect()?;
+        Ok(resolver)
+    }
+
+    /// The literals and the keys that were read.
+    pub(super) fn finish(self) -> (Vec<Literal>, BTreeSet<String>) {
+        let state = self.state.into_inner();
+        (state.literals, state.used)
+    }
+
     pub(super) fn error(&self, path: &str, spot: &Spot, fault: Fault) -> AssemblyError {
         self.text.error(path, spot, fault)
     }

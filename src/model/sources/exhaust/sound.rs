@@ -20,7 +20,7 @@ use crate::stages::intervals::EventEdges;
 use crate::stages::microphones::{Heard, JetOutlet, MicrophoneArray};
 use crate::stages::sound::{Sound, SoundSource, SourceHistory, parts_of};
 use crate::stages::sources::{Emission, SourceSound};
-use crate::stages::{Code, Input, Progress, Stage, Stored, Uncached, code};
+use crate::stages::{Code, Progress, Stage, Stored, Uncached, code};
 
 /// Name of the source.
 pub(crate) const NAME: &str = "exhaust";
@@ -157,14 +157,10 @@ pub(crate) struct Outflow {
 
 impl Stage for OutflowNoise {
     type Output = Outflow;
+    type Error = Error;
     type Codec = Uncached;
     const NAME: &'static str = "noise of the outflow";
     const CODE: Code = CODE;
-
-    fn inputs(&self) -> Vec<&dyn Input> {
-        let unmuffled = self.cycles.unmuffled.iter().map(|cycle| cycle as &dyn Input);
-        unmuffled.chain([&self.cycles.shot as &dyn Input]).collect()
-    }
 
     fn compute(&self, _: &Progress) -> Result<Outflow, Error> {
         let shot = self.cycles.shot.get()?;
@@ -194,10 +190,6 @@ pub(crate) struct ExhaustSound(pub(crate) Stored<Outflow>);
 
 impl Emission for ExhaustSound {
     const CODE: Code = CODE;
-
-    fn inputs(&self) -> Vec<&dyn Input> {
-        vec![&self.0]
-    }
 
     fn energy(&self) -> Result<Apart<SourceSpectrum>, Error> {
         let outflow = self.0.get()?;
@@ -242,13 +234,10 @@ pub(crate) struct Exhaust {
 
 impl Stage for Exhaust {
     type Output = SourceSound;
+    type Error = Error;
     type Codec = Uncached;
     const NAME: &'static str = "exhaust";
     const CODE: Code = CODE;
-
-    fn inputs(&self) -> Vec<&dyn Input> {
-        vec![&self.outflow, &self.cycle, &self.end]
-    }
 
     fn compute(&self, _: &Progress) -> Result<SourceSound, Error> {
         let (end, outflow) = (*self.end.get()?, self.outflow.get()?);

@@ -23,7 +23,7 @@ use crate::stages::sound::{Sound, SoundSource};
 use crate::stages::sources::{Emission, SourceSound};
 use crate::stages::spectra::BodyMotion;
 use crate::stages::truncation::{Part, truncations};
-use crate::stages::{Code, Input, Postcard, Progress, Stage, Stored, code};
+use crate::stages::{Code, Postcard, Progress, Stage, Stored, code};
 
 /// Name of the source.
 pub(crate) const NAME: &str = "body";
@@ -276,17 +276,6 @@ fn moved<T>(part: T, counts_to: &'static str) -> Moved<T> {
 impl Emission for HousingSound {
     const CODE: Code = CODE;
 
-    fn inputs(&self) -> Vec<&dyn Input> {
-        let mut inputs: Vec<&dyn Input> = vec![&self.cycle];
-        if let Some(housing) = &self.elastic {
-            inputs.extend([&housing.body as &dyn Input, &housing.motion]);
-            inputs.extend(housing.radiator.iter().map(|radiator| radiator as &dyn Input));
-            inputs.extend(housing.loads.iter().map(|loads| loads as &dyn Input));
-            inputs.extend(housing.cap.iter().map(|cap| &cap.radiator as &dyn Input));
-        }
-        inputs
-    }
-
     fn energy(&self) -> Result<Apart<SourceSpectrum>, Error> {
         let whole = self.sound(Detail::Levels)?.spectrum;
         let Some((cap, counts_to)) = self.cap()? else {
@@ -325,19 +314,10 @@ pub(crate) struct HousingSource {
 
 impl Stage for HousingSource {
     type Output = SourceSound;
+    type Error = Error;
     type Codec = Postcard;
     const NAME: &'static str = "sound of the tool's body";
     const CODE: Code = CODE;
-
-    fn inputs(&self) -> Vec<&dyn Input> {
-        let mut inputs = self.sound.inputs();
-        inputs.push(&self.end);
-        if let Some(housing) = &self.at_microphones {
-            inputs.push(&housing.whole);
-            inputs.extend(housing.cap.iter().map(|cap| cap as &dyn Input));
-        }
-        inputs
-    }
 
     fn compute(&self, _: &Progress) -> Result<SourceSound, Error> {
         let sound = self.sound.sound(Detail::Report)?;

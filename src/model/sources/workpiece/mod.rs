@@ -20,7 +20,7 @@ use crate::stages::response::{ResponseReport, Vibration};
 use crate::stages::sources::SourceSound;
 use crate::stages::spectra::BodyMotion;
 use crate::stages::starts::OtherStarts;
-use crate::stages::{Code, Stored};
+use crate::stages::{Code, OnDemand, Stored};
 use nailnoise_acoustics::signals::SourceSpectrum;
 
 /// The workpiece with its support.
@@ -70,7 +70,7 @@ impl Source for Workpiece {
             let others = other_starts.map(|start| shot.motions.driven(start, shot.motions.two_way).vibration);
             shot.context.graph.add(OtherStarts {
                 first: sound.clone(),
-                others: others.map(|vibration| energy_of(shot, &vibration)).collect(),
+                others: OnDemand(others.map(|vibration| energy_of(shot, &vibration)).collect()),
                 range_hz: shot.motions.range_hz,
             })
         });

@@ -15,7 +15,7 @@ use crate::stages::sound::{Sound, SoundSource};
 use crate::stages::sources::{Emission, SourceSound};
 use crate::stages::spectra::BodyMotion;
 use crate::stages::truncation::{Part, truncations};
-use crate::stages::{Code, Input, Postcard, Progress, Stage, Stored, Uncached, all, code};
+use crate::stages::{Code, Postcard, Progress, Stage, Stored, Uncached, all, code};
 
 /// Name of the source.
 pub(crate) const NAME: &str = "workpiece";
@@ -82,13 +82,6 @@ impl WorkpieceSound {
 impl Emission for WorkpieceSound {
     const CODE: Code = CODE;
 
-    fn inputs(&self) -> Vec<&dyn Input> {
-        let bodies = self.bodies.iter().map(|body| body as &dyn Input);
-        let motions = self.motions.iter().map(|motion| motion as &dyn Input);
-        let others: [&dyn Input; 2] = [&self.loads, &self.radiator];
-        bodies.chain(motions).chain(others).collect()
-    }
-
     fn energy(&self) -> Result<Apart<SourceSpectrum>, Error> {
         let motions = all(&self.motions)?;
         let spectra: Vec<&ModalSpectra> = motions.iter().map(|motion| &motion.spectra).collect();
@@ -119,17 +112,10 @@ pub(crate) struct Radiated {
 
 impl Stage for WorkpieceRadiated {
     type Output = Radiated;
+    type Error = Error;
     type Codec = Uncached;
     const NAME: &'static str = "radiation of the workpiece";
     const CODE: Code = CODE;
-
-    fn inputs(&self) -> Vec<&dyn Input> {
-        self.sound
-            .inputs()
-            .into_iter()
-            .chain([&self.at_microphones as &dyn Input])
-            .collect()
-    }
 
     fn compute(&self, _: &Progress) -> Result<Radiated, Error> {
         let motions = all(&self.sound.motions)?;
@@ -162,15 +148,10 @@ pub(crate) struct WorkpieceSource {
 
 impl Stage for WorkpieceSource {
     type Output = SourceSound;
+    type Error = Error;
     type Codec = Postcard;
     const NAME: &'static str = "sound of the workpiece";
     const CODE: Code = CODE;
-
-    fn inputs(&self) -> Vec<&dyn Input> {
-        let bodies = self.bodies.iter().map(|body| body as &dyn Input);
-        let others: [&dyn Input; 3] = [&self.radiated, &self.cycle, &self.end];
-        bodies.chain(others).collect()
-    }
 
     fn compute(&self, _: &Progress) -> Result<SourceSound, Error> {
         let (radiated, end, bodies) = (self.radiated.get()?, *self.end.get()?, all(&self.bodies)?);

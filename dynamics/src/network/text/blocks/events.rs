@@ -3,7 +3,7 @@
 use nailnoise_quantities::dimension::TIME;
 use nailnoise_quantities::{Dimension, nonnegative};
 
-use super::{each, entries};
+use super::list::{each, entries};
 use crate::network::assembly::{
     Action, Comparison, Condition, Edge, Event, Expression, Family, Opens, Outcome, OutcomeTest, Passage, Pick, Sensor,
     Trigger, Word,
@@ -402,25 +402,35 @@ pub(super) fn events(
     Ok(events)
 }
 
+/// Outcomes in order: pairs in an array, or a table of tests by name.
 pub(super) fn outcomes(top: &Fields<'_, '_>, sensors: &[Measured]) -> Result<Vec<Outcome>, AssemblyError> {
-    const EXPECTED: &str = "names and tests, as [[\"drives\", \"t12\"]]";
-    let items = top.array("outcome", EXPECTED)?.unwrap_or_default();
-    let read = |item: &Node| {
-        let Tree::Array(pair) = &item.value else {
-            return Err(top.wrong("outcome", EXPECTED));
-        };
-        let [name, test] = &pair[..] else {
-            return Err(top.wrong("outcome", EXPECTED));
-        };
-        let (Some(name), Some(text)) = (name.text(), test.text()) else {
-            return Err(top.wrong("outcome", EXPECTED));
-        };
+    const EXPECTED: &str = "names and tests, as [[\"drives\", \"t12\"]] or { drives = \"t12\" }";
+    let wrong = || top.wrong("outcome", EXPECTED);
+    let mut tests: Vec<(&str, &Node)> = Vec::new();
+    match top.get("outcome").map(|node| (&node.value, node)) {
+        None => {}
+        Some((Tree::Array(items), _)) => {
+            for item in items {
+                let Tree::Array(pair) = &item.value else {
+                    return Err(wrong());
+                };
+                let [name, test] = &pair[..] else { return Err(wrong()) };
+                tests.push((name.text().ok_or_else(wrong)?, test));
+            }
+        }
+        Some((Tree::Table(_), node)) => {
+            tests.extend(node.entries().iter().map(|entry| (entry.key.as_str(), &entry.node)));
+        }
+        Some(_) => return Err(wrong()),
+    }
+    let read = |(name, test): (&str, &Node)| {
+        let text = test.text().ok_or_else(wrong)?;
         Ok(Outcome {
             name: name.to_owned(),
             test: outcome_test(top, test, text, &dimensions(sensors))?,
         })
     };
-    items.iter().map(read).collect()
+    tests.into_iter().map(read).collect()
 }
 
 /// "E", "no E", "E before F", or a condition at the end.

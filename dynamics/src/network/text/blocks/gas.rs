@@ -3,7 +3,7 @@
 use nailnoise_quantities::dimension::{ANGLE, AREA, HEAT_TRANSFER, LENGTH, NUMBER, TEMPERATURE, TIME, VOLUME};
 use nailnoise_quantities::{any, gas_pressure, nonnegative, positive};
 
-use super::{each, is_atmosphere, parent};
+use super::list::{each, is_atmosphere, parent};
 use crate::network::assembly::{
     Base, Coefficient, Cone, Face, Family, Gate, Opens, Passage, PassageLaw, Pipe, Reservoir, Restriction, Space,
     Volume, Wall,

@@ -3,7 +3,7 @@
 use nailnoise_quantities::dimension::{ACCELERATION, DAMPING, FORCE, LENGTH, MASS, NUMBER, STIFFNESS, TIME, VELOCITY};
 use nailnoise_quantities::{Kind, any, component, nonnegative, positive};
 
-use super::each;
+use super::list::each;
 use crate::network::assembly::{
     Base, Body, Contact, ContactDamping, Family, Fastener, FastenerLaw, Force, ForceLaw, Friction, Hold, Motor, Seated,
     Spring, SpringLaw, Start, Stop, Weights,

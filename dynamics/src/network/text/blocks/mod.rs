@@ -2,10 +2,12 @@
 
 mod events;
 mod gas;
+mod list;
 mod mechanics;
 mod outputs;
 
 pub(super) use gas::reaches_atmosphere;
+pub(super) use list::is_atmosphere;
 pub(super) use mechanics::unbalanced;
 
 use nailnoise_quantities::dimension::{ACCELERATION, GAS_CONSTANT, NUMBER, TIME};
@@ -14,10 +16,8 @@ use nailnoise_quantities::{any, positive};
 use super::fault::{AssemblyError, Fault};
 use super::fields::Fields;
 use super::layers::FAMILIES;
-use super::names::family_name;
-use super::node::Node;
 use super::resolver::Resolver;
-use crate::network::assembly::{Assembly, Base, Family, Finish, Ledger, Space};
+use crate::network::assembly::{Assembly, Family, Finish, Ledger};
 
 /// Fields of `[cycle]` that are no families of blocks.
 const FIELDS: [&str; 9] = [
@@ -82,44 +82,6 @@ pub(super) fn read(resolver: &Resolver<'_>) -> Result<Assembly, AssemblyError> {
     })
 }
 
-/// The blocks of a family that are on.
-fn each<'r, 'a>(
-    resolver: &'r Resolver<'a>,
-    family: Family,
-    known: &[&str],
-) -> Result<Vec<(&'a str, Fields<'r, 'a>)>, AssemblyError> {
-    let table = family_name(family);
-    let of = resolver
-        .names
-        .blocks
-        .iter()
-        .filter(|block| block.block.family == family);
-    of.map(|block| {
-        let path = format!("cycle.{table}.{}", block.name);
-        Ok((block.name, Fields::new(resolver, path, block.node, table, known)?))
-    })
-    .collect()
-}
-
-/// The entries of a table without channels that are on.
-fn entries<'r, 'a>(
-    resolver: &'r Resolver<'a>,
-    table: &str,
-    known: &[&str],
-) -> Result<Vec<(&'a str, Fields<'r, 'a>)>, AssemblyError> {
-    let mut found = Vec::new();
-    for entry in resolver.text.cycle.get(table).map_or(&[][..], Node::entries) {
-        let path = format!("cycle.{table}.{}", entry.key);
-        if resolver.is_on(&path, &entry.node)? {
-            found.push((
-                entry.key.as_str(),
-                Fields::new(resolver, path, &entry.node, table, known)?,
-            ));
-        }
-    }
-    Ok(found)
-}
-
 fn finish(top: &Fields<'_, '_>, resolver: &Resolver<'_>) -> Result<Option<Finish>, AssemblyError> {
     let Some(finish) = top.table("finish", "finish", &["event", "tail", "never_past"])? else {
         return Ok(None);
@@ -130,15 +92,4 @@ fn finish(top: &Fields<'_, '_>, resolver: &Resolver<'_>) -> Result<Option<Finish
         tail: finish.or("tail", nailnoise_quantities::nonnegative(TIME), 0.0)?,
         never_past: event("never_past")?,
     }))
-}
-
-/// The parent of a body.
-fn parent(parents: &[Base], body: usize) -> Base {
-    parents.get(body).copied().unwrap_or(Base::Ground)
-}
-
-/// Whether a space is the atmosphere.
-pub(super) fn is_atmosphere(resolver: &Resolver<'_>, space: Space) -> bool {
-    let atmosphere = resolver.names.index("atmosphere", Family::Reservoir);
-    matches!(space, Space::Reservoir(index) if Some(index) == atmosphere)
 }

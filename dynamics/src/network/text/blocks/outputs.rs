@@ -3,8 +3,8 @@
 use nailnoise_quantities::dimension::{AREA, FORCE, LENGTH, NUMBER};
 use nailnoise_quantities::positive;
 
-use super::entries;
 use super::events::{Measured, dimensions, expect, expression};
+use super::list::entries;
 use crate::network::assembly::{Family, Load, Opening, Passage, PressurePatch, PressureSurface};
 use crate::network::text::fault::{AssemblyError, Fault};
 use crate::network::text::fields::Fields;

@@ -1,6 +1,6 @@
 //! A uniform pressure moves no body.
 
-use super::error;
+use super::place::error;
 use crate::network::assembly::{Assembly, Push};
 use crate::network::text::blocks::unbalanced;
 use crate::network::text::fault::{AssemblyError, Fault};

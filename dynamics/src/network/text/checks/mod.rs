@@ -3,12 +3,13 @@
 mod faces;
 mod loads;
 mod passages;
+mod place;
 mod springs;
 mod volumes;
 
-use super::fault::{AssemblyError, Fault};
+use super::fault::AssemblyError;
 use super::resolver::Resolver;
-use crate::network::assembly::{Assembly, Base, Contact, Stop};
+use crate::network::assembly::Assembly;
 
 /// Checks all laws; the first that is violated is the error.
 pub(super) fn run(resolver: &Resolver<'_>, assembly: &Assembly) -> Result<(), AssemblyError> {
@@ -19,28 +20,4 @@ pub(super) fn run(resolver: &Resolver<'_>, assembly: &Assembly) -> Result<(), As
     passages::shut_in_turn(resolver, assembly)?;
     springs::stay_within_their_law(resolver, assembly)?;
     loads::add_up(resolver, assembly)
-}
-
-/// The error of a block by its name.
-fn error(resolver: &Resolver<'_>, table: &str, name: &str, fault: Fault) -> AssemblyError {
-    let path = format!("cycle.{table}.{name}");
-    let spot = resolver
-        .names
-        .find(name)
-        .map_or(&resolver.text.cycle.spot, |block| block.spot);
-    resolver.error(&path, spot, fault)
-}
-
-/// The stop that limits the travel of a body from another on one side.
-fn stop(assembly: &Assembly, body: usize, against: Base, side: Stop) -> Option<&Contact> {
-    let mut stops: Vec<&Contact> = assembly
-        .contacts
-        .iter()
-        .filter(|contact| contact.on == body && contact.against == against && contact.stop == side)
-        .collect();
-    stops.sort_by(|a, b| a.at.total_cmp(&b.at));
-    match side {
-        Stop::Below => stops.first().copied(),
-        Stop::Above => stops.last().copied(),
-    }
 }

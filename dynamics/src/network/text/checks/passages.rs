@@ -1,6 +1,6 @@
 //! Passages to the atmosphere make noise, and no supply blows into it.
 
-use super::{error, stop};
+use super::place::{error, stop};
 use crate::network::assembly::{Assembly, Base, Opens, Passage, Push, Space, Stop};
 use crate::network::text::blocks::{is_atmosphere, reaches_atmosphere};
 use crate::network::text::fault::{AssemblyError, Fault};

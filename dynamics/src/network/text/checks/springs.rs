@@ -1,6 +1,6 @@
 //! Springs stay within the range of their law.
 
-use super::error;
+use super::place::error;
 use crate::network::assembly::Assembly;
 use crate::network::text::fault::{AssemblyError, Fault};
 use crate::network::text::resolver::Resolver;

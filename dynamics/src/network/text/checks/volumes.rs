@@ -1,6 +1,6 @@
 //! Volumes can change and do not collapse.
 
-use super::{error, stop};
+use super::place::{error, stop};
 use crate::network::assembly::{Assembly, Face, Push, Space, Start, Stop};
 use crate::network::text::fault::{AssemblyError, Fault};
 use crate::network::text::resolver::Resolver;

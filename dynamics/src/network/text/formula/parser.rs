@@ -1,7 +1,7 @@
 //! Parser of formulas, by recursive descent.
 
+use super::term::{Relation, SyntaxError, Term};
 use super::tokens::{Token, tokens};
-use super::{Relation, SyntaxError, Term};
 use crate::network::assembly::{Binary, Function};
 
 /// Largest depth of nested terms.

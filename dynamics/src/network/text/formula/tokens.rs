@@ -2,7 +2,8 @@
 
 use nailnoise_quantities::{Dimension, quantity};
 
-use super::{SyntaxError, unit};
+use super::term::SyntaxError;
+use super::unit;
 
 /// A token.
 #[derive(Debug, Clone, PartialEq)]

@@ -1,0 +1,57 @@
+//! Blocks of a family by name, and small questions about them.
+
+use crate::network::assembly::{Base, Family, Space};
+use crate::network::text::fault::AssemblyError;
+use crate::network::text::fields::Fields;
+use crate::network::text::names::family_name;
+use crate::network::text::node::Node;
+use crate::network::text::resolver::Resolver;
+
+/// The blocks of a family that are on.
+pub(super) fn each<'r, 'a>(
+    resolver: &'r Resolver<'a>,
+    family: Family,
+    known: &[&str],
+) -> Result<Vec<(&'a str, Fields<'r, 'a>)>, AssemblyError> {
+    let table = family_name(family);
+    let of = resolver
+        .names
+        .blocks
+        .iter()
+        .filter(|block| block.block.family == family);
+    of.map(|block| {
+        let path = format!("cycle.{table}.{}", block.name);
+        Ok((block.name, Fields::new(resolver, path, block.node, table, known)?))
+    })
+    .collect()
+}
+
+/// The entries of a table without channels that are on.
+pub(super) fn entries<'r, 'a>(
+    resolver: &'r Resolver<'a>,
+    table: &str,
+    known: &[&str],
+) -> Result<Vec<(&'a str, Fields<'r, 'a>)>, AssemblyError> {
+    let mut found = Vec::new();
+    for entry in resolver.text.cycle.get(table).map_or(&[][..], Node::entries) {
+        let path = format!("cycle.{table}.{}", entry.key);
+        if resolver.is_on(&path, &entry.node)? {
+            found.push((
+                entry.key.as_str(),
+                Fields::new(resolver, path, &entry.node, table, known)?,
+            ));
+        }
+    }
+    Ok(found)
+}
+
+/// The parent of a body.
+pub(super) fn parent(parents: &[Base], body: usize) -> Base {
+    parents.get(body).copied().unwrap_or(Base::Ground)
+}
+
+/// Whether a space is the atmosphere.
+pub(in crate::network::text) fn is_atmosphere(resolver: &Resolver<'_>, space: Space) -> bool {
+    let atmosphere = resolver.names.index("atmosphere", Family::Reservoir);
+    matches!(space, Space::Reservoir(index) if Some(index) == atmosphere)
+}

@@ -1,0 +1,29 @@
+//! Places of blocks, and the stops of bodies.
+
+use crate::network::assembly::{Assembly, Base, Contact, Stop};
+use crate::network::text::fault::{AssemblyError, Fault};
+use crate::network::text::resolver::Resolver;
+
+/// The error of a block by its name.
+pub(super) fn error(resolver: &Resolver<'_>, table: &str, name: &str, fault: Fault) -> AssemblyError {
+    let path = format!("cycle.{table}.{name}");
+    let spot = resolver
+        .names
+        .find(name)
+        .map_or(&resolver.text.cycle.spot, |block| block.spot);
+    resolver.error(&path, spot, fault)
+}
+
+/// The stop that limits the travel of a body from another on one side.
+pub(super) fn stop(assembly: &Assembly, body: usize, against: Base, side: Stop) -> Option<&Contact> {
+    let mut stops: Vec<&Contact> = assembly
+        .contacts
+        .iter()
+        .filter(|contact| contact.on == body && contact.against == against && contact.stop == side)
+        .collect();
+    stops.sort_by(|a, b| a.at.total_cmp(&b.at));
+    match side {
+        Stop::Below => stops.first().copied(),
+        Stop::Above => stops.last().copied(),
+    }
+}

@@ -1,0 +1,65 @@
+//! Syntax tree of a formula.
+
+use nailnoise_quantities::Dimension;
+
+use crate::network::assembly::{Binary, Function};
+
+/// Syntax tree of a formula.
+#[derive(Debug, Clone, PartialEq)]
+pub(in crate::network::text) enum Term {
+    /// A number; with its unit converted to SI. A zero without a unit fits every dimension.
+    Number {
+        si: f64,
+        dimension: Dimension,
+        bare: bool,
+    },
+    /// A name, with dots.
+    Name(String),
+    /// A word in quotes.
+    Word(String),
+    Negative(Box<Self>),
+    Binary(Binary, Box<Self>, Box<Self>),
+    /// pi d^2/4.
+    Disc(Box<Self>),
+    Function(Function, Vec<Self>),
+    Compare(Relation, Box<Self>, Box<Self>),
+    And(Box<Self>, Box<Self>),
+    Or(Box<Self>, Box<Self>),
+    Not(Box<Self>),
+}
+
+/// Relation of two terms.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(in crate::network::text) enum Relation {
+    Less,
+    LessOrEqual,
+    Greater,
+    GreaterOrEqual,
+    Equal,
+    NotEqual,
+}
+
+/// Why a text is not a formula.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub(in crate::network::text) enum SyntaxError {
+    #[error("`{0}` is not expected here")]
+    Unexpected(String),
+    #[error("it ends where {0} is expected")]
+    End(&'static str),
+    #[error("`{0}` is not a unit")]
+    Unit(String),
+    #[error("`{0}` is not a finite number")]
+    Number(String),
+    #[error("`{0}` is not a function; there are disc, sqrt, exp, sin, cos, tan, min, max, abs")]
+    Function(String),
+    #[error("{name} takes {expected}, not {found}")]
+    Arguments {
+        name: String,
+        expected: &'static str,
+        found: usize,
+    },
+    #[error("it is nested too deeply")]
+    Depth,
+    #[error("it has more than {0} numbers, names and signs")]
+    Long(usize),
+}

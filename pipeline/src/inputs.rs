@@ -1,0 +1,71 @@
+//! The inputs of a stage, found while its fields are serialised for its key.
+//!
+//! A list of inputs beside the fields would have to be kept in agreement with them. The key already visits every field,
+//! within options, lists and nested values alike, and every [`Stored`](crate::Stored) that it visits is an input.
+
+use std::any::Any;
+use std::cell::RefCell;
+use std::ops::Deref;
+use std::sync::Arc;
+
+use serde::{Serialize, Serializer};
+
+use crate::store::Digest;
+
+/// An input of a stage, of any type.
+pub trait Input<E>: Send + Sync {
+    /// Makes the value, if it is not made yet.
+    ///
+    /// # Errors
+    /// That of the stage that makes it.
+    fn prepare(&self) -> Result<(), E>;
+}
+
+thread_local! {
+    /// The inputs found so far while this thread serialises a stage, with the keys of their stages.
+    static FOUND: RefCell<Option<Vec<(Digest, Box<dyn Any>)>>> = const { RefCell::new(None) };
+}
+
+/// Runs work that serialises values; also returns the inputs within them, each once.
+pub(crate) fn during<T, E: 'static>(work: impl FnOnce() -> T) -> (T, Vec<Arc<dyn Input<E>>>) {
+    let outer = FOUND.replace(Some(Vec::new()));
+    let value = work();
+    let found = FOUND.replace(outer).unwrap_or_default();
+    let inputs = found
+        .into_iter()
+        .filter_map(|(_, input)| input.downcast::<Arc<dyn Input<E>>>().ok())
+        .map(|input| *input);
+    (value, inputs.collect())
+}
+
+/// Counts the output of the stage `key` as an input of the stage that is being serialised, if one is.
+pub(crate) fn found<E: 'static>(key: &Digest, input: impl FnOnce() -> Arc<dyn Input<E>>) {
+    FOUND.with_borrow_mut(|found| {
+        let Some(found) = found else { return };
+        if found.iter().all(|(known, _)| known != key) {
+            found.push((*key, Box::new(input())));
+        }
+    });
+}
+
+/// Inputs that a stage reads only in some cases, or one after the other to save memory. They are part of its key, but
+/// are not made before it is computed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct OnDemand<T>(pub T);
+
+impl<T> Deref for OnDemand<T> {
+    type Target = T;
+
+    fn deref(&self) -> &T {
+        &self.0
+    }
+}
+
+impl<T: Serialize> Serialize for OnDemand<T> {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let outer = FOUND.take();
+        let serialized = self.0.serialize(serializer);
+        FOUND.set(outer);
+        serialized
+    }
+}

@@ -1,0 +1,86 @@
+//! Outputs of stages as inputs of others.
+
+use std::sync::Arc;
+
+use serde::{Serialize, Serializer};
+
+use crate::inputs::{self, Input};
+use crate::store::Digest;
+
+/// The output of a stage, made when it is first read and shared by all who read it.
+///
+/// It is serialised as the key of its stage: a result that uses it depends on the inputs of that stage, not on its
+/// bytes, whose last digits may differ between machines.
+pub struct Stored<T, E> {
+    key: Digest,
+    source: Arc<dyn Source<T, E>>,
+}
+
+/// Origin of a [`Stored`] value.
+pub trait Source<T, E>: Send + Sync {
+    /// The value, looked up or computed.
+    ///
+    /// # Errors
+    /// That of the stage that makes it.
+    fn get(&self) -> Result<Arc<T>, E>;
+}
+
+impl<T, E> Stored<T, E> {
+    /// The output of the stage with this key.
+    pub fn new(key: Digest, source: Arc<dyn Source<T, E>>) -> Self {
+        Self { key, source }
+    }
+
+    /// The value. Must not be called within a parallel loop: the threads of the loop may be the ones that make it.
+    ///
+    /// # Errors
+    /// That of the stage that makes it.
+    pub fn get(&self) -> Result<Arc<T>, E> {
+        self.source.get()
+    }
+
+    /// Digest of all that the value depends on.
+    pub fn key(&self) -> &Digest {
+        &self.key
+    }
+}
+
+impl<T: Send + Sync + 'static, E: 'static> Stored<T, E> {
+    /// A value at hand, under a key of the caller's choice: for tests, and for callers that run a single stage.
+    pub fn ready(key: Digest, value: T) -> Self {
+        struct Ready<T>(Arc<T>);
+        impl<T: Send + Sync, E> Source<T, E> for Ready<T> {
+            fn get(&self) -> Result<Arc<T>, E> {
+                Ok(Arc::clone(&self.0))
+            }
+        }
+        Self::new(key, Arc::new(Ready(Arc::new(value))))
+    }
+}
+
+impl<T, E> Clone for Stored<T, E> {
+    fn clone(&self) -> Self {
+        Self::new(self.key, Arc::clone(&self.source))
+    }
+}
+
+impl<T: Send + Sync + 'static, E: 'static> Serialize for Stored<T, E> {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        inputs::found(&self.key, || -> Arc<dyn Input<E>> { Arc::new(self.clone()) });
+        serializer.serialize_bytes(&self.key)
+    }
+}
+
+/// The values of several inputs.
+///
+/// # Errors
+/// Those of the stages that make them.
+pub fn all<T, E>(inputs: &[Stored<T, E>]) -> Result<Vec<Arc<T>>, E> {
+    inputs.iter().map(Stored::get).collect()
+}
+
+impl<T: Send + Sync, E> Input<E> for Stored<T, E> {
+    fn prepare(&self) -> Result<(), E> {
+        self.get().map(drop)
+    }
+}

@@ -1,0 +1,48 @@
+//! Time of each stage of a run.
+
+use std::time::Duration;
+
+use serde::{Serialize, Serializer};
+
+/// Wall time of each stage \[s\], in the order of their ends, without that of the stages it waits for; some run side by
+/// side.
+#[derive(Debug, Clone, Default)]
+pub struct Timing(Vec<(&'static str, f64)>);
+
+/// The complete run, in the list of its stages.
+const WHOLE: &str = "whole run";
+
+impl Timing {
+    /// Adds time to a stage.
+    pub fn add(&mut self, stage: &'static str, time: Duration) {
+        let seconds = time.as_secs_f64();
+        match self.0.iter_mut().find(|(known, _)| *known == stage) {
+            Some((_, sum)) => *sum += seconds,
+            None => self.0.push((stage, seconds)),
+        }
+    }
+
+    /// Adds the time of all of it.
+    pub fn end(&mut self, whole: Duration) {
+        self.add(WHOLE, whole);
+    }
+
+    /// Stages and their times \[s\].
+    pub fn stages(&self) -> impl Iterator<Item = (&str, f64)> {
+        self.0.iter().map(|(stage, seconds)| (*stage, *seconds))
+    }
+
+    /// Wall time of all of it \[s\].
+    pub fn whole(&self) -> f64 {
+        self.stages()
+            .filter(|(stage, _)| *stage == WHOLE)
+            .map(|(_, seconds)| seconds)
+            .sum()
+    }
+}
+
+impl Serialize for Timing {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_map(self.0.iter().map(|(stage, seconds)| (stage, seconds)))
+    }
+}

@@ -1,0 +1,154 @@
+//! `nailnoise cycle` of an assembly: one cycle of the network.
+
+use std::path::{Path, PathBuf};
+
+use nailnoise_dynamics::network::{Effort, EventTime, LedgerEntry, Peak, Record, Strike, simulate};
+use nailnoise_quantities::Check;
+use serde::Serialize;
+
+use crate::commands::{Status, folder_of, print, print_json, progress, status_of, table};
+use crate::design::inputs::assembly::AssembledTool;
+use crate::error::Error;
+use crate::figures;
+use crate::output;
+use crate::staging::Staging;
+use crate::tables::{self, fixed};
+
+/// The last file to be written, so that a folder with it has all the rest.
+const LAST: &str = "events.csv";
+
+/// What the command line asks of the cycle.
+pub(in crate::commands) struct Asked<'a> {
+    /// The file of the tool.
+    pub(in crate::commands) path: &'a Path,
+    /// Folder of the files; none for the one of the tool's name.
+    pub(in crate::commands) out: Option<&'a Path>,
+    pub(in crate::commands) json: bool,
+    pub(in crate::commands) figures: bool,
+}
+
+/// Layout of `cycle --json` of an assembly.
+#[derive(Serialize)]
+struct CycleResult<'a> {
+    schema: &'static str,
+    tool: &'a str,
+    assembly: &'a str,
+    outcome: Option<&'a str>,
+    /// End of the record \[s\].
+    end: f64,
+    events: &'a [EventTime],
+    peaks: &'a [Peak],
+    strikes: &'a [Strike],
+    ledger: &'a [LedgerEntry],
+    checks: &'a [Check],
+    work: Effort,
+    /// Names of the channels, the columns of `histories.csv`.
+    channels: Vec<&'a str>,
+    /// Files of the requested figures.
+    figures: Vec<String>,
+}
+
+pub(in crate::commands) fn execute(tool: &AssembledTool, asked: &Asked<'_>) -> Result<Status, Error> {
+    let folder = match asked.out {
+        Some(folder) => folder.to_owned(),
+        None => folder_of(Path::new("out"), &tool.name, asked.path)?,
+    };
+    let progress = progress();
+    progress.stage("cycle");
+    let record = simulate(&tool.resolved.assembly, &tool.numerics)?;
+    let mut drawn = Vec::new();
+    if !asked.json || asked.out.is_some() || asked.figures {
+        progress.stage("writing files");
+        drawn = write(&folder, tool, &record, asked.figures)?;
+    }
+    progress.end();
+    let status = status_of(&record.checks);
+    let result = CycleResult {
+        schema: "nailnoise-network-cycle/1",
+        tool: &tool.name,
+        assembly: &tool.resolved.assembly.name,
+        outcome: record.outcome.as_deref(),
+        end: record.end,
+        events: &record.events,
+        peaks: &record.peaks,
+        strikes: &record.strikes,
+        ledger: &record.ledger,
+        checks: &record.checks,
+        work: record.work,
+        channels: record.channels.iter().map(|channel| channel.name.as_str()).collect(),
+        figures: drawn.iter().map(|file| file.display().to_string()).collect(),
+    };
+    if asked.json {
+        print_json(&result)?;
+    } else {
+        print(&text(tool, &record))?;
+        print(&format!("\n  files in {}\n", folder.display()))?;
+        for file in &drawn {
+            print(&format!("  {}\n", file.display()))?;
+        }
+    }
+    Ok(status)
+}
+
+/// Writes the tables and, on request, the charts; returns the files of the charts.
+fn write(folder: &Path, tool: &AssembledTool, record: &Record, with_figures: bool) -> Result<Vec<PathBuf>, Error> {
+    let staging = Staging::within(folder)?;
+    for file in output::of_network(record)? {
+        staging.write(&file.path, &file.content)?;
+    }
+    let charts = if with_figures {
+        figures::network(&headline(tool, record), record)
+    } else {
+        Vec::new()
+    };
+    let drawn = figures::write(&staging, Path::new("figures"), &charts)?;
+    staging.place(&[], Path::new(LAST))?;
+    Ok(drawn.iter().map(|file| folder.join(file)).collect())
+}
+
+/// The tool and its outcome.
+fn headline(tool: &AssembledTool, record: &Record) -> String {
+    let outcome = record
+        .outcome
+        .as_ref()
+        .map(|outcome| format!(": {}", outcome.replace('_', " ")));
+    format!("{}{}", tool.name, outcome.unwrap_or_default())
+}
+
+fn text(tool: &AssembledTool, record: &Record) -> String {
+    let mut text = format!("{}\n\n", headline(tool, record));
+    let mut section = |headings: [&str; 2], rows: Vec<Vec<String>>| {
+        if !rows.is_empty() {
+            text.push_str(&table::table(&headings, &rows));
+            text.push('\n');
+        }
+    };
+    let events = record
+        .events
+        .iter()
+        .map(|event| vec![event.name.clone(), fixed(event.time.map(|time| 1e3 * time), 3)]);
+    section(["event", "time ms"], events.collect());
+    let peaks = record
+        .peaks
+        .iter()
+        .map(|peak| vec![peak.block.clone(), format!("{:.1}", peak.force)]);
+    section(["peak force", "N"], peaks.collect());
+    let strikes = record.strikes.iter().map(|strike| {
+        vec![
+            format!("{} at {:.3} ms", strike.fastener, 1e3 * strike.time),
+            format!("{:.3} to {:.3}", strike.before, strike.after),
+        ]
+    });
+    section(["strike", "speed m/s"], strikes.collect());
+    let ledger = record
+        .ledger
+        .iter()
+        .map(|entry| vec![entry.name.clone(), format!("{:.5e} {}", entry.value, entry.unit)]);
+    section(["balance", "value"], ledger.collect());
+    text.push_str(&table::text(&tables::run::checks(&record.checks)));
+    text.push_str(&format!(
+        "\n  {} steps, {} rejected, {} changes of mode, {} Jacobians\n",
+        record.work.steps, record.work.rejected, record.work.events, record.work.jacobians
+    ));
+    text
+}

@@ -1,0 +1,7 @@
+//! `check` and `cycle` of a tool that a file describes as an assembly of blocks.
+
+mod check;
+mod cycle;
+
+pub(super) use check::execute as check;
+pub(super) use cycle::{Asked, execute as cycle};

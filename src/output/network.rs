@@ -1,0 +1,59 @@
+//! Files of a cycle as a network: histories of all channels, events and log.
+
+use nailnoise_dynamics::network::Record;
+
+use super::File;
+use super::table::{numbers, optional, table};
+use crate::error::Error;
+
+/// Name of a channel's column: block and quantity joined by an underscore, with the unit.
+fn title(name: &str, unit: &str) -> String {
+    format!("{} [{unit}]", name.replace('.', "_")).replace(" []", "")
+}
+
+/// `histories.csv`, `openings.csv`, `log.csv` and `events.csv`.
+///
+/// # Errors
+/// [`Error::Table`].
+pub fn of_network(record: &Record) -> Result<Vec<File>, Error> {
+    let mut files = Vec::new();
+    if let Some(interval) = record.interval {
+        let time = |index: usize| index as f64 * interval;
+        let channels = &record.channels;
+        let titles = channels.iter().map(|channel| title(&channel.name, &channel.unit));
+        let values: Vec<&[f64]> = channels.iter().map(|channel| &channel.values[..]).collect();
+        let header = std::iter::once("time [s]".to_owned()).chain(titles);
+        files.push(File::new("histories.csv", numbers(header, (time, 7), (&values, 9), 1)?));
+        let mut header = vec!["time [s]".to_owned()];
+        let mut values: Vec<&[f64]> = Vec::new();
+        for opening in &record.openings {
+            for (quantity, unit, history) in [
+                ("mass_flow", "kg/s", &opening.mass_flow),
+                ("pressure", "Pa", &opening.pressure),
+                ("back_pressure", "Pa", &opening.back_pressure),
+                ("temperature", "K", &opening.temperature),
+            ] {
+                header.push(format!("{}_{quantity} [{unit}]", opening.name));
+                values.push(history);
+            }
+        }
+        if !values.is_empty() {
+            files.push(File::new("openings.csv", numbers(header, (time, 7), (&values, 9), 1)?));
+        }
+    }
+    let log = record.log.iter().map(|entry| {
+        let block = if entry.restriction.is_empty() {
+            entry.block.clone()
+        } else {
+            format!("{}.{}", entry.block, entry.restriction)
+        };
+        [format!("{:.9}", entry.time), block, entry.word.to_owned()]
+    });
+    files.push(File::new("log.csv", table(["time [s]", "block", "word"], log)?));
+    let events = record
+        .events
+        .iter()
+        .map(|event| [event.name.clone(), optional(event.time, 9)]);
+    files.push(File::new("events.csv", table(["event", "time [s]"], events)?));
+    Ok(files)
+}

@@ -1,0 +1,163 @@
+//! Tools that a file describes as an assembly: the page that explains them, `check`, `cycle` and refusals.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::Output;
+
+use crate::common::{ROOT, command, folder, json};
+
+/// The blocks of TOML of the page.
+fn blocks() -> Vec<String> {
+    let page = fs::read_to_string(Path::new(ROOT).join("docs/another-tool.md")).unwrap();
+    let parts = page.split("```toml\n").skip(1);
+    parts.map(|part| part.split("```").next().unwrap().to_owned()).collect()
+}
+
+/// A folder with the tacker of the page, the design with a chamber and the blow gun.
+fn tools(name: &str) -> PathBuf {
+    let folder = folder(&format!("assembly/{name}"));
+    let blocks = blocks();
+    let (chamber, parts) = blocks.split_last().unwrap();
+    fs::write(folder.join("tacker.toml"), parts.concat()).unwrap();
+    fs::write(folder.join("chamber.toml"), chamber).unwrap();
+    for file in ["designs/n80cb.toml", "dynamics/assemblies/blow_gun.toml"] {
+        let file = Path::new(ROOT).join(file);
+        fs::copy(&file, folder.join(file.file_name().unwrap())).unwrap();
+    }
+    folder
+}
+
+fn nailnoise(folder: &Path, arguments: &[&str]) -> Output {
+    command(arguments).current_dir(folder).output().unwrap()
+}
+
+/// Time of an event \[ms\].
+fn event(result: &serde_json::Value, name: &str) -> Option<f64> {
+    let events = result["events"].as_array().unwrap();
+    let found = events.iter().find(|event| event["name"] == name).unwrap();
+    found["time"].as_f64().map(|time| 1e3 * time)
+}
+
+#[test]
+fn every_step_of_the_page_runs_and_the_tacker_drives() {
+    let folder = tools("page");
+    let blocks = blocks();
+    for steps in 1..blocks.len() {
+        fs::write(folder.join("step.toml"), blocks[..steps].concat()).unwrap();
+        let result = json(&nailnoise(&folder, &["cycle", "step.toml", "--json"]));
+        assert!(
+            result["checks"]
+                .as_array()
+                .unwrap()
+                .iter()
+                .all(|check| check["ok"] == true),
+            "step {steps}"
+        );
+    }
+    let result = json(&nailnoise(&folder, &["cycle", "tacker.toml", "--json"]));
+    assert_eq!(result["outcome"], "drives");
+    assert!(
+        event(&result, "strike") < event(&result, "driven") && event(&result, "driven") < event(&result, "returned")
+    );
+}
+
+/// Check (h) of the specification of networks.
+#[test]
+fn the_chamber_of_the_page_moves_the_events_of_the_exhaust() {
+    let folder = tools("chamber");
+    let result = json(&nailnoise(&folder, &["cycle", "chamber.toml", "--json"]));
+    for (name, expected) in [
+        ("t13", 42.971),
+        ("t15", 65.301),
+        ("t16", 76.192),
+        ("t17", 79.558),
+        ("t18", 81.625),
+    ] {
+        let time = event(&result, name).unwrap();
+        assert!(
+            (time - expected).abs() < 1.5e-3,
+            "{name}: {time} ms in place of {expected} ms"
+        );
+    }
+}
+
+#[test]
+fn a_literal_and_an_own_key_can_be_set_and_a_wrong_name_is_named() {
+    let folder = tools("set");
+    let pressure = |set: &[&str]| {
+        let result = json(&nailnoise(
+            &folder,
+            &[&["cycle", "blow_gun.toml", "--json"], set].concat(),
+        ));
+        event(&result, "steady").unwrap()
+    };
+    let base = pressure(&[]);
+    assert!(pressure(&["--set", "gun.volume=30cm3"]) > base);
+    assert!(pressure(&["--set", "cycle.passage.valve.coefficient=0.3"]) > base);
+    let output = nailnoise(&folder, &["cycle", "blow_gun.toml", "--set", "gun.volme=30cm3"]);
+    let text = String::from_utf8(output.stderr).unwrap();
+    assert_eq!(output.status.code(), Some(2));
+    assert!(text.contains("did you mean `gun.volume`"), "{text}");
+}
+
+#[test]
+fn check_lists_states_blocks_and_keys() {
+    let folder = tools("check");
+    let result = json(&nailnoise(&folder, &["check", "tacker.toml", "--json"]));
+    assert_eq!(result["states"].as_array().unwrap().len(), 10);
+    let tables = result["tables"].as_array().unwrap();
+    let rows = |name: &str| {
+        let table = tables.iter().find(|table| table["name"] == name).unwrap();
+        table["rows"].as_array().unwrap().len()
+    };
+    assert_eq!(
+        [rows("bodies"), rows("volumes"), rows("passages"), rows("openings")],
+        [3, 2, 2, 1]
+    );
+    let text = String::from_utf8(nailnoise(&folder, &["check", "chamber.toml"]).stdout).unwrap();
+    for part in [
+        "silencer",
+        "becomes valve_lift > 10 um",
+        "cycle.volume.silencer.dead",
+        "add up over roof",
+    ] {
+        assert!(text.contains(part), "{part}:\n{text}");
+    }
+}
+
+#[test]
+fn a_run_of_an_assembly_says_what_works_today() {
+    let folder = tools("run");
+    for file in ["tacker.toml", "chamber.toml"] {
+        let output = nailnoise(&folder, &["run", file]);
+        let text = String::from_utf8(output.stderr).unwrap();
+        assert_eq!(output.status.code(), Some(2), "{text}");
+        assert!(
+            text.contains("not computed yet") && text.contains("nailnoise cycle"),
+            "{text}"
+        );
+    }
+}
+
+#[test]
+fn files_and_figures_are_written() {
+    let folder = tools("files");
+    let output = nailnoise(&folder, &["cycle", "tacker.toml", "--figures"]);
+    assert!(output.status.success());
+    let out = folder.join("out/tacker");
+    let histories = fs::read_to_string(out.join("histories.csv")).unwrap();
+    let header = histories.lines().next().unwrap();
+    assert!(
+        header.starts_with("time [s],") && header.contains("piston_travel [m]"),
+        "{header}"
+    );
+    for file in [
+        "openings.csv",
+        "log.csv",
+        "events.csv",
+        "figures/motion.svg",
+        "figures/flows.svg",
+    ] {
+        assert!(out.join(file).exists(), "{file}");
+    }
+}
