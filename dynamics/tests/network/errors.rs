@@ -4,6 +4,7 @@ use nailnoise_dynamics::network::assembly::*;
 use nailnoise_dynamics::network::{Assembly, Numerics, RunError, simulate};
 
 use crate::assembly::*;
+use crate::conditions::*;
 
 fn refused(assembly: &Assembly) -> RunError {
     simulate(assembly, &Numerics::default()).unwrap_err()

@@ -5,6 +5,7 @@ use nailnoise_dynamics::network::{Assembly, Numerics, Record, simulate};
 
 use crate::assembly::*;
 use crate::close;
+use crate::conditions::*;
 
 fn sampled(assembly: &Assembly) -> Record {
     let numerics = Numerics {

@@ -6,6 +6,7 @@ mod assembly;
 mod closed_forms;
 #[path = "../common/mod.rs"]
 mod common;
+mod conditions;
 mod errors;
 mod expansion;
 mod laws;

@@ -5,8 +5,9 @@ use std::collections::BTreeMap;
 use nailnoise_dynamics::network::assembly::*;
 use nailnoise_dynamics::network::{Assembly, AssemblyText, BUILT_IN, KeyValue, Numerics, Record, simulate};
 
-use crate::assembly::{body, contact, empty, event, volume};
+use crate::assembly::{body, empty, volume};
 use crate::common::n80cb;
+use crate::conditions::{channel, compare, contact, event};
 use crate::{close, n80cb_assembly, run};
 
 /// A built-in assembly with its own keys, or those of the base design.
@@ -119,8 +120,8 @@ fn a_gas_spring_gives_its_work_to_the_piston() {
         against: Base::Ground,
         ..tool.holds[0].clone()
     });
-    let travel = crate::assembly::channel(Family::Body, 0, Quantity::Travel);
-    let there = crate::assembly::compare(travel, 35e-3, true);
+    let travel = channel(Family::Body, 0, Quantity::Travel);
+    let there = compare(travel, 35e-3, true);
     alone.events.push(event("strike", Edge::Becomes(there)));
     let record = sampled(&alone, 1e-6);
     assert!(record.is_certified(), "{:#?}", record.checks);
