@@ -22,8 +22,8 @@ pub(crate) struct Origin {
 impl Plan {
     /// The state at t = 0.
     ///
-    /// Bodies that rest on a contact or a spring are in equilibrium. Newton's method finds it for the set of contacts that
-    /// are pressed. A body with a given travel hands its forces to its parent.
+    /// Bodies that rest on a contact or a spring are in equilibrium. Newton's method finds it for the set of contacts
+    /// that are pressed. A body with a given travel hands its forces to its parent.
     ///
     /// # Errors
     /// [`RunError::NotSeated`] where a body is lifted off what it rests on, [`RunError::NoEquilibrium`] where nothing
