@@ -4,9 +4,6 @@
 extern crate self as nailnoise_dynamics;
 
 #[cfg(test)]
-#[path = "../tests/common/assembly.rs"]
-mod assembly;
-#[cfg(test)]
 #[path = "../tests/common/mod.rs"]
 mod common;
 mod cycle;

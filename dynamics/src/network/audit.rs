@@ -3,7 +3,7 @@
 use nailnoise_quantities::Check;
 
 use super::assembly::{ForceLaw, Space};
-use super::mode::{Mode, head};
+use super::mode::{Mode, friction, head};
 use super::plan::Plan;
 use super::rates::Workspace;
 
@@ -79,6 +79,14 @@ impl Plan {
         for hold in self.holds.iter().filter(|h| mode.is_on(h.switch)) {
             let u = w.travel(hold.pair) - mode.memory[hold.place];
             stock.elastic += 0.5 * hold.stiffness * u * u;
+        }
+        for friction in &self.frictions {
+            if let Some(stick) = &friction.stick
+                && mode.switches[stick.switch] == friction::STUCK
+            {
+                let u = w.travel(friction.pair) - mode.memory[stick.place];
+                stock.elastic += 0.5 * stick.stiffness * u * u;
+            }
         }
         for face in self.faces.iter().filter(|f| f.volume.is_none()) {
             stock.outer += w.pressure[face.gas] * face.area * w.travel(face.pair);

@@ -25,6 +25,7 @@ use super::record::{peaked, restriction_name};
 use super::signals::Signals;
 use super::switching::Slots;
 use super::tolerances::tolerances;
+use super::watch::Watch;
 use crate::Method;
 use crate::cycle::locate;
 
@@ -58,6 +59,7 @@ struct Run<'p> {
     finish_after: Option<f64>,
     w: Workspace,
     events: Events,
+    watch: Watch,
     armed: Vec<bool>,
     chatter: Vec<(f64, usize)>,
     recorder: Recorder,
@@ -69,8 +71,13 @@ struct Run<'p> {
     /// Margins at the last point, and points of the present step.
     margin: Vec<f64>,
     right: Vec<f64>,
-    heights: Vec<f64>,
+    heights: [Vec<f64>; POINTS],
+    watched: [Vec<f64>; POINTS],
     points: [(f64, Vec<f64>); POINTS],
+    /// What margins and levels need of a state.
+    need: Need,
+    /// Whether the workspace holds the instant of the end of the stretch.
+    fresh: bool,
 }
 
 /// A step as far as the first condition to fall.
@@ -126,6 +133,10 @@ impl<'p> Run<'p> {
         let mut heights = vec![0.0; events.levels()];
         events.measure(plan, &mode, &w, &mut heights);
         events.begin(heights.clone());
+        let mut watch = Watch::new(plan);
+        let mut watched = vec![0.0; watch.len()];
+        watch.measure(0.0, plan, &mode, &w, &mut watched);
+        watch.settle(&watched);
         let armed = margin.iter().map(|m| *m > 0.0).collect();
         let audit = Audit::new(plan, &origin.y, &mode, &w);
         let point = || (0.0, vec![0.0; origin.y.len()]);
@@ -142,6 +153,8 @@ impl<'p> Run<'p> {
             finish_after: None,
             w,
             events,
+            watch,
+            watched: [watched.clone(), watched],
             armed,
             chatter: vec![(0.0, 0); slots.list.len()],
             audit,
@@ -151,8 +164,10 @@ impl<'p> Run<'p> {
             work: Effort::default(),
             right: margin.clone(),
             margin,
-            heights,
+            heights: [heights.clone(), heights],
             points: [point(), point()],
+            need,
+            fresh: false,
             y: origin.y,
         })
     }
@@ -181,23 +196,24 @@ impl<'p> Run<'p> {
             let states = (&before, &self.y[..]);
             self.audit
                 .cross(self.plan, name, states, (&self.mode, &self.y), &mut self.w);
-            self.tell(word);
+            self.tell(word, self.t);
         }
     }
 
-    /// Logs a word and lets triggers and events hear it.
-    fn tell(&mut self, word: Word) {
+    /// Logs a word at a time and lets triggers and events hear it; `y` is the state there.
+    fn tell(&mut self, word: Word, time: f64) {
         let plan = self.plan;
-        self.log.push(LogEntry {
-            time: self.t,
+        let place = self.log.partition_point(|entry| entry.time <= time);
+        let entry = LogEntry {
+            time,
             block: plan.assembly.name_of(word.block).to_owned(),
             restriction: restriction_name(plan, word.block.family, word.block.index, word.restriction),
             word: word.action.word(),
-        });
-        self.work.events += 1;
-        plan.observe(self.events.at_edges(), self.t, &self.y, &self.mode, &mut self.w);
-        self.events.hear(word, self.t, plan, &self.mode, &self.w);
-        self.signals.hear(plan, self.t, &mut self.mode, word);
+        };
+        self.log.insert(place, entry);
+        plan.observe(self.events.at_edges(), time, &self.y, &self.mode, &mut self.w);
+        self.events.hear(word, time, plan, &self.mode, &self.w);
+        self.signals.hear(plan, time, &mut self.mode, word);
     }
 
     /// Step size for a first-order start, from the error h^2 |y''|/3 it makes.
@@ -272,8 +288,10 @@ impl<'p> Run<'p> {
             };
             let stretch = self.stretch(from, to, &mut at)?;
             self.note_levels(from, stretch.used, &mut at)?;
+            self.note_changes(from, stretch.used, &mut at)?;
             let t_end = self.points[stretch.used - 1].0;
             while self.recorder.next_time() < t_end {
+                self.fresh = false;
                 let time = self.recorder.next_time();
                 at(time, &mut self.y)?;
                 self.recorder.push(self.plan, time, &self.y, &self.mode, &mut self.w);
@@ -284,7 +302,7 @@ impl<'p> Run<'p> {
             self.accept()?;
 
             let stopped = reason == OdeSolverStopReason::TstopReached;
-            let due = stopped && self.t >= self.signals.next(f64::NEG_INFINITY).min(stop) - 1e-13;
+            let due = stopped || self.signals.is_due(self.t);
             if let Some(slot) = stretch.event {
                 self.cross(slot)?;
             }
@@ -324,8 +342,11 @@ impl<'p> Run<'p> {
         let mut found: Option<(f64, usize)> = None;
         for k in 0..POINTS {
             let t = self.points[k].0;
-            plan.observe(slots.need, t, &self.points[k].1, mode, &mut self.w);
+            plan.observe(self.need, t, &self.points[k].1, mode, &mut self.w);
+            self.fresh = true;
             slots.margins(plan, mode, &self.w, &mut self.right);
+            self.events.measure(plan, mode, &self.w, &mut self.heights[k]);
+            self.watch.measure(t, plan, mode, &self.w, &mut self.watched[k]);
             for (slot, (before, after)) in self.margin.iter().zip(&self.right).enumerate() {
                 if *after > slots.noise[slot] {
                     self.armed[slot] = true;
@@ -352,6 +373,10 @@ impl<'p> Run<'p> {
             if let Some((time, slot)) = found {
                 self.points[k].0 = time;
                 at(time, &mut self.points[k].1)?;
+                plan.observe(self.need, time, &self.points[k].1, mode, &mut self.w);
+                self.fresh = true;
+                self.events.measure(plan, mode, &self.w, &mut self.heights[k]);
+                self.watch.measure(time, plan, mode, &self.w, &mut self.watched[k]);
                 return Ok(Stretch {
                     used: k + 1,
                     event: Some(slot),
@@ -376,11 +401,10 @@ impl<'p> Run<'p> {
         let mut left = from;
         for k in 0..used {
             let t = self.points[k].0;
-            plan.observe(need, t, &self.points[k].1, mode, &mut self.w);
-            self.events.measure(plan, mode, &self.w, &mut self.heights);
+            let heights = &self.heights[k];
             let mut passed: Vec<(f64, usize)> = Vec::new();
-            for level in 0..self.heights.len() {
-                let (before, after) = (self.events.last()[level], self.heights[level]);
+            for (level, (before, after)) in self.events.last().iter().zip(heights).enumerate() {
+                let (before, after) = (*before, *after);
                 if (before > 0.0) == (after > 0.0) {
                     continue;
                 }
@@ -393,12 +417,48 @@ impl<'p> Run<'p> {
                 passed.push((locate(left, t, before, after, height)?, level));
             }
             passed.sort_by(|a, b| a.0.total_cmp(&b.0));
+            self.fresh &= passed.is_empty();
             for (time, level) in passed {
                 at(time, &mut self.y)?;
                 plan.observe(admission, time, &self.y, mode, &mut self.w);
-                self.events.pass(level, time, self.heights[level], plan, mode, &self.w);
+                self.events.pass(level, time, heights[level], plan, mode, &self.w);
             }
-            self.events.settle(&self.heights);
+            self.events.settle(heights);
+            left = t;
+        }
+        Ok(())
+    }
+
+    /// Logs the changes that are only noted, between `from` and the last point.
+    fn note_changes(
+        &mut self,
+        from: f64,
+        used: usize,
+        at: &mut impl FnMut(f64, &mut [f64]) -> Result<(), RunError>,
+    ) -> Result<(), RunError> {
+        let plan = self.plan;
+        let mut left = from;
+        for k in 0..used {
+            let t = self.points[k].0;
+            for i in 0..self.watch.len() {
+                let (before, after) = (self.watch.last[i], self.watched[k][i]);
+                if (before > 0.0) == (after > 0.0) {
+                    continue;
+                }
+                self.fresh = false;
+                let (watch, mode, w, y) = (&self.watch, &self.mode, &mut self.w, &mut self.y);
+                let height = |t: f64| {
+                    at(t, y)?;
+                    plan.instant(y, w);
+                    Ok(watch.height(i, t, plan, mode, w))
+                };
+                let time = locate(left, t, before, after, height)?;
+                for note in self.watch.pass(i, time, after > 0.0, plan, &self.mode) {
+                    at(time, &mut self.y)?;
+                    self.tell(note.word, note.time);
+                }
+            }
+            self.watch.settle(&self.watched[k]);
             left = t;
         }
         Ok(())
@@ -406,7 +466,9 @@ impl<'p> Run<'p> {
 
     /// Follows what an accepted state changes: balances, peaks, limits of the model, the end of the record.
     fn accept(&mut self) -> Result<(), RunError> {
-        self.plan.instant(&self.y, &mut self.w);
+        if !self.fresh {
+            self.plan.instant(&self.y, &mut self.w);
+        }
         self.audit.follow(self.plan, &self.y, &self.mode, &self.w);
         self.guard()?;
         self.plan.contact_forces(&self.mode, &mut self.w);
@@ -525,8 +587,9 @@ impl<'p> Run<'p> {
                     after: self.y[driver],
                 });
             }
-            self.tell(word);
+            self.tell(word, self.t);
         }
+        self.work.events += 1;
         plan.observe(self.slots.need, self.t, &self.y, &self.mode, &mut self.w);
         self.slots.margins(plan, &self.mode, &self.w, &mut self.right);
         for (other, armed) in self.armed.iter_mut().enumerate() {

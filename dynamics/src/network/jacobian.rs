@@ -335,10 +335,10 @@ impl Plan {
             }
         }
         for friction in &self.frictions {
-            let [_, v] = seeded(0.0, w.speed(friction.pair));
-            let force = friction.force(v);
-            let power = Some((friction.loss, force * v));
-            let pair = friction.pair;
+            let [x, v] = seeded(w.travel(friction.pair), w.speed(friction.pair));
+            let found = friction.force(mode, x, v);
+            let power = Some((friction.loss, found.dashpot * v));
+            let (force, pair) = (found.force, friction.pair);
             self.scatter(
                 mode,
                 &Element {
@@ -418,6 +418,75 @@ impl Plan {
         }
         if let Some((row, power)) = element.power {
             j.add_pair(row, pair, power.slope[0], power.slope[1], ground);
+        }
+    }
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use std::collections::BTreeMap;
+    use std::path::Path;
+
+    use nailnoise_documents::Document;
+
+    use super::*;
+    use crate::network::{AssemblyText, KeyValue};
+
+    /// A plan with one block of each kind and law.
+    fn everything() -> Plan {
+        let document = Document::new(
+            Path::new("everything.toml"),
+            include_str!("../../tests/network/everything.toml"),
+        );
+        let text = AssemblyText::open(&document).unwrap_or_else(|error| panic!("{error}; {}", error.help()));
+        let keys: BTreeMap<String, KeyValue> = BTreeMap::new();
+        let resolved = text
+            .resolve(&keys)
+            .unwrap_or_else(|error| panic!("{error}; {}", error.help()));
+        let mut assembly = resolved.assembly;
+        assembly.ledger = crate::network::assembly::Ledger::Full;
+        Plan::new(&assembly).unwrap()
+    }
+
+    #[test]
+    fn every_kind_of_block_has_the_derivatives_of_differences() {
+        let plan = everything();
+        let origin = plan.start().unwrap();
+        let mut mode = origin.mode;
+        for contact in &plan.contacts {
+            mode.switches[contact.switch] = 1;
+        }
+        let fastener = &plan.fasteners[0];
+        mode.switches[fastener.head] = head::ATTACHED;
+        mode.switches[fastener.depth] = crate::network::mode::depth::LOADING;
+        let (n, size) = (plan.states(), plan.size());
+        let (mut w, mut j) = (Workspace::new(&plan), Jacobian::new(&plan));
+        let t = 7e-3;
+        plan.jacobian(t, &origin.y, &mode, &mut w, &mut j);
+        let mut rates = |y: &[f64]| {
+            let mut rate = vec![0.0; size];
+            plan.rates(t, y, &mode, &mut w, &mut rate);
+            rate
+        };
+        for column in 0..n {
+            let x = origin.y[column];
+            let step = if column < plan.energy() { 1e-7 } else { 1e-6 * x };
+            let mut y = origin.y.clone();
+            y[column] = x + step;
+            let ahead = rates(&y);
+            y[column] = x - step;
+            let behind = rates(&y);
+            for row in 0..size {
+                let difference = (ahead[row] - behind[row]) / (2.0 * step);
+                let found = j.values()[column * size + row];
+                let rounding = 1e-15 * (ahead[row].abs() + 1e3) / step;
+                let error = (found - difference).abs();
+                assert!(
+                    error <= 2e-4 * difference.abs() + 10.0 * rounding,
+                    "row {row} by {column}: {found} instead of {difference}"
+                );
+            }
         }
     }
 }

@@ -3,7 +3,7 @@
 use std::f64::consts::PI;
 
 use super::assembly::ContactDamping;
-use super::mode::{Mode, depth};
+use super::mode::{Mode, depth, friction};
 use super::plan::{
     AreaPlan, CoefficientPlan, ContactPlan, FastenerPlan, FrictionPlan, HoldPlan, MotorPlan, PassagePlan,
     ResistancePlan, RestrictionPlan, SpringPlan,
@@ -137,18 +137,46 @@ fn saturating_tanh(x: f64) -> f64 {
 }
 
 impl FrictionPlan {
-    /// F = [F_d + (F_s - F_d) exp(-(v/v_st)^2)] tanh(v/v_0) + beta v, against the velocity (C-19).
+    /// Friction against the motion, and the part of it that dissipates.
+    ///
+    /// ```text
+    /// F = [F_d + (F_s - F_d) exp(-(v/v_st)^2)] tanh(v/v_0) + beta v        smooth (C-19)
+    ///     the same with the sign of the sliding for tanh                   sliding, where it may stick
+    ///     k (x - x_s) + c v                                                stuck at x_s
+    /// ```
     #[inline]
-    pub(crate) fn force<S: Real>(&self, v: S) -> S {
-        let x = v.value();
-        let w = x / self.stribeck;
+    pub(crate) fn force<S: Real>(&self, mode: &Mode, x: S, v: S) -> Damped<S> {
+        let sign = match &self.stick {
+            None => None,
+            Some(stick) => match mode.switches[stick.switch] {
+                friction::FORTH => Some(1.0),
+                friction::BACK => Some(-1.0),
+                friction::STUCK => {
+                    let dashpot = v * stick.damping;
+                    return Damped {
+                        force: (x - mode.memory[stick.place]) * stick.stiffness + dashpot,
+                        dashpot,
+                    };
+                }
+                _ => return Damped::none(),
+            },
+        };
+        let speed = v.value();
+        let w = speed / self.stribeck;
         let stribeck = if w.abs() < 30.0 { (-w * w).exp() } else { 0.0 };
         let fall = (self.static_force - self.sliding_force) * stribeck;
         let level = self.sliding_force + fall;
-        let turn = saturating_tanh(x / self.width);
-        let force = level * turn + self.viscous * x;
-        let slope = level * (1.0 - turn * turn) / self.width - 2.0 * w / self.stribeck * fall * turn + self.viscous;
-        v.chain(force, slope)
+        let (turn, turning) = match sign {
+            Some(sign) => (sign, 0.0),
+            None => {
+                let turn = saturating_tanh(speed / self.width);
+                (turn, (1.0 - turn * turn) / self.width)
+            }
+        };
+        let force = level * turn + self.viscous * speed;
+        let slope = level * turning - 2.0 * w / self.stribeck * fall * turn + self.viscous;
+        let force = v.chain(force, slope);
+        Damped { force, dashpot: force }
     }
 }
 
@@ -304,13 +332,7 @@ impl PassagePlan {
     /// Whether gate and restrictions let gas pass.
     #[inline]
     pub(crate) fn is_open(&self, mode: &Mode) -> bool {
-        !self.shut
-            && self.gate.is_none_or(|gate| mode.is_on(gate))
-            && self.condition.is_none_or(|condition| mode.is_on(condition))
-            && self
-                .restrictions
-                .iter()
-                .all(|r| r.travel().is_none_or(|way| mode.is_on(way.switch)))
+        !self.shut && self.switches.iter().all(|switch| mode.is_on(*switch))
     }
 
     /// Flow in a mode; `near` is the pressure between two restrictions a moment ago.
@@ -390,6 +412,35 @@ impl PassagePlan {
             mass,
             enthalpy: mass * source.temperature * air.cp,
             between,
+        }
+    }
+
+    /// Positive while the restriction that gas leaves last is choked, negative where the passage is closed \[Pa or N\].
+    ///
+    /// Of two restrictions it is the flow of the first up to the critical pressure between them less that of the second
+    /// there, (C A P)_1 N(P_m/P_1) - (C A)_2 P_m with P_m = P_d/P_cr, which needs no solution of the series.
+    pub(crate) fn choking(&self, air: &Air, mode: &Mode, ends: &Ends<f64>, t: f64) -> f64 {
+        let Ends { from, to, travel } = *ends;
+        let forward = from.pressure >= to.pressure;
+        if !self.is_open(mode) || (self.one_way && !forward) {
+            return -1.0;
+        }
+        let (up, down) = if forward { (from, to) } else { (to, from) };
+        match &self.restrictions[..] {
+            [_] => air.critical * up.pressure - down.pressure,
+            [first, second] => {
+                let [a, b] = [first, second].map(|r| r.area(travel, t));
+                let (first, second) = if forward { (a, b) } else { (b, a) };
+                let between = down.pressure / air.critical;
+                if first <= 0.0 || up.pressure <= between {
+                    return -second * between;
+                }
+                first * up.pressure * air.flow_function(between / up.pressure).0 - second * between
+            }
+            _ => {
+                let between = self.flow(air, mode, ends, t, None).between;
+                air.critical * if forward { between[1] } else { between[0] } - down.pressure
+            }
         }
     }
 

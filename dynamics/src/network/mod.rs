@@ -8,7 +8,7 @@
 //! | description | `assembly`, `text` (its reader) |
 //! | compilation | `plan`, `probe` (channels and expressions), `start` |
 //! | physics | `kernels`, `rates` (right-hand side), `jacobian` |
-//! | modes | `mode`, `switching`, `signals` (triggers and gates), `events` |
+//! | modes | `mode`, `switching`, `signals` (triggers and gates), `events`, `watch` (changes only noted) |
 //! | integration | `integrate`, `equations`, `linear`, `tolerances` |
 //! | results | `record`, `audit` (conservation) |
 
@@ -31,6 +31,7 @@ mod start;
 mod switching;
 mod text;
 mod tolerances;
+mod watch;
 
 pub use assembly::Assembly;
 pub use error::RunError;

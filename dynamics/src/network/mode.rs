@@ -36,6 +36,18 @@ pub(crate) mod depth {
     pub(crate) const UNLOADING: u8 = 3;
 }
 
+/// Values of the switch of friction that may stick.
+pub(crate) mod friction {
+    /// Slides forth, v > 0.
+    pub(crate) const FORTH: u8 = 0;
+    /// Slides back, v < 0.
+    pub(crate) const BACK: u8 = 1;
+    /// Sticks where it stopped.
+    pub(crate) const STUCK: u8 = 2;
+    /// Carries nothing, while the equilibrium at the start is looked for.
+    pub(crate) const IDLE: u8 = 3;
+}
+
 impl Mode {
     /// All switches off, latches at their travel of the start.
     pub(crate) fn new(plan: &Plan) -> Self {

@@ -140,6 +140,8 @@ pub(crate) struct PassagePlan {
     pub(crate) ledger: Option<FlowLedger>,
     /// Whether a force takes its jet's thrust.
     pub(crate) jet: bool,
+    /// Switches of gate, condition and restrictions, all of which are on while it is open.
+    pub(crate) switches: Vec<usize>,
     /// Whether a restriction without area shuts it for good.
     pub(crate) shut: bool,
 }
@@ -191,7 +193,18 @@ pub(crate) struct FrictionPlan {
     pub(crate) viscous: f64,
     pub(crate) width: f64,
     pub(crate) stribeck: f64,
+    pub(crate) stick: Option<StickPlan>,
     pub(crate) loss: usize,
+}
+
+/// What holds a pair while it sticks.
+#[derive(Debug, Clone)]
+pub(crate) struct StickPlan {
+    pub(crate) stiffness: f64,
+    pub(crate) damping: f64,
+    pub(crate) switch: usize,
+    /// Memory of the travel at which it stopped.
+    pub(crate) place: usize,
 }
 
 /// An imposed force.
@@ -686,7 +699,13 @@ fn passages(c: &mut Compiler<'_>, airs: &mut Vec<Air>, full: bool) -> Result<Vec
             let jet =
                 |force: &super::assembly::Force| matches!(force.law, ForceLaw::Jet { passage, .. } if passage == index);
             let shut = |r: &RestrictionPlan| matches!(r.area, AreaPlan::Constant(area) if area <= 0.0);
+            let gate = passage.gate.as_ref().map(|_| c.switch());
+            let also = passage.gate.as_ref().and_then(|gate| gate.also.as_ref());
+            let condition = also.map(|_| c.switch());
+            let moving = restrictions.list.iter().filter_map(RestrictionPlan::travel);
+            let switches = moving.map(|way| way.switch).chain(gate).chain(condition);
             Ok(PassagePlan {
+                switches: switches.collect(),
                 shut: restrictions.list.iter().any(shut),
                 from: c.gas(passage.from),
                 to: c.gas(passage.to),
@@ -694,8 +713,8 @@ fn passages(c: &mut Compiler<'_>, airs: &mut Vec<Air>, full: bool) -> Result<Vec
                 travels: restrictions.travels,
                 air,
                 one_way: passage.one_way,
-                gate: passage.gate.as_ref().map(|_| c.switch()),
-                condition: passage.gate.as_ref().and_then(|g| g.also.as_ref()).map(|_| c.switch()),
+                gate,
+                condition,
                 ledger: (boundary || full).then(|| FlowLedger {
                     mass: c.integral(format!("mass.{}", passage.name), "kg"),
                     enthalpy: c.integral(format!("enthalpy.{}", passage.name), "J"),
@@ -746,6 +765,12 @@ fn frictions(c: &mut Compiler<'_>) -> Vec<FrictionPlan> {
             viscous: friction.viscous,
             width: friction.width,
             stribeck: friction.stribeck,
+            stick: friction.stick.map(|(stiffness, damping)| StickPlan {
+                stiffness,
+                damping,
+                switch: c.switch(),
+                place: c.memory(1),
+            }),
             loss: c.integral(format!("friction.{}", friction.name), "J"),
         })
         .collect()

@@ -37,9 +37,14 @@ pub(crate) enum Probe {
     MassFlow(usize),
     /// Pressure before a restriction of a passage.
     Before(usize, usize),
+    /// Pressure behind a restriction of a passage.
+    Behind(usize, usize),
     /// Temperature of the gas where a passage's flow comes from.
     Upstream(usize),
+    /// Whether the restriction that gas leaves last is choked.
     Choked(usize),
+    /// Whether a restriction is choked for a flow towards the second end.
+    ChokedAt(usize, usize),
     Overlap(usize),
     Face(usize),
     Contact(usize),
@@ -111,7 +116,9 @@ impl Probe {
 
     pub(crate) fn need(self) -> Need {
         match self {
-            Self::MassFlow(_) | Self::Before(..) | Self::Upstream(_) | Self::Choked(_) => Need::Flows,
+            Self::MassFlow(_) | Self::Before(..) | Self::Behind(..) | Self::Upstream(_) | Self::Choked(_) => {
+                Need::Flows
+            }
             Self::Acceleration(_)
             | Self::Contact(_)
             | Self::Spring(_)
@@ -142,12 +149,19 @@ impl Probe {
             Self::Volume(i) => w.volume[i],
             Self::MassFlow(i) => w.flow[i].mass,
             Self::Before(i, restriction) => plan.around(i, restriction, w)[0],
+            Self::Behind(i, restriction) => plan.around(i, restriction, w)[1],
             Self::Upstream(i) => {
                 let passage = &plan.passages[i];
                 let forward = w.flow[i].mass >= 0.0;
                 w.temperature[if forward { passage.from } else { passage.to }]
             }
             Self::Choked(i) => f64::from(u8::from(plan.is_choked(i, mode, w))),
+            Self::ChokedAt(i, restriction) => {
+                let [before, behind] = plan.around(i, restriction, w);
+                let passage = &plan.passages[i];
+                let choked = passage.is_open(mode) && behind < plan.airs[passage.air].critical * before;
+                f64::from(u8::from(choked))
+            }
             Self::Overlap(i) => {
                 let contact = &plan.contacts[i];
                 contact.overlap(w.travel(contact.pair), 0.0).0
@@ -155,7 +169,7 @@ impl Probe {
             Self::Face(i) => w.pressure[plan.faces[i].gas] * plan.faces[i].area,
             Self::Contact(i) => plan.contacts[i].side * w.contact[i].force,
             Self::Spring(i) => w.spring[i].force,
-            Self::Friction(i) => w.friction[i],
+            Self::Friction(i) => w.friction[i].force,
             Self::Imposed(i) => w.imposed[i],
             Self::Motor(i) => w.motor[i],
             Self::Hold(i) => w.hold[i].force,
@@ -211,7 +225,7 @@ impl Plan {
     #[inline]
     pub(crate) fn observe(&self, need: Need, t: f64, y: &[f64], mode: &Mode, w: &mut Workspace) {
         self.instant(y, w);
-        if need >= Need::Flows || (need == Need::Forces) {
+        if need >= Need::Flows {
             self.flows(t, mode, w, false);
         }
         if need == Need::Forces {
@@ -233,7 +247,62 @@ enum Operation {
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Program {
     operations: Vec<Operation>,
+    /// The same where it is one quantity, scaled and shifted.
+    affine: Option<Affine>,
     pub(crate) need: Need,
+}
+
+/// scale q + offset.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Affine {
+    probe: Option<Probe>,
+    scale: f64,
+    offset: f64,
+}
+
+impl Affine {
+    /// The affine form of an expression in one quantity; none for any other.
+    fn new(plan: &Plan, expression: &Expression) -> Option<Self> {
+        let scaled = |a: Self, factor: f64| Self {
+            probe: a.probe,
+            scale: factor * a.scale,
+            offset: factor * a.offset,
+        };
+        match expression {
+            Expression::Constant(value) => Some(Self {
+                probe: None,
+                scale: 0.0,
+                offset: *value,
+            }),
+            Expression::Channel(channel) => Some(Self {
+                probe: Some(Probe::new(plan, *channel)?),
+                scale: 1.0,
+                offset: 0.0,
+            }),
+            Expression::Negative(a) => Some(scaled(Self::new(plan, a)?, -1.0)),
+            Expression::Binary(binary, a, b) => {
+                let (a, b) = (Self::new(plan, a)?, Self::new(plan, b)?);
+                match binary {
+                    Binary::Add | Binary::Subtract if a.probe.is_none() || b.probe.is_none() => {
+                        let b = if *binary == Binary::Subtract {
+                            scaled(b, -1.0)
+                        } else {
+                            b
+                        };
+                        Some(Self {
+                            probe: a.probe.or(b.probe),
+                            scale: a.scale + b.scale,
+                            offset: a.offset + b.offset,
+                        })
+                    }
+                    Binary::Multiply if a.probe.is_none() => Some(scaled(b, a.offset)),
+                    Binary::Multiply if b.probe.is_none() => Some(scaled(a, b.offset)),
+                    _ => None,
+                }
+            }
+            Expression::Sensor(_) | Expression::Function(..) => None,
+        }
+    }
 }
 
 impl Program {
@@ -241,6 +310,7 @@ impl Program {
     pub(crate) fn new(plan: &Plan, owner: &str, expression: &Expression) -> Result<Self, RunError> {
         let mut program = Self {
             operations: Vec::new(),
+            affine: Affine::new(plan, expression),
             need: Need::Instant,
         };
         let deepest = program.push(plan, owner, expression, 0)?;
@@ -316,6 +386,14 @@ impl Program {
 
     /// The value at an evaluated state.
     pub(crate) fn value(&self, plan: &Plan, mode: &Mode, w: &Workspace) -> f64 {
+        if let Some(Affine {
+            probe: Some(probe),
+            scale,
+            offset,
+        }) = self.affine
+        {
+            return scale * probe.value(plan, mode, w) + offset;
+        }
         let mut stack = [0.0; DEPTH];
         let mut height = 0;
         for operation in &self.operations {

@@ -32,7 +32,8 @@ pub(crate) struct Workspace {
     /// Forces on the body that is `on`, down.
     pub(crate) spring: Vec<Damped<f64>>,
     pub(crate) hold: Vec<Damped<f64>>,
-    pub(crate) friction: Vec<f64>,
+    /// Friction against the motion.
+    pub(crate) friction: Vec<Damped<f64>>,
     pub(crate) imposed: Vec<f64>,
     pub(crate) motor: Vec<f64>,
     /// Force of the work on the driver, up, and friction of the guide.
@@ -74,7 +75,7 @@ impl Workspace {
             contact: vec![Damped::none(); plan.contacts.len()],
             spring: vec![Damped::none(); plan.springs.len()],
             hold: vec![Damped::none(); plan.holds.len()],
-            friction: vec![0.0; plan.frictions.len()],
+            friction: vec![Damped::none(); plan.frictions.len()],
             imposed: vec![0.0; plan.forces.len()],
             motor: vec![0.0; plan.motors.len()],
             fastener: vec![[0.0; 2]; plan.fasteners.len()],
@@ -198,8 +199,8 @@ impl Plan {
             w.act(spring.pair, force);
         }
         for (i, friction) in self.frictions.iter().enumerate() {
-            w.friction[i] = friction.force(w.speed(friction.pair));
-            let force = -w.friction[i];
+            w.friction[i] = friction.force(mode, w.travel(friction.pair), w.speed(friction.pair));
+            let force = -w.friction[i].force;
             w.act(friction.pair, force);
         }
         for (i, imposed) in self.forces.iter().enumerate() {
@@ -355,7 +356,7 @@ impl Plan {
             }
         }
         for (friction, force) in self.frictions.iter().zip(&w.friction) {
-            rate[friction.loss] = force * w.speed(friction.pair);
+            rate[friction.loss] = force.dashpot * w.speed(friction.pair);
         }
         for (imposed, force) in self.forces.iter().zip(&w.imposed) {
             if let Some(work) = imposed.work {

@@ -213,7 +213,83 @@ impl Record {
     }
 
     /// A record from its parts.
-    pub(crate) fn new(parts: Parts, recorder: Recorder) -> Self {
+    pub(crate) fn new(parts: Parts, mut recorder: Recorder) -> Self {
+        recorder.flush();
+        let Recorder {
+            interval,
+            mut histories,
+            columns,
+            openings,
+            loads,
+            pressures,
+            ..
+        } = recorder;
+        // Histories that several results share are copied, the others are moved.
+        let mut uses = vec![0usize; histories.len()];
+        let surfaces = || loads.iter().chain(&pressures);
+        let of_openings = openings.iter().flat_map(|opening| {
+            [
+                opening.mass_flow,
+                opening.pressure,
+                opening.back_pressure,
+                opening.temperature,
+                opening.choked,
+            ]
+        });
+        let places = columns.iter().map(|column| column.place).chain(of_openings);
+        let divided = surfaces().filter_map(|surface| surface.divided).flatten();
+        for place in places.chain(surfaces().map(|surface| surface.place)).chain(divided) {
+            uses[place] += 1;
+        }
+        let mut of = |place: usize| {
+            uses[place] -= 1;
+            if uses[place] == 0 {
+                std::mem::take(&mut histories[place])
+            } else {
+                histories[place].clone()
+            }
+        };
+        let mut channels = Vec::with_capacity(columns.len());
+        for column in columns {
+            channels.push(Channel {
+                name: column.name,
+                unit: column.unit,
+                values: of(column.place),
+            });
+        }
+        let mut flows = Vec::with_capacity(openings.len());
+        for opening in openings {
+            flows.push(FlowHistory {
+                name: opening.name,
+                mass_flow: of(opening.mass_flow),
+                pressure: of(opening.pressure),
+                back_pressure: of(opening.back_pressure),
+                temperature: of(opening.temperature),
+                choked: of(opening.choked).into_iter().map(|choked| choked != 0.0).collect(),
+            });
+        }
+        let mut forces = Vec::with_capacity(loads.len());
+        for load in loads {
+            forces.push(LoadHistory {
+                body: load.body,
+                surface: load.surface,
+                force: of(load.place),
+            });
+        }
+        let mut walls = Vec::with_capacity(pressures.len());
+        for surface in pressures {
+            let [below, divide] = match surface.divided {
+                Some(places) => places.map(&mut of),
+                None => [Vec::new(), Vec::new()],
+            };
+            walls.push(PressureHistory {
+                body: surface.body,
+                surface: surface.surface,
+                pressure: of(surface.place),
+                below,
+                divide,
+            });
+        }
         let Parts {
             end,
             events,
@@ -226,25 +302,25 @@ impl Record {
             work,
         } = parts;
         Self {
-            interval: recorder.interval,
+            interval,
             end,
-            channels: recorder.columns.into_iter().map(|column| column.channel).collect(),
+            index: channels
+                .iter()
+                .enumerate()
+                .map(|(i, channel)| (channel.name.clone(), i))
+                .collect(),
+            openings: flows,
+            loads: forces,
+            pressures: walls,
+            channels,
             events,
             log,
             outcome,
-            openings: recorder.openings.into_iter().map(|opening| opening.history).collect(),
-            loads: recorder.loads.into_iter().map(|load| load.history).collect(),
-            pressures: recorder
-                .pressures
-                .into_iter()
-                .map(|pressure| pressure.history)
-                .collect(),
             ledger,
             peaks,
             strikes,
             checks,
             work,
-            index: recorder.index,
         }
     }
 }
@@ -262,9 +338,12 @@ pub(crate) struct Parts {
     pub(crate) work: Effort,
 }
 
-#[derive(Debug)]
+/// What a history holds.
+#[derive(Debug, PartialEq)]
 enum Source {
     Probe(Probe),
+    /// Minus a quantity.
+    Negative(Probe),
     Program(Program),
 }
 
@@ -273,114 +352,133 @@ impl Source {
     fn value(&self, plan: &Plan, mode: &Mode, w: &Workspace) -> f64 {
         match self {
             Self::Probe(probe) => probe.value(plan, mode, w),
+            Self::Negative(probe) => -probe.value(plan, mode, w),
             Self::Program(program) => program.value(plan, mode, w),
         }
     }
 }
 
+/// A named history and its place.
 #[derive(Debug)]
-struct Column {
-    channel: Channel,
-    source: Source,
+struct Named {
+    name: String,
+    unit: String,
+    place: usize,
 }
 
+/// Places of an opening's histories.
 #[derive(Debug)]
-struct OpeningColumns {
-    history: FlowHistory,
-    passage: usize,
-    restriction: usize,
-    /// +1 if the passage leads out, -1 if it leads in.
-    outward: f64,
+struct OpeningPlaces {
+    name: String,
+    mass_flow: usize,
+    pressure: usize,
+    back_pressure: usize,
+    temperature: usize,
+    choked: usize,
 }
 
+/// Place of the history on a surface of a body.
 #[derive(Debug)]
-struct LoadColumn {
-    history: LoadHistory,
-    program: Program,
+struct SurfacePlace {
+    body: String,
+    surface: String,
+    place: usize,
+    /// Pressure below the divide, and the divide.
+    divided: Option<[usize; 2]>,
 }
 
-#[derive(Debug)]
-struct PressureColumns {
-    history: PressureHistory,
-    pressure: Probe,
-    divided: Option<(Probe, Program)>,
-}
+/// Samples that are collected by rows before they are appended to the histories: the histories are far apart in memory,
+/// and a sample would touch as many pages as there are histories.
+const BLOCK: usize = 32;
 
 /// Histories under construction.
 #[derive(Debug)]
 pub(crate) struct Recorder {
     interval: Option<f64>,
-    columns: Vec<Column>,
-    index: HashMap<String, usize>,
-    openings: Vec<OpeningColumns>,
-    loads: Vec<LoadColumn>,
-    pressures: Vec<PressureColumns>,
+    sources: Vec<Source>,
+    histories: Vec<Vec<f64>>,
+    /// Rows not yet appended.
+    block: Vec<f64>,
+    rows: usize,
     samples: usize,
+    columns: Vec<Named>,
+    openings: Vec<OpeningPlaces>,
+    loads: Vec<SurfacePlace>,
+    pressures: Vec<SurfacePlace>,
 }
 
 impl Recorder {
-    /// Columns for all blocks; none without an interval.
+    /// Histories for all blocks; none without an interval.
     pub(crate) fn new(plan: &Plan, interval: Option<f64>) -> Result<Self, RunError> {
         let mut recorder = Self {
             interval,
+            sources: Vec::new(),
+            histories: Vec::new(),
+            block: Vec::new(),
+            rows: 0,
+            samples: 0,
             columns: Vec::new(),
-            index: HashMap::new(),
             openings: Vec::new(),
             loads: Vec::new(),
             pressures: Vec::new(),
-            samples: 0,
         };
         if let Some(interval) = interval {
-            recorder.describe(plan)?;
+            recorder.describe_gas_and_bodies(plan);
+            recorder.describe_forces(plan);
+            recorder.describe_sensors(plan)?;
+            recorder.describe_openings(plan);
             recorder.describe_surfaces(plan)?;
-            recorder.reserve((plan.assembly.end / interval) as usize + 2);
+            let n = (plan.assembly.end / interval) as usize + 2;
+            recorder.histories = recorder.sources.iter().map(|_| Vec::with_capacity(n)).collect();
+            recorder.block = vec![0.0; BLOCK * recorder.sources.len()];
         }
         Ok(recorder)
     }
 
-    fn add(&mut self, name: String, unit: &str, source: Source) {
-        self.index.insert(name.clone(), self.columns.len());
-        self.columns.push(Column {
-            channel: Channel {
-                name,
-                unit: unit.to_owned(),
-                values: Vec::new(),
-            },
-            source,
+    /// The place of a history; equal ones share it.
+    fn place(&mut self, source: Source) -> usize {
+        if let Some(place) = self.sources.iter().position(|other| *other == source) {
+            return place;
+        }
+        self.sources.push(source);
+        self.sources.len() - 1
+    }
+
+    fn add(&mut self, block: &str, quantity: &str, unit: &str, probe: Probe) {
+        let place = self.place(Source::Probe(probe));
+        self.columns.push(Named {
+            name: format!("{block}.{quantity}"),
+            unit: unit.to_owned(),
+            place,
         });
     }
 
-    fn describe(&mut self, plan: &Plan) -> Result<(), RunError> {
+    fn describe_gas_and_bodies(&mut self, plan: &Plan) {
         let a = &plan.assembly;
-        let mut probe = |name: &str, quantity: &str, unit: &str, probe: Probe| {
-            self.add(format!("{name}.{quantity}"), unit, Source::Probe(probe));
-        };
         for (i, body) in a.bodies.iter().enumerate() {
             let name = &body.name;
             let on_parent = Pair {
                 on: i,
                 against: plan.bodies[i].parent,
             };
-            probe(name, "travel", "m", Probe::Travel(on_parent));
-            probe(name, "speed", "m/s", Probe::Speed(on_parent));
-            if on_parent.against != plan.ground() {
-                probe(name, "position", "m", Probe::Position(i));
-                probe(name, "velocity", "m/s", Probe::Velocity(i));
-            }
-            probe(name, "acceleration", "m/s2", Probe::Acceleration(i));
+            self.add(name, "travel", "m", Probe::Travel(on_parent));
+            self.add(name, "speed", "m/s", Probe::Speed(on_parent));
+            self.add(name, "position", "m", Probe::Position(i));
+            self.add(name, "velocity", "m/s", Probe::Velocity(i));
+            self.add(name, "acceleration", "m/s2", Probe::Acceleration(i));
             if plan.bodies[i].fastener.is_some() {
-                probe(name, "moving_mass", "kg", Probe::MovingMass(i));
+                self.add(name, "moving_mass", "kg", Probe::MovingMass(i));
             }
         }
         for (i, volume) in a.volumes.iter().enumerate() {
-            probe(&volume.name, "pressure", "Pa", Probe::Pressure(i));
-            probe(&volume.name, "temperature", "K", Probe::Temperature(i));
-            probe(&volume.name, "mass", "kg", Probe::Mass(i));
+            self.add(&volume.name, "pressure", "Pa", Probe::Pressure(i));
+            self.add(&volume.name, "temperature", "K", Probe::Temperature(i));
+            self.add(&volume.name, "mass", "kg", Probe::Mass(i));
         }
         for (i, passage) in a.passages.iter().enumerate() {
-            probe(&passage.name, "mass_flow", "kg/s", Probe::MassFlow(i));
+            self.add(&passage.name, "mass_flow", "kg/s", Probe::MassFlow(i));
             if passage.restrictions.len() > 1 {
-                probe(
+                self.add(
                     &passage.name,
                     "plenum",
                     "Pa",
@@ -388,120 +486,115 @@ impl Recorder {
                 );
             }
         }
+    }
+
+    fn describe_forces(&mut self, plan: &Plan) {
+        let a = &plan.assembly;
         for (i, block) in a.contacts.iter().enumerate() {
-            probe(&block.name, "force", "N", Probe::Contact(i));
+            self.add(&block.name, "force", "N", Probe::Contact(i));
         }
         for (i, block) in a.springs.iter().enumerate() {
-            probe(&block.name, "force", "N", Probe::Spring(i));
+            self.add(&block.name, "force", "N", Probe::Spring(i));
         }
         for (i, block) in a.frictions.iter().enumerate() {
-            probe(&block.name, "force", "N", Probe::Friction(i));
+            self.add(&block.name, "force", "N", Probe::Friction(i));
         }
         for (i, block) in a.forces.iter().enumerate() {
-            probe(&block.name, "force", "N", Probe::Imposed(i));
+            self.add(&block.name, "force", "N", Probe::Imposed(i));
         }
         for (i, block) in a.motors.iter().enumerate() {
-            probe(&block.name, "force", "N", Probe::Motor(i));
+            self.add(&block.name, "force", "N", Probe::Motor(i));
         }
         for (i, block) in a.holds.iter().enumerate() {
-            probe(&block.name, "force", "N", Probe::Hold(i));
+            self.add(&block.name, "force", "N", Probe::Hold(i));
         }
         for (i, block) in a.fasteners.iter().enumerate() {
-            probe(&block.name, "tip", "m", Probe::Tip(i));
-            probe(&block.name, "deepest", "m", Probe::Deepest(i));
-            probe(&block.name, "force", "N", Probe::Resistance(i));
+            self.add(&block.name, "tip", "m", Probe::Tip(i));
+            self.add(&block.name, "deepest", "m", Probe::Deepest(i));
+            self.add(&block.name, "force", "N", Probe::Resistance(i));
             if block.seated.guide_friction > 0.0 {
-                probe(&block.name, "guide_force", "N", Probe::Guide(i));
+                self.add(&block.name, "guide_force", "N", Probe::Guide(i));
             }
         }
-        for sensor in &a.sensors {
+    }
+
+    fn describe_sensors(&mut self, plan: &Plan) -> Result<(), RunError> {
+        for sensor in &plan.assembly.sensors {
             let program = Program::new(plan, &format!("sensor \"{}\"", sensor.name), &sensor.value)?;
-            self.add(sensor.name.clone(), &sensor.unit, Source::Program(program));
-        }
-        for (i, body) in a.bodies.iter().enumerate() {
-            if plan.bodies[i].parent == plan.ground() {
-                for (alias, quantity) in [("position", "travel"), ("velocity", "speed")] {
-                    if let Some(place) = self.index.get(&format!("{}.{quantity}", body.name)).copied() {
-                        self.index.insert(format!("{}.{alias}", body.name), place);
-                    }
-                }
-            }
+            let place = self.place(Source::Program(program));
+            self.columns.push(Named {
+                name: sensor.name.clone(),
+                unit: sensor.unit.clone(),
+                place,
+            });
         }
         Ok(())
+    }
+
+    fn describe_openings(&mut self, plan: &Plan) {
+        for opening in &plan.assembly.openings {
+            let (i, restriction) = (opening.passage, opening.restriction);
+            let outward = matches!(plan.assembly.passages[i].to, Space::Reservoir(_));
+            let mass_flow = Probe::MassFlow(i);
+            let mut probe = |probe| self.place(Source::Probe(probe));
+            let places = OpeningPlaces {
+                name: opening.name.clone(),
+                mass_flow: 0,
+                pressure: probe(Probe::Before(i, restriction)),
+                back_pressure: probe(Probe::Behind(i, restriction)),
+                temperature: probe(Probe::Upstream(i)),
+                choked: probe(Probe::ChokedAt(i, restriction)),
+            };
+            let source = if outward {
+                Source::Probe(mass_flow)
+            } else {
+                Source::Negative(mass_flow)
+            };
+            let mass_flow = self.place(source);
+            self.openings.push(OpeningPlaces { mass_flow, ..places });
+        }
     }
 
     fn describe_surfaces(&mut self, plan: &Plan) -> Result<(), RunError> {
         let a = &plan.assembly;
-        for opening in &a.openings {
-            self.openings.push(OpeningColumns {
-                history: FlowHistory {
-                    name: opening.name.clone(),
-                    mass_flow: Vec::new(),
-                    pressure: Vec::new(),
-                    back_pressure: Vec::new(),
-                    temperature: Vec::new(),
-                    choked: Vec::new(),
-                },
-                passage: opening.passage,
-                restriction: opening.restriction,
-                outward: match a.passages.get(opening.passage).map(|passage| passage.to) {
-                    Some(Space::Reservoir(_)) => 1.0,
-                    _ => -1.0,
-                },
-            });
-        }
-        let name = |body: usize| a.bodies.get(body).map_or_else(String::new, |body| body.name.clone());
         for load in &a.loads {
-            let owner = format!("load \"{}.{}\"", name(load.body), load.surface);
-            self.loads.push(LoadColumn {
-                history: LoadHistory {
-                    body: name(load.body),
-                    surface: load.surface.clone(),
-                    force: Vec::new(),
-                },
-                program: Program::new(plan, &owner, &load.force)?,
+            let body = a.bodies[load.body].name.clone();
+            let owner = format!("load \"{body}.{}\"", load.surface);
+            let place = self.place(Source::Program(Program::new(plan, &owner, &load.force)?));
+            self.loads.push(SurfacePlace {
+                body,
+                surface: load.surface.clone(),
+                place,
+                divided: None,
             });
         }
         let gas = |space: Space| match space {
-            Space::Volume(i) => Probe::Pressure(i),
-            Space::Reservoir(i) => Probe::Pressure(plan.volumes.len() + i),
+            Space::Volume(i) => Source::Probe(Probe::Pressure(i)),
+            Space::Reservoir(i) => Source::Probe(Probe::Pressure(plan.volumes.len() + i)),
         };
         for surface in &a.pressures {
-            let owner = format!("pressure \"{}.{}\"", name(surface.body), surface.surface);
-            let (pressure, divided) = match &surface.patch {
-                PressurePatch::Uniform(space) => (gas(*space), None),
+            let body = a.bodies[surface.body].name.clone();
+            let (place, divided) = match &surface.patch {
+                PressurePatch::Uniform(space) => (self.place(gas(*space)), None),
                 PressurePatch::Divided { above, below, at } => {
-                    (gas(*above), Some((gas(*below), Program::new(plan, &owner, at)?)))
+                    let owner = format!("pressure \"{body}.{}\"", surface.surface);
+                    let below = self.place(gas(*below));
+                    let at = self.place(Source::Program(Program::new(plan, &owner, at)?));
+                    (self.place(gas(*above)), Some([below, at]))
                 }
                 PressurePatch::Plenum(passage) => {
-                    let last = plan
-                        .passages
-                        .get(*passage)
-                        .map_or(0, |p| p.restrictions.len().saturating_sub(1));
-                    (Probe::Before(*passage, last), None)
+                    let last = plan.passages[*passage].restrictions.len() - 1;
+                    (self.place(Source::Probe(Probe::Before(*passage, last))), None)
                 }
             };
-            self.pressures.push(PressureColumns {
-                history: PressureHistory {
-                    body: name(surface.body),
-                    surface: surface.surface.clone(),
-                    pressure: Vec::new(),
-                    below: Vec::new(),
-                    divide: Vec::new(),
-                },
-                pressure,
+            self.pressures.push(SurfacePlace {
+                body,
+                surface: surface.surface.clone(),
+                place,
                 divided,
             });
         }
         Ok(())
-    }
-
-    fn reserve(&mut self, n: usize) {
-        // Columns of equal length would be at distances of whole pages, and one sample would fill one set of the cache;
-        // an offset of a cache line for each column avoids it.
-        for (i, column) in self.columns.iter_mut().enumerate() {
-            column.channel.values.reserve_exact(n + 8 * i);
-        }
     }
 
     /// Time of the next sample; infinite where nothing is sampled.
@@ -515,34 +608,25 @@ impl Recorder {
         plan.instant(y, w);
         plan.flows(t, mode, w, true);
         plan.forces(t, mode, w);
+        let width = self.sources.len();
+        for (value, source) in self.block[self.rows * width..].iter_mut().zip(&self.sources) {
+            *value = source.value(plan, mode, w);
+        }
         self.samples += 1;
-        for column in &mut self.columns {
-            column.channel.values.push(column.source.value(plan, mode, w));
+        self.rows += 1;
+        if self.rows == BLOCK {
+            self.flush();
         }
-        for opening in &mut self.openings {
-            let history = &mut opening.history;
-            let [before, behind] = plan.around(opening.passage, opening.restriction, w);
-            let mass = opening.outward * w.flow[opening.passage].mass;
-            let critical = plan.airs[plan.passages[opening.passage].air].critical;
-            let open = plan.passages[opening.passage].is_open(mode);
-            history.mass_flow.push(mass);
-            history.pressure.push(before);
-            history.back_pressure.push(behind);
-            history
-                .temperature
-                .push(Probe::Upstream(opening.passage).value(plan, mode, w));
-            history.choked.push(open && behind < critical * before);
+    }
+
+    /// Appends the rows of the block to the histories.
+    fn flush(&mut self) {
+        let width = self.sources.len();
+        for (column, history) in self.histories.iter_mut().enumerate() {
+            let rows = self.block.chunks_exact(width).take(self.rows);
+            history.extend(rows.map(|row| row[column]));
         }
-        for load in &mut self.loads {
-            load.history.force.push(load.program.value(plan, mode, w));
-        }
-        for surface in &mut self.pressures {
-            surface.history.pressure.push(surface.pressure.value(plan, mode, w));
-            if let Some((below, at)) = &surface.divided {
-                surface.history.below.push(below.value(plan, mode, w));
-                surface.history.divide.push(at.value(plan, mode, w));
-            }
-        }
+        self.rows = 0;
     }
 }
 

@@ -116,6 +116,12 @@ impl Signals {
         }
     }
 
+    /// Whether a switch changes by `t`.
+    pub(crate) fn is_due(&self, t: f64) -> bool {
+        let scheduled = self.schedule.get(self.over).is_some_and(|entry| t >= entry.0 - DUE);
+        scheduled || self.pending.iter().any(|pending| t >= pending.time - DUE)
+    }
+
     /// Next time after `t` at which a switch changes or a law has a corner.
     pub(crate) fn next(&self, t: f64) -> f64 {
         let scheduled = self.schedule.get(self.over).map_or(f64::INFINITY, |entry| entry.0);

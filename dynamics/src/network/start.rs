@@ -2,7 +2,7 @@
 
 use super::assembly::{Base, Family, Start};
 use super::error::RunError;
-use super::mode::{Mode, depth};
+use super::mode::{Mode, depth, friction};
 use super::plan::Plan;
 use super::rates::Workspace;
 use super::signals::Signals;
@@ -22,8 +22,8 @@ pub(crate) struct Origin {
 impl Plan {
     /// The state at t = 0.
     ///
-    /// Bodies that rest on a contact or a spring are in equilibrium, which Newton's method finds for the set of contacts
-    /// that are pressed; a body with a given travel hands its forces to its parent.
+    /// Bodies that rest on a contact or a spring are in equilibrium. Newton's method finds it for the set of contacts
+    /// that are pressed. A body with a given travel hands its forces to its parent.
     ///
     /// # Errors
     /// [`RunError::NotSeated`] where a body is lifted off what it rests on, [`RunError::NoEquilibrium`] where nothing
@@ -37,6 +37,9 @@ impl Plan {
         for (i, volume) in self.assembly.volumes.iter().enumerate() {
             w.pressure[i] = volume.pressure;
         }
+        for stick in self.frictions.iter().filter_map(|f| f.stick.as_ref()) {
+            mode.switches[stick.switch] = friction::IDLE;
+        }
         self.close_contacts(&y, &mut mode, &mut w, true);
         self.settle(&mut y, &mut mode, &mut w)?;
         self.check_seats(&y, &mode)?;
@@ -46,6 +49,16 @@ impl Plan {
             y[self.mass() + i] = volume.pressure * w.volume[i] / (self.gas_constant * volume.temperature);
         }
         self.instant(&y, &mut w);
+        for plan in &self.frictions {
+            if let Some(stick) = &plan.stick {
+                mode.memory[stick.place] = w.travel(plan.pair);
+                mode.switches[stick.switch] = match w.speed(plan.pair) {
+                    v if v > 0.0 => friction::FORTH,
+                    v if v < 0.0 => friction::BACK,
+                    _ => friction::STUCK,
+                };
+            }
+        }
         for passage in &self.passages {
             for way in passage.restrictions.iter().filter_map(|r| r.travel()) {
                 let opening = way.sign * (w.travel(way.pair) - way.at);

@@ -5,7 +5,7 @@
 
 use super::assembly::{Action, BlockRef, Family, Word};
 use super::error::RunError;
-use super::mode::{Mode, depth, head};
+use super::mode::{Mode, depth, friction, head};
 use super::plan::{AreaPlan, Plan};
 use super::probe::{Need, Program};
 use super::rates::Workspace;
@@ -21,6 +21,8 @@ pub(crate) enum Slot {
     Opening { passage: usize, restriction: usize },
     /// The further condition of a passage's gate.
     Condition { passage: usize, program: Program },
+    /// Friction that may stick.
+    Stick(usize),
     /// The driver on a fastener's head.
     Head(usize),
     /// A fastener that goes deeper.
@@ -58,6 +60,8 @@ impl Slots {
                 list.push(Slot::Condition { passage, program });
             }
         }
+        let sticking = plan.frictions.iter().enumerate().filter(|(_, f)| f.stick.is_some());
+        list.extend(sticking.map(|(i, _)| Slot::Stick(i)));
         for i in 0..plan.fasteners.len() {
             list.extend([Slot::Head(i), Slot::Deeper(i), Slot::Back(i)]);
         }
@@ -98,6 +102,7 @@ impl Slot {
             Self::Contact(i) => &assembly.contacts[*i].name,
             Self::Spring(i) => &assembly.springs[*i].name,
             Self::Opening { passage, .. } | Self::Condition { passage, .. } => &assembly.passages[*passage].name,
+            Self::Stick(i) => &assembly.frictions[*i].name,
             Self::Head(i) | Self::Deeper(i) | Self::Back(i) => &assembly.fasteners[*i].name,
         }
     }
@@ -129,6 +134,16 @@ impl Slot {
                     .condition
                     .is_some_and(|switch| mode.is_on(switch));
                 signed(on, program.value(plan, mode, w))
+            }
+            Self::Stick(i) => {
+                let plan = &plan.frictions[*i];
+                let (x, v) = (w.travel(plan.pair), w.speed(plan.pair));
+                match plan.stick.as_ref().map(|stick| mode.switches[stick.switch]) {
+                    Some(friction::FORTH) => v,
+                    Some(friction::BACK) => -v,
+                    Some(friction::STUCK) => plan.static_force - plan.force(mode, x, v).force.abs(),
+                    _ => f64::INFINITY,
+                }
             }
             Self::Head(i) => {
                 let fastener = &plan.fasteners[*i];
@@ -180,6 +195,21 @@ impl Slot {
                     .is_some_and(|switch| toggle(mode, switch));
                 let action = if on { Action::GateOpens } else { Action::GateShuts };
                 Some(word(Family::Passage, *passage, 0, action))
+            }
+            Self::Stick(i) => {
+                let plan = &plan.frictions[*i];
+                let stick = plan.stick.as_ref()?;
+                let (x, v) = (w.travel(plan.pair), w.speed(plan.pair));
+                let action = if mode.switches[stick.switch] == friction::STUCK {
+                    let forth = plan.force(mode, x, v).force > 0.0;
+                    mode.switches[stick.switch] = if forth { friction::FORTH } else { friction::BACK };
+                    Action::Slips
+                } else {
+                    mode.switches[stick.switch] = friction::STUCK;
+                    mode.memory[stick.place] = x;
+                    Action::Sticks
+                };
+                Some(word(Family::Friction, *i, 0, action))
             }
             Self::Head(i) => {
                 let fastener = &plan.fasteners[*i];

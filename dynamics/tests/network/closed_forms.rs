@@ -4,6 +4,7 @@ use nailnoise_dynamics::network::assembly::*;
 use nailnoise_dynamics::network::{Assembly, Numerics, simulate};
 
 use crate::assembly::*;
+use crate::conditions::*;
 use crate::{close, run};
 
 const VESSEL: Space = Space::Volume(0);

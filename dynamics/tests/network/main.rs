@@ -1,4 +1,4 @@
-//! Tests of networks of blocks, by the closed forms and the kinds of blocks.
+//! Tests of networks of blocks, by the closed forms, the kinds of blocks and the built-in tools.
 #![allow(clippy::unwrap_used)]
 
 #[path = "../common/assembly.rs"]
@@ -6,10 +6,17 @@ mod assembly;
 mod closed_forms;
 #[path = "../common/mod.rs"]
 mod common;
+mod conditions;
+mod errors;
 mod expansion;
+mod laws;
 mod n80cb;
 #[path = "../common/n80cb_assembly.rs"]
 mod n80cb_assembly;
+mod random;
+#[path = "../common/random_assembly.rs"]
+mod random_assembly;
+mod tools;
 
 use nailnoise_dynamics::network::{Assembly, Numerics, Record, simulate};
 
@@ -21,7 +28,7 @@ fn run(assembly: &Assembly, tolerance: f64) -> Record {
         ..Numerics::default()
     };
     let record = simulate(assembly, &numerics).unwrap();
-    assert!(record.is_certified(), "{:#?}", record.checks);
+    assert!(record.is_certified(), "{}: {:#?}", assembly.name, record.checks);
     record
 }
 

@@ -1,0 +1,129 @@
+//! Changes that are only noted: bodies and flows that reverse, flows that choke.
+
+use super::assembly::{Action, BlockRef, Family, Word};
+use super::mode::Mode;
+use super::plan::{Pair, Plan};
+use super::rates::Workspace;
+
+/// Least speed of a body for a true reversal; a slower one is the settling of a contact \[m/s\].
+const REVERSAL_SPEED: f64 = 10e-3;
+
+#[derive(Debug, Clone, Copy)]
+enum Kind {
+    /// Speed of a body.
+    Turn { body: usize, pair: Pair },
+    /// Difference of the pressures at a passage.
+    Direction(usize),
+    /// Flow of a passage against its choked flow.
+    Choking(usize),
+}
+
+/// A noted change.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Note {
+    pub(crate) time: f64,
+    pub(crate) word: Word,
+}
+
+/// Quantities whose sign changes are noted.
+#[derive(Debug, Clone)]
+pub(crate) struct Watch {
+    list: Vec<Kind>,
+    /// Heights at the last point.
+    pub(crate) last: Vec<f64>,
+    /// Of each body: largest speed since its last reversal, and the last reversal after slow motion, which counts if
+    /// fast motion follows.
+    swing: Vec<f64>,
+    slow: Vec<Option<f64>>,
+}
+
+impl Watch {
+    pub(crate) fn new(plan: &Plan) -> Self {
+        let mut list: Vec<Kind> = Vec::new();
+        for (body, described) in plan.bodies.iter().enumerate() {
+            let pair = Pair {
+                on: body,
+                against: described.parent,
+            };
+            list.push(Kind::Turn { body, pair });
+        }
+        for (i, passage) in plan.passages.iter().enumerate().filter(|(_, passage)| !passage.shut) {
+            list.push(Kind::Choking(i));
+            if !passage.one_way {
+                list.push(Kind::Direction(i));
+            }
+        }
+        Self {
+            last: vec![0.0; list.len()],
+            list,
+            swing: vec![0.0; plan.bodies.len()],
+            slow: vec![None; plan.bodies.len()],
+        }
+    }
+
+    pub(crate) fn len(&self) -> usize {
+        self.list.len()
+    }
+
+    /// Heights of a state in the workspace.
+    pub(crate) fn measure(&self, t: f64, plan: &Plan, mode: &Mode, w: &Workspace, heights: &mut [f64]) {
+        for (i, height) in heights.iter_mut().enumerate() {
+            *height = self.height(i, t, plan, mode, w);
+        }
+    }
+
+    /// Height of one quantity.
+    pub(crate) fn height(&self, i: usize, t: f64, plan: &Plan, mode: &Mode, w: &Workspace) -> f64 {
+        match self.list[i] {
+            Kind::Turn { pair, .. } => w.speed(pair),
+            Kind::Direction(i) => w.pressure[plan.passages[i].from] - w.pressure[plan.passages[i].to],
+            Kind::Choking(i) => {
+                let passage = &plan.passages[i];
+                passage.choking(&plan.airs[passage.air], mode, &plan.ends(i, w), t)
+            }
+        }
+    }
+
+    /// Follows the speeds of the bodies.
+    pub(crate) fn settle(&mut self, heights: &[f64]) {
+        for (swing, speed) in self.swing.iter_mut().zip(heights) {
+            *swing = swing.max(speed.abs());
+        }
+        self.last.copy_from_slice(heights);
+    }
+
+    /// Takes a change of sign; a reversal of a body counts with fast motion before or after it.
+    pub(crate) fn pass(&mut self, i: usize, time: f64, rising: bool, plan: &Plan, mode: &Mode) -> Vec<Note> {
+        let note = |time, family, index, action| Note {
+            time,
+            word: Word {
+                block: BlockRef { family, index },
+                restriction: 0,
+                action,
+            },
+        };
+        match self.list[i] {
+            Kind::Turn { body, .. } => {
+                let turn = |time| note(time, Family::Body, body, Action::Reverses);
+                let slow = std::mem::replace(&mut self.swing[body], 0.0) < REVERSAL_SPEED;
+                match (slow, self.slow[body].take()) {
+                    // Two slow turns are none.
+                    (true, Some(_)) => Vec::new(),
+                    (true, None) => {
+                        self.slow[body] = Some(time);
+                        Vec::new()
+                    }
+                    (false, earlier) => earlier.into_iter().chain([time]).map(turn).collect(),
+                }
+            }
+            Kind::Direction(i) if plan.passages[i].is_open(mode) => {
+                vec![note(time, Family::Passage, i, Action::Reverses)]
+            }
+            Kind::Direction(_) => Vec::new(),
+            Kind::Choking(i) => {
+                let action = if rising { Action::Choked } else { Action::Unchoked };
+                vec![note(time, Family::Passage, i, action)]
+            }
+        }
+    }
+}

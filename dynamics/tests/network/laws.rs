@@ -1,0 +1,134 @@
+//! Laws of single blocks: sticking friction, a curved contact, a table of force, the words of the log.
+
+use nailnoise_dynamics::network::assembly::*;
+use nailnoise_dynamics::network::{Assembly, Numerics, Record, simulate};
+
+use crate::assembly::*;
+use crate::close;
+use crate::conditions::*;
+
+fn sampled(assembly: &Assembly) -> Record {
+    let numerics = Numerics {
+        relative_tolerance: 1e-9,
+        sample_interval: Some(1e-4),
+        ..Numerics::default()
+    };
+    let record = simulate(assembly, &numerics).unwrap();
+    assert!(record.is_certified(), "{:#?}", record.checks);
+    record
+}
+
+fn force(law: ForceLaw) -> Force {
+    Force {
+        name: "push".to_owned(),
+        on: 0,
+        against: Base::Ground,
+        law,
+    }
+}
+
+const REST: Start = Start::At {
+    travel: 0.0,
+    speed: 0.0,
+};
+
+/// A sledge of 1 kg that is pushed with a force growing by 100 N/s against 5 N of static and 3 N of sliding friction.
+#[test]
+fn a_sledge_sticks_until_the_push_exceeds_the_static_friction() {
+    let mut sledge = empty("sledge", 0.1);
+    sledge.bodies.push(body("sledge", 1.0, REST));
+    sledge
+        .forces
+        .push(force(ForceLaw::Table(vec![[0.0, 0.0], [0.2, 20.0]])));
+    sledge.frictions.push(Friction {
+        name: "ground_friction".to_owned(),
+        on: 0,
+        against: Base::Ground,
+        static_force: 5.0,
+        sliding_force: 3.0,
+        viscous: 0.0,
+        width: 1e-3,
+        stribeck: 1e-6,
+        stick: Some((1e6, 1e3)),
+    });
+    // Its motion is a polynomial, which the method follows with steps too long for the integrals of the audit.
+    let numerics = Numerics {
+        sample_interval: Some(1e-4),
+        ..Numerics::default()
+    };
+    let record = simulate(&sledge, &numerics).unwrap();
+    let slips: Vec<f64> = record
+        .log
+        .iter()
+        .filter(|entry| entry.word == "slips")
+        .map(|entry| entry.time)
+        .collect();
+    assert_eq!(slips.len(), 1);
+    // The dashpot's force, c F'/k = 0.1 N, is part of the friction: it slips when the push reaches 5 N.
+    close("slips", slips[0], 0.05, 1e-3);
+    // v = int (100 t - 3) dt from 0.05 to 0.1 s
+    let speed = *record.get("sledge.speed").unwrap().last().unwrap();
+    close("speed", speed, 0.375 - 0.15, 1e-3);
+    assert!(record.get("sledge.travel").unwrap()[400] < 1e-5, "it holds before");
+}
+
+/// A ball of 0.1 kg with 1 m/s on f = k u^1.5: the overlap reaches (5/4 m v^2/k)^(2/5) and the ball leaves with 1 m/s.
+#[test]
+fn a_curved_contact_stores_the_energy_of_its_law() {
+    let mut ball = empty("ball", 4e-3);
+    let start = Start::At {
+        travel: -0.1e-3,
+        speed: 1.0,
+    };
+    ball.bodies.push(body("ball", 0.1, start));
+    ball.contacts.push(Contact {
+        exponent: 1.5,
+        ..contact("plate", 0, Base::Ground, Stop::Below, 0.0, 1e8, 0.0)
+    });
+    let record = sampled(&ball);
+    let deepest: f64 = (1.25 * 0.1 / 1e8_f64).powf(0.4);
+    close("push", record.peak("plate").unwrap(), 1e8 * deepest.powf(1.5), 1e-4);
+    close(
+        "rebound",
+        *record.get("ball.speed").unwrap().last().unwrap(),
+        -1.0,
+        1e-6,
+    );
+    let words: Vec<&str> = record.log.iter().map(|entry| entry.word).collect();
+    assert_eq!(words, ["closes", "reverses", "opens"]);
+}
+
+/// Restitution of a contact after Hunt and Crossley is 1 - a v for small a v.
+#[test]
+fn a_hysteretic_contact_loses_speed_in_proportion_to_the_impact() {
+    let mut ball = empty("ball", 4e-3);
+    let start = Start::At {
+        travel: -0.1e-3,
+        speed: 1.0,
+    };
+    ball.bodies.push(body("ball", 0.1, start));
+    ball.contacts.push(Contact {
+        exponent: 1.5,
+        damping: ContactDamping::HuntCrossley(0.01),
+        ..contact("plate", 0, Base::Ground, Stop::Below, 0.0, 1e8, 0.0)
+    });
+    let record = sampled(&ball);
+    let rebound = -*record.get("ball.speed").unwrap().last().unwrap();
+    assert!((rebound - 0.99).abs() < 2e-4, "{rebound}");
+    assert!(record.integral("dashpot.plate").unwrap() > 0.0);
+}
+
+#[test]
+fn a_flow_unchokes_at_the_critical_ratio() {
+    let mut vessel = empty("vessel", 0.3);
+    vessel.volumes.push(volume("vessel", 1e-3, 800e3));
+    vessel
+        .passages
+        .push(passage("valve", Space::Volume(0), Space::Reservoir(0), constant(20e-6)));
+    let record = sampled(&vessel);
+    let entry = record.log.iter().find(|entry| entry.word == "unchoked").unwrap();
+    let critical = (2.0f64 / 2.4).powf(3.5);
+    let pressure = record.get("vessel.pressure").unwrap();
+    let sample = (entry.time / 1e-4) as usize;
+    assert!(pressure[sample] > 101_325.0 / critical && pressure[sample + 1] < 101_325.0 / critical);
+}

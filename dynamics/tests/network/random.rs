@@ -1,0 +1,37 @@
+//! Random assemblies end in a record with everything conserved, or in an error with a remedy.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use nailnoise_documents::Document;
+use nailnoise_dynamics::network::{AssemblyText, KeyValue, Numerics, simulate};
+
+use crate::random_assembly::{Random, random_assembly};
+
+#[test]
+fn random_assemblies_conserve_mass_energy_and_momentum() {
+    let keys: BTreeMap<String, KeyValue> = BTreeMap::new();
+    let numerics = Numerics {
+        sample_interval: None,
+        ..Numerics::default()
+    };
+    let mut ended = 0;
+    let mut failed = Vec::new();
+    for seed in 0..500 {
+        let text = random_assembly(&mut Random::new(seed));
+        let document = Document::new(Path::new("random.toml"), &text);
+        let assembly = AssemblyText::open(&document).unwrap().resolve(&keys).unwrap().assembly;
+        match simulate(&assembly, &numerics) {
+            Ok(record) => {
+                ended += 1;
+                for check in record.checks.iter().filter(|check| !check.ok) {
+                    failed.push(format!("{seed}: {} {:e}", check.name, check.value));
+                }
+            }
+            Err(error) => println!("{seed}: {error}"),
+        }
+    }
+    println!("{ended} of 500 end");
+    assert!(failed.is_empty(), "{failed:#?}");
+    assert!(ended > 400, "{ended} of 500 end");
+}
