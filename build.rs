@@ -15,9 +15,10 @@ use proc_macro2::{Delimiter, TokenStream, TokenTree};
 use sha2::{Digest as _, Sha256};
 
 /// Crates of the workspace, each after those that it depends on.
-const CRATES: [&str; 8] = [
+const CRATES: [&str; 9] = [
     "quantities",
     "documents",
+    "calibration",
     "dynamics",
     "meshes",
     "fem",

@@ -96,6 +96,7 @@ mod tests {
             lpc_peak_db: Some(128.4).filter(|_| not_stated.is_none()),
             lpc_peak_signal_db: Some(128.4),
             not_stated,
+            loudness: Vec::new(),
         }
     }
 

@@ -234,6 +234,10 @@ pub enum Error {
     #[error(transparent)]
     #[diagnostic(transparent)]
     Measurement(#[from] nailnoise_measurement::MeasurementError),
+    /// A design cannot be calibrated.
+    #[error(transparent)]
+    #[diagnostic(transparent)]
+    Calibration(#[from] crate::calibration::CalibrationError),
     /// A penetration law cannot be evaluated.
     #[error(transparent)]
     #[diagnostic(help("{}", _0.remedy()))]

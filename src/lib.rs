@@ -13,6 +13,7 @@
 #![forbid(unsafe_code)]
 
 pub mod artifacts;
+pub mod calibration;
 pub mod chain;
 pub mod commands;
 pub mod comparison;
@@ -37,7 +38,7 @@ pub mod shipped;
 pub mod stages;
 pub mod staging;
 pub mod study;
-mod table;
+mod tables;
 pub mod verification;
 pub mod virtual_test;
 pub mod watch;

@@ -303,6 +303,23 @@ pub struct EarReport {
     pub lpc_peak_signal_db: Option<f64>,
     /// Why L_pC,peak is not stated; null where it is.
     pub not_stated: Option<String>,
+    /// Loudness of each source, and of all of them as `total`, by ISO 532-1:2017 for time-varying sounds.
+    #[serde(default)]
+    pub loudness: Vec<SourceLoudness>,
+}
+
+/// Loudness of one shot of a source at the operator's ear: Zwicker's method for time-varying sounds (ISO 532-1:2017,
+/// clause 6), free field from the front, the same sound at both ears.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct SourceLoudness {
+    /// Its name, or `total`.
+    pub source: String,
+    /// Greatest loudness N_max \[sone\]; null above 120 dB in a band up to 250 Hz, where the standard ends.
+    pub n_max_sone: Option<f64>,
+    /// Loudness level of N_max \[phon\].
+    pub level_phon: Option<f64>,
+    /// Time of N_max after the trigger is pulled \[s\].
+    pub time_s: Option<f64>,
 }
 
 /// A source at the microphones.

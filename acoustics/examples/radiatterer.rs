@@ -1,5 +1,8 @@
 //! The Radiatterer, a benchmark case of the European Acoustics Association: a box with slots and cavities whose whole
-//! surface moves by 1 mm/s. `cargo run --release -p nailnoise-acoustics --example radiatterer [HZ ...]`.
+//! surface moves by 1 mm/s. `cargo run --release -p nailnoise-acoustics --example radiatterer -- [--divide N] [HZ ...]`.
+//!
+//! Panels are 0.1 m / N wide. Without frequencies, all of the reference are computed. The rows are comma-separated: the
+//! power, the levels at three points, and their differences from the reference where it has the frequency.
 //!
 //! Reference: finite and infinite elements of order 4 on bricks of 50 mm (P. Fiala and P. Rucz, NiHu, public
 //! repository), an independent computation whose dispersion shifts frequencies by 0.15 % at 200 Hz and 0.4 % at 300 Hz.
@@ -11,7 +14,7 @@ use nailnoise_meshes::FaceKind;
 use nalgebra::Point3;
 use std::collections::HashMap;
 
-/// Side of a panel \[m\]. All dimensions are multiples of it.
+/// Side of a cell of the lattice \[m\]. All dimensions are multiples of it.
 const SIDE: f64 = 0.1;
 
 /// Sides of the brick along x, y, z.
@@ -82,31 +85,32 @@ const REFERENCE: [[f64; 5]; 29] = [
     [300.0, 0.0063813, 84.57, 87.44, 75.94],
 ];
 
-/// Whether a cell of the lattice is part of the body.
-fn is_solid(cell: [i64; 3]) -> bool {
+/// Whether a cell of the lattice, divided into this many along each axis, is part of the body.
+fn is_solid(cell: [i64; 3], divide: i64) -> bool {
+    let cell = cell.map(|c| c.div_euclid(divide));
     let inside = |c: usize| (0..BRICK[c] as i64).contains(&cell[c]);
     let in_cut = |cut: &[[usize; 2]; 3]| (0..3).all(|c| (cut[c][0] as i64..cut[c][1] as i64).contains(&cell[c]));
     (0..3).all(inside) && !CUT.iter().any(in_cut)
 }
 
 /// A panel on every side of a solid cell that faces the air.
-fn surface() -> BoundaryMesh {
+fn surface(divide: i64) -> BoundaryMesh {
     let (mut points, mut index) = (Vec::new(), HashMap::new());
     let mut panels = Vec::new();
     let mut at = |p: [i64; 3]| {
         *index.entry(p).or_insert_with(|| {
-            points.push(Point3::from(p.map(|c| SIDE * c as f64)));
+            points.push(Point3::from(p.map(|c| SIDE * c as f64 / divide as f64)));
             points.len() - 1
         })
     };
-    let [nx, ny, nz] = BRICK.map(|n| n as i64);
+    let [nx, ny, nz] = BRICK.map(|n| n as i64 * divide);
     let cells = (0..nx).flat_map(|x| (0..ny).flat_map(move |y| (0..nz).map(move |z| [x, y, z])));
-    for cell in cells.filter(|&cell| is_solid(cell)) {
+    for cell in cells.filter(|&cell| is_solid(cell, divide)) {
         for axis in 0..3 {
             for upper in [0, 1] {
                 let mut beyond = cell;
                 beyond[axis] += 2 * upper - 1;
-                if is_solid(beyond) {
+                if is_solid(beyond, divide) {
                     continue;
                 }
                 let (u, v) = ((axis + 1) % 3, (axis + 2) % 3);
@@ -133,35 +137,44 @@ fn surface() -> BoundaryMesh {
 }
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
-    let wanted: Vec<f64> = std::env::args()
-        .skip(1)
-        .map(|hz| hz.parse())
-        .collect::<Result<_, _>>()?;
+    let mut arguments: Vec<String> = std::env::args().skip(1).collect();
+    let divide: i64 = match arguments.iter().position(|argument| argument == "--divide") {
+        Some(at) => {
+            let given = arguments.splice(at..(at + 2).min(arguments.len()), []).nth(1);
+            given.ok_or("--divide needs a number")?.parse()?
+        }
+        None => 1,
+    };
+    let mut wanted: Vec<f64> = arguments.iter().map(|hz| hz.parse()).collect::<Result<_, _>>()?;
+    if wanted.is_empty() {
+        wanted = REFERENCE.map(|[hz, ..]| hz).into();
+    }
     let air = Air {
         density: 1.3,
         sound_speed: 340.0,
         ..Air::default()
     };
-    let boundary = Boundary::new(surface(), None)?;
-    println!("{} panels, {} unknowns", boundary.mesh().panels.len(), boundary.nodes());
+    let boundary = Boundary::new(surface(divide), None)?;
+    eprintln!("{} panels, {} unknowns", boundary.mesh().panels.len(), boundary.nodes());
     let velocities = boundary.project(1, |_, _, _, v| v[0] = VELOCITY);
     let exterior = Exterior::new(boundary, &air);
-    println!("     Hz   reference W    computed W    dB   points: computed - reference, dB");
-    for [hz, watts, levels @ ..] in REFERENCE {
-        if !(wanted.is_empty() || wanted.contains(&hz)) {
-            continue;
-        }
+    println!("Hz,power [W],L_1 [dB],L_2 [dB],L_3 [dB],power - reference [dB],L_1,L_2,L_3");
+    for hz in wanted {
         let solution = exterior.solve(hz, &velocities)?;
         let power = 0.5 * exterior.impedance(&velocities, &solution)?[0][(0, 0)].re;
         let [pressure, _] = exterior.pressure_at(&POINTS.map(Point3::from), &velocities, &solution)?;
-        let difference = |i: usize| 20.0 * (pressure[(i, 0)].norm() / 2e-5).log10() - levels[i];
-        println!(
-            "{hz:7.1} {watts:13.5e} {power:13.5e} {:5.2}   {:5.2} {:5.2} {:5.2}",
-            10.0 * (power / watts).log10(),
-            difference(0),
-            difference(1),
-            difference(2)
-        );
+        let levels = [0, 1, 2].map(|i| 20.0 * (pressure[(i, 0)].norm() / 2e-5).log10());
+        let mut row = format!("{hz},{power:.5e}");
+        levels.iter().for_each(|level| row.push_str(&format!(",{level:.3}")));
+        if let Some([_, watts, reference @ ..]) = REFERENCE.iter().find(|row| row[0] == hz) {
+            row.push_str(&format!(",{:.3}", 10.0 * (power / watts).log10()));
+            for (level, reference) in levels.iter().zip(reference) {
+                row.push_str(&format!(",{:.3}", level - reference));
+            }
+        } else {
+            row.push_str(",,,,");
+        }
+        println!("{row}");
     }
     Ok(())
 }

@@ -9,6 +9,7 @@ use crate::radiation::fluid_loading::FluidLoadingError;
 use crate::signals::error::LevelsError;
 use crate::signals::fourier::FourierError;
 use crate::signals::interpolation::error::SamplingError;
+use crate::signals::loudness::error::LoudnessError;
 
 /// Any error of this crate; each module has its own.
 #[derive(Debug, Error)]
@@ -25,6 +26,9 @@ pub enum AcousticsError {
     /// A spectrum or its signals.
     #[error(transparent)]
     Levels(#[from] LevelsError),
+    /// A loudness.
+    #[error(transparent)]
+    Loudness(#[from] LoudnessError),
     /// The sampling of a quantity over frequency.
     #[error(transparent)]
     Sampling(#[from] SamplingError),
@@ -56,6 +60,7 @@ impl AcousticsError {
             | Self::Receiver(ReceiverError::Input(cause))
             | Self::Fourier(FourierError::Input(cause))
             | Self::Levels(LevelsError::Input(cause))
+            | Self::Loudness(LoudnessError::Input(cause))
             | Self::Radiation(RadiationError::Input(cause))
             | Self::Bem(BemError::Input(cause))
             | Self::FluidLoading(FluidLoadingError::Input(cause))

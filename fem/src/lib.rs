@@ -20,7 +20,7 @@ pub mod vibration;
 
 pub use assembly::{
     Equations, LoadVector, Rectangle, System, assemble, assemble_in_order, assemble_with, elimination_order,
-    mirror_planes,
+    mirror_planes, stress_at,
 };
 pub use eigen::{
     Correlation, ModalBasis, ModalCost, ModalSettings, ModalWork, ModePair, Pairing, Progress, ShortestWave, Sturm,

@@ -8,11 +8,12 @@ use nailnoise_fem::{ModalCost, ShortestWave, wall_thicknesses};
 use nailnoise_meshes::{Mesh, Quality, Surface};
 use serde::Serialize;
 
-use super::table::{fixed, table};
+use super::table::table;
 use super::{Status, bodies::Input};
 use super::{print, print_json};
 use crate::error::Error;
 use crate::stages::bodies::{Origin, SIDES_PER_WAVE as FEWEST};
+use crate::tables::fixed;
 
 #[derive(Args)]
 #[command(after_help = examples!(

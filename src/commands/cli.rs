@@ -5,8 +5,9 @@ use std::ffi::OsString;
 use clap::{CommandFactory as _, Parser, Subcommand};
 
 use super::{
-    Status, cache, check, coloured, compare, compare_measured, completions, cycle, faults, init, list, manual, measure,
-    mesh, modes, optimise, prf, printed, progress, provide, report, run, schema, study, sweep, test, verify, watch,
+    Status, cache, calibrate, check, coloured, compare, compare_measured, completions, cycle, faults, init, list,
+    manual, measure, mesh, modes, optimise, prf, printed, progress, provide, report, run, schema, study, sweep, test,
+    verify, watch,
 };
 use crate::error::Error;
 
@@ -57,6 +58,8 @@ enum Command {
     Compare(compare::Arguments),
     /// Draw designs from the ranges: intervals of the levels, probability of each order, and the inputs that decide
     Study(study::Arguments),
+    /// Condition the ranges of a design on what was measured of the tool: depths, times, pressures, air
+    Calibrate(calibrate::Arguments),
     /// Compute the levels over a grid of values
     Sweep(sweep::Arguments),
     /// Look for the design of the lowest level under constraints (needs the Python package)
@@ -137,6 +140,7 @@ fn execute(cli: &Cli) -> Result<Status, Error> {
             None => compare::execute(arguments),
         },
         Command::Study(arguments) => study::execute(arguments),
+        Command::Calibrate(arguments) => calibrate::execute(arguments),
         Command::Sweep(arguments) => sweep::execute(arguments),
         Command::Optimise(arguments) => optimise::execute(arguments),
         Command::Cycle(arguments) => cycle::execute(arguments),

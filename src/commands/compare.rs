@@ -6,13 +6,12 @@ use clap::Args;
 use serde::Serialize;
 
 use super::Status;
-use super::table::{dash, decibels, fixed, table, with_legend};
 use super::{
     Changes, Keeping, Memory, Threads, comparison_page, comparison_sounds, folder_of, message, print, print_json,
-    progress, status_of,
+    progress, status_of, table,
 };
 use crate::artifacts::Delivery;
-use crate::comparison::{Comparison, Finished, Labelled, Levels, Limit};
+use crate::comparison::{Comparison, Finished, Labelled, Limit};
 use crate::cost;
 use crate::design::Design;
 use crate::error::Error;
@@ -23,8 +22,9 @@ use crate::result::Check;
 use crate::stages::Progress;
 use crate::staging;
 use crate::store::Store;
-use crate::study::{self, Estimate, PairedStudy, Request, common_draws};
-use crate::wording::{band, change, drawn_structures, order, rounded};
+use crate::study::{PairedStudy, Request, common_draws};
+use crate::tables;
+use crate::wording::order;
 
 #[derive(Args)]
 #[command(after_help = examples!(
@@ -111,7 +111,7 @@ pub(super) fn execute(arguments: &Arguments) -> Result<Status, Error> {
     let page = comparison_page::place(&arguments.out, &comparison.designs, &identity);
     staging::write(
         &page,
-        report::comparison(&comparison, &identity, &recordings).as_bytes(),
+        report::comparison(&comparison, &paired, &identity, &recordings).as_bytes(),
     )?;
     if arguments.json {
         print_json(&Layout {
@@ -169,41 +169,10 @@ fn paired(arguments: &Arguments, cache: &Store, progress: &Progress) -> Result<V
 
 /// The changes of a design as a person reads them.
 fn changes(paired: &PairedStudy) -> String {
-    let level = |estimate: &Estimate| dash(estimate.value, change);
-    let row = |own: &study::Change| {
-        let quantiles = &own.change_db;
-        vec![
-            own.source.clone(),
-            level(&quantiles.p05),
-            level(&quantiles.p50),
-            level(&quantiles.p95),
-            super::study_text::probability(&own.quieter),
-            decibels(own.width_db),
-            decibels(own.level_width_db),
-        ]
-    };
-    let headings = [
-        "change",
-        "P5 dB",
-        "P50 dB",
-        "P95 dB",
-        "P(quieter)",
-        "width dB",
-        "width of the level dB",
-    ];
     format!(
-        "\n{} against {} over {} common draws (seed {}), {}; not drawn, because the designs differ in them: {}\n\n{}",
-        paired.design,
-        paired.reference,
-        paired.draws,
-        paired.seed,
-        drawn_structures(paired.structures),
-        if paired.decided.is_empty() {
-            "nothing".to_owned()
-        } else {
-            paired.decided.join(", ")
-        },
-        table(&headings, &paired.changes.iter().map(row).collect::<Vec<_>>())
+        "\n{}\n\n{}",
+        paired.basis(),
+        table::text(&tables::study::changes(paired))
     )
 }
 
@@ -248,105 +217,36 @@ fn free_name(name: &str, others: &[Finished]) -> String {
 }
 
 fn text(comparison: &Comparison, bands: bool, intervals: bool) -> String {
-    let designs = &comparison.designs;
     let mut text = String::from("differences\n\n");
-    let headings = |first| {
-        std::iter::once(first)
-            .chain(designs.iter().map(String::as_str))
-            .collect::<Vec<_>>()
-    };
-    let rows: Vec<Vec<String>> = comparison
-        .inputs
-        .iter()
-        .map(|row| {
-            let key = match row.unit.as_str() {
-                "" => row.key.clone(),
-                unit => format!("{} [{unit}]", row.key),
-            };
-            std::iter::once(key).chain(row.values.iter().map(plain)).collect()
-        })
-        .collect();
-    if rows.is_empty() {
+    if comparison.inputs.is_empty() {
         text.push_str("  none: the designs have the same values\n");
     } else {
-        text.push_str(&table(&headings("key"), &rows));
+        text.push_str(&table::text(&comparison.input_table()));
     }
-
     text.push_str("\nA-weighted single-event sound power levels, dB re 1 pW s; changes from the first\n\n");
-    let with_changes = |first: &'static str| {
-        let mut headings = headings(first);
-        headings.extend(designs.iter().skip(1).map(|_| "change"));
-        headings
-    };
-    let sources = comparison
-        .sources
-        .iter()
-        .map(|row| level_row(&row.source, &row.levels))
-        .chain([level_row("total", &comparison.total)]);
-    text.push_str(&table(&with_changes("source"), &sources.collect::<Vec<_>>()));
-    if let Some(intervals) = comparison.intervals() {
-        text.push_str(&format!("\nintervals of the levels\n\n{}", with_legend(&intervals)));
+    text.push_str(&table::text(&comparison.level_table()));
+    if let Some(intervals) = comparison.interval_table() {
+        text.push_str(&format!("\nintervals of the levels\n\n{}", table::text(&intervals)));
     }
-    for row in &comparison.sources {
-        let methods: Vec<&str> = row.methods.iter().flatten().map(String::as_str).collect();
-        if methods.windows(2).any(|pair| pair[0] != pair[1]) {
-            text.push_str(&format!(
-                "  {}: computed by different methods ({}), whose errors do not cancel in the change\n",
-                row.source,
-                methods.join("; ")
-            ));
-        }
+    for line in comparison.unlike_methods() {
+        text.push_str(&format!("  {line}\n"));
     }
     text.push_str("\nuncertainty of each method, dB (open: no bound)\n\n");
-    let bands_of = |row: &crate::comparison::SourceRow| {
-        let of_each = row.uncertainty_db.iter().map(|bounds| band(*bounds));
-        std::iter::once(row.source.clone()).chain(of_each).collect::<Vec<_>>()
-    };
-    text.push_str(&table(
-        &headings("source"),
-        &comparison.sources.iter().map(bands_of).collect::<Vec<_>>(),
-    ));
-
+    text.push_str(&table::text(&comparison.method_table()));
     text.push_str("\nranking\n\n");
-    let places = comparison.rankings.iter().map(Vec::len).max().unwrap_or(0);
-    let rows: Vec<Vec<String>> = (0..places)
-        .map(|place| {
-            let of_each = comparison
-                .rankings
-                .iter()
-                .map(|ranking| ranking.get(place).cloned().unwrap_or_default());
-            std::iter::once(format!("{}", place + 1)).chain(of_each).collect()
-        })
-        .collect();
-    text.push_str(&table(&headings("place"), &rows));
+    text.push_str(&table::text(&comparison.ranking_table()));
     for (design, name) in comparison.designs.iter().enumerate() {
         text.push_str(&format!("  {name}: ranking {}\n", order(&comparison.placed(design))));
     }
-
-    text.push_str("\nthe shot\n\n");
-    let outcome = std::iter::once("outcome".to_owned()).chain(comparison.outcomes.iter().cloned());
-    let figures = comparison.cycle.iter().filter(|row| differs(&row.values)).map(|row| {
-        let values = row.values.iter().map(|value| dash(*value, significant));
-        std::iter::once(row.labelled(" [", "]")).chain(values).collect()
-    });
-    let events = comparison.events.iter().filter(|row| differs(&row.values)).map(|row| {
-        let values = row.values.iter().map(|value| fixed(value.map(|t| 1e3 * t), 3));
-        std::iter::once(format!("{} [ms]", row.name)).chain(values).collect()
-    });
-    let rows: Vec<Vec<String>> = std::iter::once(outcome.collect())
-        .chain(figures)
-        .chain(events)
-        .collect();
-    text.push_str(&table(&headings("figure"), &rows));
-    if rows.len() == 1 {
+    let shot = comparison.shot_table();
+    text.push_str(&format!("\nthe shot\n\n{}", table::text(&shot)));
+    if shot.rows.len() == 1 {
         text.push_str("  all figures and events are equal\n");
     }
-
     for row in &comparison.sources {
-        let mut part = |title: &str, first: &'static str, labelled: &[Labelled]| {
-            let rows: Vec<Vec<String>> = labelled.iter().map(|l| level_row(&l.label, &l.levels)).collect();
-            text.push_str(&format!("\n{}, {title}, dB(A)\n\n", row.source));
-            text.push_str(&table(&with_changes(first), &rows));
+        let mut part = |title: &str, first: &str, labelled: &[Labelled]| {
+            let levels = table::text(&comparison.labelled_table(first, labelled));
+            text.push_str(&format!("\n{}, {title}, dB(A)\n\n{levels}", row.source));
         };
         if bands {
             part("one-third-octave bands", "Hz", &row.bands);
@@ -356,41 +256,4 @@ fn text(comparison: &Comparison, bands: bool, intervals: bool) -> String {
         }
     }
     text
-}
-
-fn level_row(label: &str, levels: &Levels) -> Vec<String> {
-    let changed = |db: &Option<f64>| dash(*db, change);
-    std::iter::once(label.to_owned())
-        .chain(levels.level_db.iter().map(|level| decibels(*level)))
-        .chain(levels.change_db.iter().skip(1).map(changed))
-        .collect()
-}
-
-/// Whether values differ by more than the rounding of a table.
-fn differs(values: &[Option<f64>]) -> bool {
-    values.iter().any(|value| match (value, values[0]) {
-        (Some(a), Some(b)) => (a - b).abs() > 1e-6 * a.abs().max(b.abs()),
-        (a, b) => a.is_some() != b.is_some(),
-    })
-}
-
-fn significant(value: f64) -> String {
-    if value == 0.0 || (1e-3..1e6).contains(&value.abs()) {
-        let digits = (3 - value.abs().max(1e-3).log10().floor() as i32).clamp(0, 6) as usize;
-        format!("{value:.digits$}")
-    } else {
-        format!("{value:.3e}")
-    }
-}
-
-fn plain(value: &serde_json::Value) -> String {
-    match value {
-        serde_json::Value::Null => "-".to_owned(),
-        serde_json::Value::String(word) => word.clone(),
-        // The digits of a design value without the last ones of a conversion of units.
-        serde_json::Value::Number(number) => number
-            .as_f64()
-            .map_or_else(|| number.to_string(), |value| rounded(value, 12, 1e7)),
-        other => other.to_string(),
-    }
 }

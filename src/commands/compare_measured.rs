@@ -4,9 +4,8 @@ use std::path::Path;
 
 use nailnoise_pipeline::PipelineError;
 
-use super::table::{dash, table};
 use super::{Status, compare::Arguments};
-use super::{print, print_json, progress};
+use super::{print, print_json, progress, table};
 use crate::cost;
 use crate::design::Design;
 use crate::error::Error;
@@ -14,9 +13,8 @@ use crate::graph::Graph;
 use crate::report;
 use crate::staging;
 use crate::study::{Draws, Request, common_draws, nominal};
-use crate::virtual_test::comparison::{
-    ComparedQuantity, MeasuredComparison, Measurements, Predicted, compare, predict,
-};
+use crate::tables::measured::quantities;
+use crate::virtual_test::comparison::{MeasuredComparison, Measurements, Predicted, compare, predict};
 use crate::virtual_test::{VirtualTest, wrapping};
 use crate::wording::drawn_structures;
 
@@ -99,42 +97,9 @@ fn text(comparison: &MeasuredComparison) -> String {
         ));
     }
     text.push('\n');
-    let rows: Vec<Vec<String>> = comparison.rows.iter().map(row).collect();
-    text.push_str(&table(
-        &[
-            "quantity",
-            "design",
-            "unit",
-            "measured",
-            "predicted",
-            "5 .. 95 %",
-            "distance",
-        ],
-        &rows,
-    ));
-    text.push_str(
-        "\n  distance: between the intervals, 0 where they overlap, positive where the prediction is higher\n",
-    );
+    text.push_str(&table::text(&quantities(comparison)));
     for open in &comparison.open {
         text.push_str(&format!("  - not compared: {open}\n"));
     }
     text
-}
-
-fn row(own: &ComparedQuantity) -> Vec<String> {
-    let measured = match own.measured {
-        [None, Some(high)] => format!("<= {high:.2}"),
-        [Some(low), None] => format!(">= {low:.2}"),
-        [Some(low), Some(high)] => format!("{low:.2} .. {high:.2}"),
-        [None, None] => "-".to_owned(),
-    };
-    vec![
-        own.quantity.clone(),
-        own.design.clone(),
-        own.unit.clone(),
-        measured,
-        format!("{:.2}", own.predicted),
-        dash(own.interval, |[low, high]| format!("{low:.2} .. {high:.2}")),
-        format!("{:+.2}", own.distance),
-    ]
 }

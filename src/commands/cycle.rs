@@ -6,19 +6,18 @@ use clap::{Args, ValueEnum};
 use nailnoise_dynamics::{CycleRecord, EnergyFlow, Work, simulate};
 use serde::Serialize;
 
-use super::Status;
-use super::table::{dash, fixed, table};
-use super::{Common, print, print_json, progress, status_of};
+use super::{Common, Status, print, print_json, progress, status_of, table};
 use crate::chain;
 use crate::cost;
 use crate::design::inputs::cycle::{cycle_settings, parameters};
 use crate::error::Error;
 use crate::figures::{self, Chart};
-use crate::output::{self, EVENT_NAMES, Exports};
+use crate::output::{self, Exports};
 use crate::penetration;
 use crate::result::{CycleFigures, DesignId};
 use crate::stages::cycle::Preset;
 use crate::staging::Staging;
+use crate::tables::{self, dash, fixed};
 use crate::wording::figure;
 
 /// The last file to be written, so that a folder with it has all the rest.
@@ -183,18 +182,7 @@ fn text(form: &str, result: &CycleResult<'_>, record: &CycleRecord) -> String {
         result.design.name,
         record.outcome.name().replace('_', " ")
     );
-    let events: Vec<Vec<String>> = record
-        .events
-        .to_array()
-        .iter()
-        .zip(EVENT_NAMES)
-        .enumerate()
-        .map(|(index, (time, name))| {
-            let time = time.map(|time| 1e3 * time);
-            vec![format!("t{index:<2} {name}"), fixed(time, 3)]
-        })
-        .collect();
-    text.push_str(&table(&["event", "time ms"], &events));
+    text.push_str(&table::text(&tables::cycle::events(record)));
     text.push('\n');
     let summary = serde_json::to_value(&record.summary).unwrap_or_default();
     let rows: Vec<Vec<String>> = summary
@@ -206,24 +194,11 @@ fn text(form: &str, result: &CycleResult<'_>, record: &CycleRecord) -> String {
             vec![name.replace('_', " "), value]
         })
         .collect();
-    text.push_str(&table(&["summary", "value"], &rows));
+    text.push_str(&table::table(&["summary", "value"], &rows));
     text.push('\n');
-    text.push_str(&table(&["energy", "J"], &energy(&record.energy)));
+    text.push_str(&table::table(&["energy", "J"], &energy(&record.energy)));
     text.push('\n');
-    let checks: Vec<Vec<String>> = record
-        .checks
-        .iter()
-        .map(|check| {
-            let verdict = if check.ok { "ok" } else { "FAILED" };
-            vec![
-                check.name.to_string(),
-                format!("{:.2e}", check.value),
-                format!("{:.0e}", check.limit),
-                verdict.to_owned(),
-            ]
-        })
-        .collect();
-    text.push_str(&table(&["check", "value", "limit", ""], &checks));
+    text.push_str(&table::text(&tables::run::checks(&record.checks)));
     text.push_str(&format!(
         "\n  {} steps, {} rejected, {} events, {} Jacobians; {} samples of {:.1} us\n",
         record.work.steps,

@@ -4,11 +4,12 @@ use clap::{Args, ValueEnum};
 use serde::Serialize;
 
 use super::Status;
-use super::table::{fixed, table};
+use super::table::table;
 use super::{print, print_json};
 use crate::design::{self, Design, Entry, Named, NamedValue, Provenance, Value, WorktablePreset, nearest_word};
 use crate::error::Error;
 use crate::shipped;
+use crate::tables::fixed;
 use crate::wording::{readable, trimmed};
 
 /// Version of the layout of `list --json`.

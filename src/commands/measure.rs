@@ -5,16 +5,15 @@ use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
 
-use super::table::{dash, decibels, table};
 use super::{Status, progress::noted};
-use super::{Threads, folder_of, message, print, print_json, progress};
+use super::{Threads, folder_of, message, print, print_json, progress, table};
 use crate::error::Error;
 use crate::measurement::processing::{CorrectedShot, Measured, process_recordings};
-use crate::measurement::repeats::RepeatedLevel;
-use crate::measurement::result::{MeasurementResult, Processing};
+use crate::measurement::result::Processing;
 use crate::measurement::subtraction::Reading;
 use crate::measurement::{Manifest, arrangement::Arrangement};
 use crate::staging::Staging;
+use crate::tables::measurement as tables;
 use crate::{figures, output, report};
 
 /// The last file to be written, so that a folder with it has all the rest.
@@ -149,31 +148,10 @@ fn text(measured: &Measured, folder: &Path) -> String {
          {:.1} dB\n\n",
         result.manifest, result.range_hz[0], result.range_hz[1], result.area_m2, result.k2_db
     );
-    text.push_str(&table(
-        &[
-            "recorded",
-            "shots",
-            "L_WA,1s dB",
-            "repeats 95 %",
-            "with method k=2",
-            "above residual",
-        ],
-        &result.configurations.iter().map(configuration).collect::<Vec<_>>(),
-    ));
+    text.push_str(&table::text(&tables::configurations(result)));
     if !result.sources.is_empty() {
         text.push('\n');
-        text.push_str(&table(
-            &[
-                "less residual",
-                "shots",
-                "L_WA,1s dB",
-                "repeats 95 %",
-                "with method k=2",
-                "by energy",
-                "floor",
-            ],
-            &sources(result),
-        ));
+        text.push_str(&table::text(&tables::sources(result)));
     }
     if let Some(closure) = result.closure_db {
         let _ = writeln!(
@@ -189,37 +167,4 @@ fn text(measured: &Measured, folder: &Path) -> String {
         folder.display()
     );
     text
-}
-
-fn cells(level: Option<&RepeatedLevel>) -> [String; 4] {
-    let plus_minus = |value: Option<f64>| dash(value, |value| format!("±{value:.1}"));
-    [
-        level.map_or(0, |own| own.repeats).to_string(),
-        decibels(level.map(|own| own.db)),
-        plus_minus(level.and_then(|own| own.half_width_db)),
-        plus_minus(level.map(|own| own.expanded_db)),
-    ]
-}
-
-fn configuration(own: &crate::measurement::result::MeasuredConfiguration) -> Vec<String> {
-    let mut row = vec![own.name.clone()];
-    row.extend(cells(own.level.as_ref()));
-    row.push(decibels(own.above_residual_db));
-    row
-}
-
-fn sources(result: &MeasurementResult) -> Vec<Vec<String>> {
-    let source = |own: &crate::measurement::result::MeasuredSource| {
-        let mut row = vec![own.source.clone()];
-        row.extend(cells(own.level.as_ref()));
-        row.extend([decibels(own.by_energy_db), decibels(own.floor_db)]);
-        row
-    };
-    let bound = result.bound.iter().map(|own| {
-        let mut row = vec!["workpiece, upper bound".to_owned()];
-        row.extend(cells(own.level.as_ref()));
-        row.extend([decibels(own.by_energy_db), String::new()]);
-        row
-    });
-    result.sources.iter().map(source).chain(bound).collect()
 }

@@ -12,6 +12,7 @@ macro_rules! examples {
 
 mod bodies;
 mod cache;
+mod calibrate;
 mod check;
 mod cli;
 mod compare;
@@ -36,6 +37,7 @@ mod prf;
 mod progress;
 mod provide;
 mod python;
+mod red;
 mod run;
 mod schema;
 mod sensitivity;
@@ -63,6 +65,7 @@ use crate::store::{Store, StoreError};
 use crate::wording::visible;
 pub use cli::{main, main_with};
 pub(super) use progress::progress;
+use red::red;
 pub use status::Status;
 use table::texts;
 
@@ -288,16 +291,6 @@ fn message(text: &str) {
 /// Shows an error or a warning with its place and remedy on standard error.
 fn report(diagnostic: impl miette::Diagnostic + Send + Sync + 'static) {
     message(format!("{:?}", miette::Report::new(diagnostic)).trim_end_matches('\n'));
-}
-
-/// Text for standard output in red; unchanged if standard output is not a terminal, or NO_COLOR is set.
-fn red(text: &str) -> String {
-    let colour = std::io::stdout().is_terminal() && std::env::var_os("NO_COLOR").is_none_or(|value| value.is_empty());
-    if colour {
-        format!("\u{1b}[1;31m{text}\u{1b}[0m")
-    } else {
-        text.to_owned()
-    }
 }
 
 /// The headline of a shot for standard output, the sentence in red; empty for a shot that drives.

@@ -4,8 +4,7 @@ use std::sync::Arc;
 
 use clap::Args;
 
-use super::table::{dash, decibels, fixed, table};
-use super::{Common, Keeping, message, print, progress, status_of};
+use super::{Common, Keeping, message, print, progress, status_of, table};
 use super::{Status, progress::noted};
 use crate::artifacts::{Delivered, Delivery, PrintedResult};
 use crate::chain::{Chain, Options};
@@ -13,9 +12,9 @@ use crate::declaration;
 use crate::error::Error;
 use crate::graph::Graph;
 use crate::output::{self, Exports, event_name};
-use crate::result::{Check, Coupling, RankedSource, RunResult, loudest};
-use crate::study::legend;
-use crate::wording::{band, order, readable};
+use crate::result::{Check, Coupling, RankedSource, RunResult};
+use crate::tables::{dash, fixed, run as tables};
+use crate::wording::{order, readable};
 
 #[derive(Args)]
 #[command(after_help = examples!(
@@ -138,32 +137,6 @@ fn shown(text: &PrintedResult) -> String {
 
 /// The table of the sources with their intervals, its legend, and the declaration.
 fn levels(result: &RunResult) -> String {
-    let mut headings = ["source", "L_WA,1s dB", "share", "band", "loudest after"]
-        .map(str::to_owned)
-        .to_vec();
-    let mut rows: Vec<Vec<String>> = result
-        .ranking
-        .iter()
-        .map(|source| {
-            let band_of = loudest(&source.bands, |band| band.lwa_db);
-            let interval = loudest(&source.intervals, |interval| interval.lwa_db);
-            vec![
-                source.source.clone(),
-                decibels(source.lwa_db),
-                format!("{:.1} %", 100.0 * source.share),
-                dash(band_of, |band| format!("{} Hz", band.hz)),
-                dash(interval, |interval| event_name(&interval.from)),
-            ]
-        })
-        .chain([vec!["total".to_owned(), decibels(result.total.lwa_db)]])
-        .collect();
-    if let Some(study) = result.study.known() {
-        headings.splice(2..2, legend::headings(study));
-        for row in &mut rows {
-            row.splice(2..2, legend::cells(study, &row[0]));
-        }
-    }
-    let headings: Vec<&str> = headings.iter().map(String::as_str).collect();
     let mut text = format!(
         "{}: A-weighted single-event sound power levels re 1 pW s, one shot",
         result.design.name
@@ -171,10 +144,7 @@ fn levels(result: &RunResult) -> String {
     if let Some(range) = result.range() {
         text.push_str(&format!(",\nthird-octave bands {range}"));
     }
-    text.push_str(&format!("\n\n{}\n", table(&headings, &rows)));
-    for line in legend::legend(result) {
-        text.push_str(&format!("  {}\n", line.replace('\n', "\n  ")));
-    }
+    text.push_str(&format!("\n\n{}", table::text(&tables::ranking(result))));
     if let Some(check) = result.study.contradiction() {
         text.push_str(&format!("\n  check against the draws FAILED: {}\n", check.name));
     }
@@ -185,41 +155,8 @@ fn levels(result: &RunResult) -> String {
 
 /// The parts of every source, loudest first.
 fn components(result: &RunResult) -> String {
-    let mut rows = Vec::new();
-    for source in &result.ranking {
-        rows.extend(source.parts().into_iter().map(|part| {
-            vec![
-                source.source.clone(),
-                part.name.clone(),
-                decibels(part.lwa_db),
-                decibels(part.lw_db),
-                dash(loudest(&part.bands, |band| band.lwa_db), |band| {
-                    format!("{} Hz", band.hz)
-                }),
-            ]
-        }));
-    }
-    let headings = ["source", "part", "L_WA,1s dB", "L_W,1s dB", "loudest band (A)"];
-    let mut text = format!("\n{}\n", table(&headings, &rows));
-    let methods = result.ranking.iter().map(|source| {
-        vec![
-            source.source.clone(),
-            decibels(source.lw_db),
-            band(source.uncertainty_db.bounds()),
-            format!("{:.0} - {:.0} Hz", source.range_hz[0], source.range_hz[1]),
-            source.method.clone(),
-        ]
-    });
-    text.push_str(&table(
-        &[
-            "source",
-            "L_W,1s dB",
-            "error of the method dB",
-            "computed over",
-            "method",
-        ],
-        &methods.collect::<Vec<_>>(),
-    ));
+    let mut text = format!("\n{}\n", table::text(&tables::parts(&result.ranking)));
+    text.push_str(&table::text(&tables::methods(result)));
     let placed: Vec<_> = result.ranking.iter().map(RankedSource::placed).collect();
     text.push_str(&format!(
         "\n  ranking by the errors of the methods alone: {}\n",
@@ -261,7 +198,7 @@ fn coupled(coupling: &Coupling) -> String {
         row(&name, unit, digits, scaled(figure.one_way), scaled(figure.two_way));
     }
     let headings = ["coupling", "one way", "two ways", "change"];
-    format!("\n{}", table(&headings, &rows))
+    format!("\n{}", table::table(&headings, &rows))
 }
 
 /// Printed notes other than that on the shot, each by its first clause.

@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 use serde::Serialize;
 
 use super::Status;
-use super::table::{dash, table};
+use super::table::table;
 use super::{Common, print, print_json, progress};
 use crate::design::Design;
 use crate::error::Error;
@@ -13,6 +13,7 @@ use crate::output;
 use crate::result::DesignId;
 use crate::sensitivity::{self, Derivative, End, OutputSensitivity, ParameterOutcome, Sensitivity, USUAL};
 use crate::staging;
+use crate::tables::dash;
 
 /// Parameters shown for each figure; the file has them all.
 const SHOWN: usize = 10;

@@ -7,9 +7,7 @@ use clap::Args;
 use serde::Serialize;
 
 use super::run::delivered;
-use super::study_text::probability;
-use super::table::{decibels, table};
-use super::{Common, Keeping, print, print_json, progress, status_of};
+use super::{Common, Keeping, print, print_json, progress, status_of, table};
 use super::{Status, python::Cluster};
 use crate::artifacts::Delivery;
 use crate::error::Error;
@@ -21,6 +19,7 @@ use crate::result::DesignId;
 use crate::staging::Staging;
 use crate::store::Store;
 use crate::study::{Axis, Quantiles, Request, SweptPoint, at_point, sweep};
+use crate::tables::sweep::{self as tables, sources};
 
 /// The last file to be written, so that a folder with it has all the rest.
 const LAST: &str = "sweep.csv";
@@ -168,68 +167,18 @@ fn name_folders(points: &mut [SweptPoint], axes: &[Axis]) {
     }
 }
 
-/// Names of the sources, in the order of the levels.
-fn sources(points: &[SweptPoint]) -> Vec<String> {
-    let levels = points.iter().find_map(|point| point.levels.as_ref());
-    levels.map_or_else(Vec::new, |levels| {
-        levels.sources.iter().map(|source| source.source.clone()).collect()
-    })
-}
-
 fn text(name: &str, axes: &[Axis], points: &[SweptPoint]) -> String {
-    let sources = sources(points);
-    let mut headings: Vec<&str> = axes.iter().map(|axis| axis.key.as_str()).collect();
-    headings.extend(sources.iter().map(String::as_str));
-    headings.extend(["total", "shot"]);
-    let row = |point: &SweptPoint| {
-        let mut cells = point.values.clone();
-        match &point.levels {
-            Some(levels) => {
-                cells.extend(levels.sources.iter().map(|source| decibels(source.lwa_db)));
-                let shot = match &point.headline {
-                    Some(headline) => super::red(&headline.text),
-                    None => levels.outcome.replace('_', " "),
-                };
-                cells.extend([decibels(point.total_db), shot]);
-            }
-            None => {
-                cells.extend(vec!["-".to_owned(); sources.len() + 1]);
-                cells.push(format!("no design: {}", point.refused));
-            }
-        }
-        cells
-    };
-    let rows: Vec<Vec<String>> = points.iter().map(row).collect();
+    let levels = table::text(&tables::points(axes, points));
+    let drawn = tables::over_draws(axes, points).map_or_else(String::new, |drawn| {
+        format!(
+            "\n  90 % of common draws that count at all points, structures as in the design, dB; changes from the first \
+             point\n\n{}",
+            table::text(&drawn)
+        )
+    });
     format!(
         "{name}: A-weighted single-event sound power levels, dB re 1 pW s, of the design itself; `nailnoise study` \
-         says how sure \
-         they are\n\n{}",
-        table(&headings, &rows)
-    ) + &over_draws(axes, points)
-}
-
-/// Levels over the draws that all points have in common; nothing without draws.
-fn over_draws(axes: &[Axis], points: &[SweptPoint]) -> String {
-    let Some(first) = points.iter().find_map(|point| point.drawn.as_ref()) else {
-        return String::new();
-    };
-    let mut headings: Vec<&str> = axes.iter().map(|axis| axis.key.as_str()).collect();
-    headings.extend(first.iter().map(|change| change.source.as_str()));
-    headings.extend(["change of the total", "P(quieter)"]);
-    let span = |own: &Quantiles| format!("{} .. {}", decibels(own.p05.value), decibels(own.p95.value));
-    let row = |point: &SweptPoint| {
-        let drawn = point.drawn.as_ref()?;
-        let total = drawn.last()?;
-        let mut cells = point.values.clone();
-        cells.extend(drawn.iter().map(|change| span(&change.level_db)));
-        cells.extend([span(&total.change_db), probability(&total.quieter)]);
-        Some(cells)
-    };
-    let rows: Vec<Vec<String>> = points.iter().filter_map(row).collect();
-    format!(
-        "\n  90 % of common draws that count at all points, structures as in the design, dB; changes from the first \
-         point\n\n{}",
-        table(&headings, &rows)
+         says how sure they are\n\n{levels}{drawn}"
     )
 }
 

@@ -1,78 +1,81 @@
-//! Plain text tables: columns as wide as their widest cell, numbers to the right.
+//! Tables as plain text: columns as wide as their widest cell.
 
-use crate::table::Table;
+use super::red::red;
+use crate::tables::{Cell, Column, Content, Table};
 
-/// Lays out rows under headings. The first column is text (left), the others numbers (right).
-pub(super) fn table(headings: &[&str], rows: &[Vec<String>]) -> String {
-    let width = |column: usize| {
-        rows.iter()
-            .filter_map(|row| row.get(column))
-            .map(|cell| cell.chars().count())
-            .chain([headings[column].chars().count()])
-            .max()
-            .unwrap_or(0)
-    };
-    let widths: Vec<usize> = (0..headings.len()).map(width).collect();
-    let line = |cells: &[&str]| {
-        let mut text = String::new();
-        for (column, (cell, width)) in cells.iter().zip(&widths).enumerate() {
-            text.push_str("  ");
-            let padding = " ".repeat(width - cell.chars().count());
-            if column == 0 {
-                text.push_str(cell);
-                text.push_str(&padding);
-            } else {
-                text.push_str(&padding);
-                text.push_str(cell);
-            }
+/// A table with its legend.
+pub(super) fn text(table: &Table) -> String {
+    let shown: Vec<(usize, &Column)> = table
+        .columns
+        .iter()
+        .enumerate()
+        .filter(|(_, own)| !own.page_only)
+        .collect();
+    let headings: Vec<String> = shown.iter().map(|(_, column)| plain(&column.heading)).collect();
+    let blank = Cell::default();
+    let cell = |row: usize, place: usize| table.rows[row].get(place).unwrap_or(&blank);
+    let rows = (0..table.rows.len()).map(|row| shown.iter().map(|(place, _)| one(cell(row, *place))).collect());
+    let lines: Vec<Vec<String>> = std::iter::once(headings).chain(rows).collect();
+    let width = |place: usize| lines.iter().map(|line| line[place].chars().count()).max().unwrap_or(0);
+    let widths: Vec<usize> = (0..shown.len()).map(width).collect();
+    let mut text = String::new();
+    for (number, line) in lines.iter().enumerate() {
+        let start = text.len();
+        for ((own, width), (place, column)) in line.iter().zip(&widths).zip(&shown) {
+            let set = match column.content {
+                Content::Words | Content::Keys => format!("  {own:<width$}"),
+                _ => format!("  {own:>width$}"),
+            };
+            let alarm = number > 0 && cell(number - 1, *place).alarm;
+            text.push_str(&if alarm { red(&set) } else { set });
         }
-        text.truncate(text.trim_end().len());
+        text.truncate(start + text[start..].trim_end().len());
         text.push('\n');
-        text
-    };
-    let mut text = line(headings);
-    for row in rows {
-        text.push_str(&line(&row.iter().map(String::as_str).collect::<Vec<_>>()));
+    }
+    if !table.legend.is_empty() {
+        text.push('\n');
+        let lines = table.legend.iter().flat_map(|line| line.lines());
+        lines.for_each(|line| text.push_str(&format!("  {line}\n")));
     }
     text
 }
 
-/// A table with its legend.
-pub(super) fn with_legend(shown: &Table) -> String {
-    let headings: Vec<&str> = shown.headings.iter().map(String::as_str).collect();
-    let legend = shown.legend.iter().map(|line| format!("  {line}\n"));
-    format!("{}\n{}", table(&headings, &shown.rows), legend.collect::<String>())
+/// A table whose first column is words and whose others are numbers.
+pub(super) fn table(headings: &[&str], rows: &[Vec<String>]) -> String {
+    let columns = headings.iter().enumerate();
+    let columns = columns.map(|(place, heading)| match place {
+        0 => Column::words(*heading),
+        _ => Column::number(*heading),
+    });
+    text(&Table::new(columns, cells(rows)))
 }
 
-/// The same with text in all columns, each to the left.
+/// A table of words.
 pub(super) fn texts(headings: &[&str], rows: &[Vec<String>]) -> String {
-    let columns = headings.len();
-    let cell = |row: &[String], column: usize| row.get(column).cloned().unwrap_or_default();
-    let titles: Vec<String> = headings.iter().map(|own| (*own).to_owned()).collect();
-    let all = || std::iter::once(titles.as_slice()).chain(rows.iter().map(Vec::as_slice));
-    let widths: Vec<usize> = (0..columns)
-        .map(|column| all().map(|row| cell(row, column).chars().count()).max().unwrap_or(0))
-        .collect();
-    let line = |row: &[String]| {
-        let cells = (0..columns).map(|column| format!("  {:<width$}", cell(row, column), width = widths[column]));
-        format!("{}\n", cells.collect::<String>().trim_end())
-    };
-    all().map(line).collect()
+    text(&Table::new(
+        headings.iter().map(|heading| Column::words(*heading)),
+        cells(rows),
+    ))
 }
 
-/// The value in words, or a dash without one.
-pub(super) fn dash<T>(value: Option<T>, words: impl FnOnce(T) -> String) -> String {
-    value.map_or_else(|| "-".to_owned(), words)
+fn cells(rows: &[Vec<String>]) -> Vec<Vec<Cell>> {
+    let row = |row: &Vec<String>| row.iter().map(|cell| Cell::from(cell.as_str())).collect();
+    rows.iter().map(row).collect()
 }
 
-/// A number with so many decimals; a dash for none.
-pub(super) fn fixed(value: Option<f64>, decimals: usize) -> String {
-    dash(value, |value| format!("{value:.decimals$}"))
+/// A heading without the braces of its subscripts.
+fn plain(heading: &str) -> String {
+    crate::figures::subscripts(heading, "_", "")
 }
 
-/// A level in dB with one decimal; a silent source shows a dash.
-pub(super) fn decibels(level: Option<f64>) -> String {
-    fixed(level, 1)
+/// A cell: an estimate is followed by its half width, or after a comma by its bound.
+fn one(cell: &Cell) -> String {
+    let text = &cell.text;
+    match cell.spread.as_str() {
+        "" => text.clone(),
+        bound if bound.starts_with(['<', '>']) => format!("{text}, {bound}"),
+        half => format!("{text} {half}"),
+    }
 }
 
 #[cfg(test)]
@@ -98,5 +101,21 @@ mod tests {
             ],
         );
         assert_eq!(text, "  source      dB\n  exhaust  112.3\n  body       9.0\n");
+    }
+
+    #[test]
+    fn the_terminal_shows_bounds_and_no_column_of_the_page() {
+        let table = Table::new(
+            [Column::words("source"), Column::bars(), Column::number("L_{WA,1s} dB")],
+            [
+                vec!["exhaust".into(), Cell::bar(0.5), Cell::estimate("1.00", "> 0.69")],
+                vec!["body".into(), Cell::bar(0.1), Cell::estimate("0.50", "+-0.04")],
+            ],
+        )
+        .with_legend(["a line".to_owned()]);
+        assert_eq!(
+            text(&table),
+            "  source     L_WA,1s dB\n  exhaust  1.00, > 0.69\n  body      0.50 +-0.04\n\n  a line\n"
+        );
     }
 }

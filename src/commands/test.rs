@@ -6,7 +6,7 @@ use clap::{Args, ValueEnum};
 use serde::Serialize;
 
 use super::Status;
-use super::table::{decibels, table};
+use super::table::table;
 use super::{Common, Keeping, folder_of, print, print_json, progress};
 use crate::chain;
 use crate::cost;
@@ -18,6 +18,7 @@ use crate::measurement::wrapping::{Configuration, Role, Wrapping};
 use crate::output::virtual_test::{SensorPeaks, manifest, sensors, sounds};
 use crate::result::DesignId;
 use crate::staging::Staging;
+use crate::tables::decibels;
 use crate::virtual_test::bare::{BareLevels, BareSource};
 use crate::virtual_test::exact::{ExactTest, exact};
 use crate::virtual_test::{VirtualTest, wrapping};

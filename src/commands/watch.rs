@@ -9,7 +9,6 @@ use std::time::{Duration, Instant};
 use clap::Args;
 use miette::{Diagnostic, GraphicalReportHandler, GraphicalTheme};
 
-use super::table::decibels;
 use super::{Changes, Keeping, Memory, Threads, print, progress};
 use super::{Status, progress::note};
 use crate::artifacts::ReportedRun;
@@ -20,6 +19,7 @@ use crate::graph::Graph;
 use crate::stages::{Observer, Progress, Task};
 use crate::store::Store;
 use crate::study::StudySource;
+use crate::tables::decibels;
 use crate::watch::{Board, Differences, Server, Shot, Watched};
 use crate::wording::change;
 

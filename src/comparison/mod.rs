@@ -5,7 +5,6 @@
 
 mod consistency;
 mod finished;
-mod intervals;
 mod ranges;
 
 use serde::Serialize;
@@ -72,17 +71,6 @@ pub struct ValueRow {
     pub unit: &'static str,
     /// Its values; null for none.
     pub values: Vec<Option<f64>>,
-}
-
-impl ValueRow {
-    /// Its name in words, followed by the unit.
-    pub(crate) fn labelled(&self, before: &str, behind: &str) -> String {
-        let name = self.name.replace('_', " ");
-        match self.unit {
-            "" => name,
-            unit => format!("{name}{before}{unit}{behind}"),
-        }
-    }
 }
 
 /// A level of each result.

@@ -4,6 +4,7 @@
 //! page. [`Sheet`] chooses a scale for each view and places the labels; `svg` renders it. Parts for which the design
 //! has no key (thickness of the piston, height of the head valve, trigger valve) are schematic, see [`layout`].
 
+mod apart;
 mod label;
 pub mod layout;
 mod mechanism;

@@ -4,9 +4,9 @@
 
 use std::collections::BTreeMap;
 
+use super::apart::apart;
 use super::label::Label;
 use super::shape::{Annotation, Point, Side, View};
-use crate::figures::apart;
 
 /// Units in a millimetre of paper.
 pub(super) const MM: f64 = 5.0;

@@ -1,8 +1,7 @@
 //! Drawings as SVG: hatched sections, dimension lines, leader lines and labels.
 //!
 //! Every key is a group that can be focused and has a title, so that pointer, keyboard and screen reader find value and
-//! provenance without a script. plotters, which draws the charts, has neither hatching nor groups; maud writes the
-//! elements as it does on the pages.
+//! provenance without a script.
 
 use maud::{Markup, PreEscaped, html};
 

@@ -1,8 +1,10 @@
 //! Charts of a run: [`cycle`] shows a nailing cycle, [`sound`] the levels of a run, [`penetration()`] compares
-//! penetration laws. [`Chart::svg`] draws a chart for print; the report draws the same charts on its page.
+//! penetration laws. Curves, bars and ticks are the same on a page and in a file: [`Chart::svg`] sets them in millimetres for
+//! print, the report in its page.
 //!
 //! Time runs in ms from the trigger on; the events t0 to t18 appear over each chart of time.
 
+mod calibration;
 mod chart;
 mod cycle;
 mod energy;
@@ -10,9 +12,11 @@ mod fitted;
 mod levels;
 mod measurement;
 mod palette;
+pub(crate) mod path;
 mod penetration;
 mod study;
 mod svg;
+pub(crate) mod ticks;
 
 use std::path::{Path, PathBuf};
 
@@ -20,6 +24,7 @@ use crate::error::Error;
 use crate::run::Run;
 use crate::staging::Staging;
 
+pub use calibration::calibration;
 pub(crate) use chart::subscripts;
 pub use chart::{Axis, Chart, Event, Panel, Series, Shape};
 pub use cycle::cycle;
@@ -28,11 +33,10 @@ pub use fitted::{fit, residuals};
 pub(crate) use levels::{from_event, in_palette};
 pub use levels::{levels, power};
 pub use measurement::measurement;
-pub(crate) use palette::{BLACK, PALETTE, of_design};
+pub(crate) use palette::{BLACK, PALETTE, hexadecimal, of_design};
 pub(crate) use penetration::MOST as MOST_LAWS;
 pub use penetration::penetration;
 pub use study::{scatter, study, sweep};
-pub(crate) use svg::apart;
 
 /// The charts of a run: [`levels`] and [`power`]. `subject` names their subject.
 pub fn sound(subject: &str, run: &Run) -> Vec<Chart> {

@@ -28,6 +28,12 @@ pub(crate) const PALETTE: [[u8; 3]; 20] = [
 pub(crate) const BLACK: usize = 6;
 pub(crate) const GREY: usize = 7;
 
+/// The colour at a place of the palette, `#RRGGBB`.
+pub(crate) fn hexadecimal(place: usize) -> String {
+    let [red, green, blue] = PALETTE[place];
+    format!("#{red:02X}{green:02X}{blue:02X}")
+}
+
 /// Place in the palette of a design among others.
 pub(crate) fn of_design(place: usize) -> usize {
     8 + place % (PALETTE.len() - 8)

@@ -6,12 +6,13 @@ use rayon::prelude::*;
 use super::{Exports, File, Output, RunView, Writer};
 use super::{body_fields, paraview, transducers};
 use super::{
-    events, figures, histories, intervals, levels, log, microphones, power, radiation, ranking, result, sensors,
+    events, figures, histories, intervals, levels, log, loudness, microphones, power, radiation, ranking, result,
+    sensors,
 };
 use crate::error::Error;
 
 /// Every output of a run.
-pub const OUTPUTS: [Output; 23] = [
+pub const OUTPUTS: [Output; 24] = [
     result::RESULT,
     result::REPORT,
     ranking::RANKING,
@@ -34,6 +35,7 @@ pub const OUTPUTS: [Output; 23] = [
     microphones::BANDS,
     microphones::NOTE,
     microphones::SOUNDS,
+    loudness::LOUDNESS,
     figures::FIGURES,
 ];
 

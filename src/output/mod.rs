@@ -12,6 +12,7 @@ mod intervals;
 mod levels;
 mod list;
 mod log;
+mod loudness;
 pub mod measurement;
 mod microphones;
 mod modal_shapes;

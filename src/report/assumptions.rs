@@ -4,7 +4,9 @@ use maud::{Markup, html};
 
 use crate::design::{Design, Entry, Provenance, RangeOrigin};
 
+use super::table;
 use super::tables::plain;
+use crate::tables::{Cell, Column, Table};
 
 /// The inputs by provenance; estimates, the first inputs for a designer to check, are open.
 pub(super) fn section(design: &Design) -> Markup {
@@ -44,32 +46,49 @@ pub(super) fn section(design: &Design) -> Markup {
             @if !own.is_empty() {
                 details open[provenance == Provenance::Estimated && own.len() <= 12] {
                     summary { (own.len()) " " (provenance.as_str()) ": " (meaning) }
-                    div.scroll { table {
-                        thead { tr { th { "key" } th.n { "value" } th { "unit" } th { "range" } th { "source" } } }
-                        tbody { @for entry in own { tr {
-                            td.key-name { (entry.key) }
-                            td.n { (plain(&serde_json::to_value(&entry.value).unwrap_or_default())) }
-                            td { (entry.unit) }
-                            td { (range(entry)) }
-                            td { (entry.source) @if !entry.note.is_empty() { " " span.quiet { (entry.note) } } }
-                        } } }
-                    } }
+                    (table::markup(&values(&own)))
                 }
             }
         }
     }
 }
 
-/// The range of a value and, if no file states it, its origin.
-fn range(entry: &Entry) -> Markup {
-    html! {
-        @match entry.range {
-            Some([low, high]) if low == high => { "exact" }
-            Some([low, high]) => { (plain(&low.into())) " \u{2026} " (plain(&high.into())) }
-            None => {}
-        }
-        @if let Some(origin) = entry.range_origin.filter(|origin| *origin != RangeOrigin::Given) {
-            " " span.quiet { (origin.as_str()) }
-        }
+/// Values with their ranges and sources.
+fn values(entries: &[&Entry]) -> Table {
+    let rows = entries.iter().map(|entry| {
+        let origin = entry.range_origin.filter(|origin| *origin != RangeOrigin::Given);
+        let range = Cell {
+            spread: origin.map_or("", |origin| origin.as_str()).to_owned(),
+            ..range(entry).into()
+        };
+        let source = Cell {
+            spread: entry.note.to_string(),
+            ..entry.source.to_string().into()
+        };
+        let value = plain(&serde_json::to_value(&entry.value).unwrap_or_default());
+        vec![
+            entry.key.as_str().into(),
+            value.into(),
+            entry.unit.to_string().into(),
+            range,
+            source,
+        ]
+    });
+    let columns = [
+        Column::keys("key"),
+        Column::number("value"),
+        Column::words("unit"),
+        Column::words("range"),
+        Column::words("source"),
+    ];
+    Table::new(columns, rows)
+}
+
+/// The range of a value; empty without one.
+fn range(entry: &Entry) -> String {
+    match entry.range {
+        Some([low, high]) if low == high => "exact".to_owned(),
+        Some([low, high]) => format!("{} \u{2026} {}", plain(&low.into()), plain(&high.into())),
+        None => String::new(),
     }
 }

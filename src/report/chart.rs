@@ -1,14 +1,21 @@
 //! Charts of a page: the curves as SVG that stretches to the width of the window, texts as HTML around it.
 //!
 //! A chart is complete without a script. The script of the page reads the values under the pointer from the curves
-//! themselves: their coordinates are those of a box of [`ACROSS`] by [`UP`] between the ends of the axes.
+//! themselves: their coordinates are those of a box of [`FRAME`] between the ends of the axes.
 
 use maud::{Markup, html};
 
-use super::axis::{Tick, across, labels, percent, rows, upwards};
+use super::axis::{labels, percent};
 use super::legend::{legend, marked};
-use super::path::{self, ACROSS, UP};
-use crate::figures::{Chart, Event, PALETTE, Panel, Series, subscripts};
+use crate::figures::path::Frame;
+use crate::figures::ticks::{Tick, across, rows, upwards};
+use crate::figures::{Chart, Event, PALETTE, Panel, Series, hexadecimal, subscripts};
+
+/// Box of the coordinates of a plot.
+const FRAME: Frame = Frame {
+    across: 4000.0,
+    up: 2000.0,
+};
 
 /// Width of the symbol of an event \[px\].
 const SYMBOL: f64 = 21.0;
@@ -40,7 +47,7 @@ pub(super) fn key_of_events(events: &[Event]) -> Markup {
 /// The colours of series as custom properties, for light and for dark pages.
 pub(super) fn colours() -> String {
     let property = |(place, colour): (usize, String)| format!("--c{place}:{colour};");
-    let light: String = (0..PALETTE.len()).map(colour).enumerate().map(property).collect();
+    let light: String = (0..PALETTE.len()).map(hexadecimal).enumerate().map(property).collect();
     let dark: String = DARK.map(str::to_owned).into_iter().enumerate().map(property).collect();
     let classes: String = (0..PALETTE.len())
         .map(|place| format!(".c{place}{{--c:var(--c{place})}}"))
@@ -50,7 +57,7 @@ pub(super) fn colours() -> String {
 
 /// A pair of axes with values upwards.
 fn plot(chart: &Chart, panel: &Panel) -> Markup {
-    let height = 90 + 12 * panel.height / 5;
+    let height = panel.pixels();
     let (xs, ys) = (across(&panel.x), upwards(&panel.y, height));
     let [left, right] = panel.x.range;
     let events: Vec<(&Event, f64)> = chart
@@ -71,7 +78,7 @@ fn plot(chart: &Chart, panel: &Panel) -> Markup {
                 (symbols(&events))
                 div.ys aria-hidden="true" { (labels(&ys, "bottom")) }
                 div.plot style={ "height:" (height) "px" } role="img" aria-label=(subscripts(&description, "", "")) {
-                    svg viewBox={ "0 0 " (ACROSS) " " (UP) } preserveAspectRatio="none" aria-hidden="true" {
+                    svg viewBox={ "0 0 " (FRAME.across) " " (FRAME.up) } preserveAspectRatio="none" aria-hidden="true" {
                         path.grid d=(grid(&ys)) {}
                         @if !events.is_empty() { path.moments d=(moments(&events)) {} }
                         @for (place, own) in in_order(panel) { (series(panel, place, own)) }
@@ -106,7 +113,7 @@ fn series(panel: &Panel, place: usize, series: &Series) -> Markup {
             data-name=[(!series.name.is_empty()).then(|| subscripts(&series.name, "", ""))]
             data-values=[of_categories.then(values)]
                 data-notes=[(!series.notes.is_empty()).then(|| series.notes.join("|"))] {
-            @for (class, d) in path::of(panel, place, series) { path class=(class) d=(d) {} }
+            @for (class, d) in FRAME.paths(panel, place, series) { path class=(class) d=(d) {} }
         }
     }
 }
@@ -127,17 +134,11 @@ fn symbols(events: &[(&Event, f64)]) -> Markup {
 }
 
 fn grid(ticks: &[Tick]) -> String {
-    let line = |tick: &Tick| format!("M0 {:.0}h{ACROSS}", UP * (1.0 - tick.at));
+    let line = |tick: &Tick| format!("M0 {:.0}h{}", FRAME.up * (1.0 - tick.at), FRAME.across);
     ticks.iter().map(line).collect()
 }
 
 fn moments(events: &[(&Event, f64)]) -> String {
-    let line = |(_, at): &(&Event, f64)| format!("M{:.0} 0v{UP}", ACROSS * at);
+    let line = |(_, at): &(&Event, f64)| format!("M{:.0} 0v{}", FRAME.across * at, FRAME.up);
     events.iter().map(line).collect()
-}
-
-/// The colour at a place of the palette.
-fn colour(place: usize) -> String {
-    let [red, green, blue] = PALETTE[place];
-    format!("#{red:02X}{green:02X}{blue:02X}")
 }

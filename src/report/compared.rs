@@ -6,18 +6,20 @@ use super::chart::markup;
 use super::head::capitalised;
 use super::page::{Page, Section};
 use super::sound::{self, Recording};
-use super::tables::{decibels, plain, with_code, with_legend};
-use crate::comparison::{Comparison, Labelled, Levels, SourceRow, ValueRow};
+use super::table::{self, typeset, with_code};
+use super::tables::decibels;
+use crate::comparison::{Comparison, Labelled, Levels, SourceRow};
 use crate::figures::{Axis, Chart, Panel, Series, Shape, from_event, of_design};
-use crate::output::event_name;
-use crate::wording::{self, readable};
+use crate::study::PairedStudy;
+use crate::tables::{dash, study::changes};
+use crate::wording;
 
 /// Levels shown below the highest \[dB\].
 const SHOWN: f64 = 50.0;
 
-pub(super) fn page(c: &Comparison, identity: &str, recordings: &[Recording]) -> Page {
+pub(super) fn page(c: &Comparison, paired: &[PairedStudy], identity: &str, recordings: &[Recording]) -> Page {
     let mut sections = vec![
-        Section::new("levels", "Levels", html! { (markup(&overview(c))) (levels(c)) }),
+        Section::new("levels", "Levels", html! { (markup(&overview(c))) (levels(c, paired)) }),
         Section::new("differences", "Differences", inputs(c)),
     ];
     if !recordings.is_empty() {
@@ -51,10 +53,7 @@ pub(super) fn page(c: &Comparison, identity: &str, recordings: &[Recording]) -> 
 }
 
 fn change(db: Option<f64>) -> String {
-    db.map_or_else(
-        || "\u{2013}".to_owned(),
-        |db| wording::change(db).replace('-', "\u{2212}"),
-    )
+    typeset(&dash(db, wording::change))
 }
 
 fn lead(c: &Comparison) -> Markup {
@@ -190,52 +189,25 @@ fn labelled(c: &Comparison, row: &SourceRow, kind: &str, own: &[Labelled]) -> Op
     ))
 }
 
-fn levels(c: &Comparison) -> Markup {
-    let rows: Vec<(&str, &Levels, bool)> = c
-        .sources
-        .iter()
-        .map(|row| (row.source.as_str(), &row.levels, false))
-        .chain([("total", &c.total, true)])
-        .collect();
+fn levels(c: &Comparison, paired: &[PairedStudy]) -> Markup {
     html! {
-        div.scroll { table.pinned {
-            thead { tr { th { "source" } @for name in &c.designs { th.n { (name) } }
-                @for name in c.designs.iter().skip(1) { th.n { "change, " (name) } } } }
-            tbody { @for (name, levels, sum) in rows { tr.sum[sum] {
-                th scope="row" { (name) }
-                @for level in &levels.level_db { td.n { b { (decibels(*level)) } } }
-                @for db in levels.change_db.iter().skip(1) { td.n { (change(*db)) } }
-            } } }
-        } }
-        @if let Some(intervals) = c.intervals() { h3 { "Intervals of the levels" } (with_legend(&intervals)) }
-        @else {
+        (table::markup(&c.level_table()))
+        @if paired.is_empty() {
             p.quiet { "How sure a level is depends on the values of its design first: "
                 code { "nailnoise compare --draws" } " states the interval of each change." }
         }
-        @for row in &c.sources {
-            @let methods: Vec<&str> = row.methods.iter().flatten().map(String::as_str).collect();
-            @if methods.windows(2).any(|pair| pair[0] != pair[1]) {
-                p.alarm { (row.source) ": computed by different methods (" (methods.join("; "))
-                    "), whose errors do not cancel in the change." }
-            }
+        @for own in paired {
+            h3 { "How sure the changes are: " (own.design) " against " (own.reference) }
+            (table::markup(&changes(own)))
+            p.quiet { (capitalised(&own.basis())) "." }
         }
+        @if let Some(intervals) = c.interval_table() { h3 { "Intervals of the levels" } (table::markup(&intervals)) }
+        @for line in c.unlike_methods() { p.alarm { (line) "." } }
         h3 { "Ranking" }
-        div.scroll { table.pinned {
-            thead { tr { th { "place" } @for name in &c.designs { th { (name) } } } }
-            tbody { @for place in 0..c.rankings.iter().map(Vec::len).max().unwrap_or(0) { tr {
-                td { (place + 1) } @for ranking in
-                &c.rankings { td { (ranking.get(place).map_or("", String::as_str)) } }
-            } } }
-        } }
+        (table::markup(&c.ranking_table()))
         details {
             summary { "Errors of the methods alone" }
-            div.scroll { table.pinned {
-                thead { tr { th { "source" } @for name in &c.designs { th.n { (name) ", dB" } } } }
-                tbody { @for row in &c.sources { tr {
-                    th scope="row" { (row.source) }
-                    @for bounds in &row.uncertainty_db { td.n { (wording::band(*bounds).replace('-', "\u{2212}")) } }
-                } } }
-            } }
+            (table::markup(&c.method_table()))
             p.quiet { "Open means no bound. The uncertainty of the design's values is not in these bands." }
             @for (place, name) in c.designs.iter().enumerate() {
                 p.quiet { (name) ": by these bands the ranking is " (wording::order(&c.placed(place))) "." }
@@ -247,39 +219,13 @@ fn levels(c: &Comparison) -> Markup {
 fn inputs(c: &Comparison) -> Markup {
     html! {
         @if c.inputs.is_empty() { p { "None: the designs have the same values." } }
-        @else { div.scroll { table.pinned {
-            thead { tr { th { "key" } th { "unit" } @for name in &c.designs { th { (name) } } } }
-            tbody { @for row in &c.inputs { tr {
-                td.key-name { (row.key) } td { (row.unit) } @for value in &row.values { td { (plain(value)) } }
-            } } }
-        } } }
+        @else { (table::markup(&c.input_table())) }
     }
 }
 
 fn shot(c: &Comparison) -> Markup {
-    let differs = |row: &&ValueRow| {
-        row.values.iter().any(|value| match (value, row.values[0]) {
-            (Some(a), Some(b)) => (a - b).abs() > 1e-6 * a.abs().max(b.abs()),
-            (a, b) => a.is_some() != b.is_some(),
-        })
-    };
-    let cell = |value: Option<f64>| value.map_or_else(|| "\u{2013}".to_owned(), |value| plain(&value.into()));
     html! {
-        div.scroll { table.pinned {
-            thead { tr { th { "figure" } @for name in &c.designs { th.n { (name) } } } }
-            tbody {
-                tr { th scope="row" { "outcome" } @for outcome in &c.outcomes { td.n { (outcome.replace('_', " ")) } } }
-                @for row in c.cycle.iter().filter(differs) { tr {
-                    @let (unit, factor) = readable(row.unit);
-                    th scope="row" { (row.name.replace('_', " ")) @if !unit.is_empty() { ", " (unit) } }
-                    @for value in &row.values { td.n { (cell(value.map(|value| factor * value))) } }
-                } }
-                @for row in c.events.iter().filter(differs) { tr {
-                    th scope="row" { (event_name(&row.name)) ", ms" }
-                    @for value in &row.values { td.n { (cell(value.map(|t| 1e3 * t))) } }
-                } }
-            }
-        } }
+        (table::markup(&c.shot_table()))
         p.quiet { "Figures and events that are equal in all designs are not listed." }
     }
 }

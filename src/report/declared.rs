@@ -3,7 +3,7 @@
 use maud::{Markup, html};
 
 use crate::declaration;
-use crate::result::RunResult;
+use crate::result::{RunResult, SourceLoudness};
 
 /// The declared levels with their contents, and K or the reason why it is not stated.
 pub(super) fn section(result: &RunResult) -> Markup {
@@ -15,6 +15,7 @@ pub(super) fn section(result: &RunResult) -> Markup {
             @for line in declaration::lines(&result.declaration, ear) { li { (line) } }
             @if let Some(basis) = &result.declaration.k_basis { li { "sigma: " (basis) } }
             @if let Some(reason) = &result.declaration.k_not_stated { li { "K is not stated: " (reason) } }
+            @if !ear.loudness.is_empty() { li { (loudness(&ear.loudness)) } }
         }
         p.quiet {
             "L_WA,1s in dB re 1 pW s, one shot; L_pA,1s in dB re 20 \u{b5}Pa over 1 s and L_pC,peak in dB re \
@@ -29,4 +30,17 @@ pub(super) fn section(result: &RunResult) -> Markup {
             }
         }
     }
+}
+
+/// Loudness of the sources in one line.
+fn loudness(sources: &[SourceLoudness]) -> String {
+    let one = |own: &SourceLoudness| match own.n_max_sone.zip(own.level_phon) {
+        Some((sone, phon)) => format!("{} {sone:.0} sone ({phon:.0} phon)", own.source),
+        None => format!("{} above the range of the standard", own.source),
+    };
+    let all: Vec<String> = sources.iter().map(one).collect();
+    format!(
+        "Loudness N_max of one shot at the ear (ISO 532-1, time-varying, free field from the front): {}",
+        all.join(", ")
+    )
 }

@@ -4,12 +4,13 @@ use std::time::{SystemTime, UNIX_EPOCH};
 
 use maud::{Markup, html};
 
-use super::tables::{self, without};
+use super::{table, tables};
 use crate::design::{Design, Value};
 use crate::model::supports;
 use crate::result::RunResult;
 use crate::stages::headline::Headline;
 use crate::study::legend;
+use crate::tables::run::without;
 
 /// Pressure of 1 psi \[Pa\].
 const PSI: f64 = 6894.757;
@@ -73,7 +74,7 @@ pub(crate) fn missed(headline: Option<&Headline>) -> Markup {
         @if let Some(headline) = headline {
             div.missed role="alert" {
                 @for (place, line) in headline.lines().iter().enumerate() {
-                    p.alarm[place == 0] { (tables::with_code(&capitalised(line))) "." }
+                    p.alarm[place == 0] { (table::with_code(&capitalised(line))) "." }
                 }
             }
         }

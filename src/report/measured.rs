@@ -4,8 +4,9 @@ use maud::{Markup, html};
 
 use super::chart::markup;
 use super::page::{Page, Section};
-
+use super::table;
 use crate::figures::{Axis, BLACK, Chart, Panel, Series, Shape};
+use crate::tables::measured::quantities;
 use crate::virtual_test::comparison::{ComparedQuantity, MeasuredComparison};
 use crate::wording::drawn_structures;
 
@@ -15,7 +16,7 @@ const MARGIN: f64 = 3.0;
 pub(super) fn page(comparison: &MeasuredComparison) -> Page {
     let sections = vec![
         Section::new("levels", "Levels", html! { (markup(&chart(comparison))) }),
-        Section::new("quantities", "Quantities", quantities(comparison)),
+        Section::new("quantities", "Quantities", table::markup(&quantities(comparison))),
         Section::new("open", "What stays open", open(comparison)),
     ];
     Page {
@@ -91,32 +92,6 @@ fn chart(comparison: &MeasuredComparison) -> Chart {
             series: vec![measured, predicted],
         }],
         events: Vec::new(),
-    }
-}
-
-fn quantities(comparison: &MeasuredComparison) -> Markup {
-    let measured = |own: &ComparedQuantity| match own.measured {
-        [None, Some(high)] => format!("\u{2264} {high:.2}"),
-        [Some(low), None] => format!("\u{2265} {low:.2}"),
-        [Some(low), Some(high)] => format!("{low:.2} .. {high:.2}"),
-        [None, None] => "\u{2013}".to_owned(),
-    };
-    // Levels first, with the numbers of the chart.
-    let (levels, others): (Vec<_>, Vec<_>) = comparison.rows.iter().partition(|own| own.level);
-    html! {
-        div.scroll { table {
-            thead { tr { th.n { "row" } th { "quantity" } th { "design" } th { "unit" } th.n { "measured" }
-                th.n { "predicted" } th.n { "5 .. 95 %" } th.n { "distance" } th { "published in" } } }
-            tbody { @for (place, own) in levels.iter().chain(&others).enumerate() { tr {
-                td.n { (place + 1) } td { (own.quantity) } td { (own.design) } td { (own.unit) }
-                td.n { (measured(own)) } td.n { (format!("{:.2}", own.predicted)) }
-                td.n { @if let Some([low, high]) = own.interval { (format!("{low:.2} .. {high:.2}")) }
-                    @else { "\u{2013}" } }
-                td.n { (format!("{:+.2}", own.distance)) } td { (own.source) }
-            } } }
-        } }
-        p.quiet { "Distance of the intervals: 0 where they overlap, positive where the prediction is higher, in the \
-            unit of the row." }
     }
 }
 

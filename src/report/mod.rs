@@ -7,18 +7,17 @@
 
 mod assumptions;
 mod axis;
+mod calibration;
 mod chart;
 mod compared;
 mod declared;
 mod drawing;
 mod head;
-mod intervals;
 mod legend;
 mod measured;
 mod measurement;
 mod modes;
 mod page;
-mod path;
 mod picture;
 mod raster;
 mod rows;
@@ -26,12 +25,14 @@ mod scene;
 mod sound;
 mod study;
 mod surface;
+mod table;
 mod tables;
 
 use maud::{Markup, PreEscaped, html};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
+use crate::calibration::CalibrationResult;
 use crate::comparison::Comparison;
 use crate::design::Design;
 use crate::error::Error;
@@ -42,13 +43,14 @@ use crate::result::RunResult;
 use crate::run::Run;
 use crate::stages::spectra::{Driven, MovingBody};
 use crate::stages::{Code, Postcard, Progress, Stage, code};
-use crate::study::StudyResult;
+use crate::study::{PairedStudy, StudyResult};
+use crate::tables::cycle::events;
+use crate::tables::run as run_tables;
 use crate::virtual_test::comparison::MeasuredComparison;
 
 pub(crate) use head::{capitalised, missed as missed_shot};
 pub use sound::Recording;
 
-pub use intervals::Intervals;
 pub(crate) use page::compared_by;
 use page::{Page, Section};
 use surface::ColouredSurface;
@@ -195,7 +197,7 @@ pub fn run(design: &Design, run: &Run, pictures: &Pictures, recordings: &[Record
             "Nailing cycle",
             html! {
                 @for chart in &cycle { (chart::markup(chart)) }
-                div.columns { (tables::events(&run.record)) (tables::figures(&value["cycle"])) }
+                div.columns { (table::markup(&events(&run.record))) (tables::figures(&value["cycle"])) }
             },
         )
         .in_the_appendix(),
@@ -267,6 +269,11 @@ pub fn study(result: &StudyResult, charts: &[figures::Chart], scatter: &[figures
     study::page(result, charts, scatter).html()
 }
 
+/// The page of a calibration with these charts.
+pub fn calibration(result: &CalibrationResult, charts: &[figures::Chart]) -> String {
+    calibration::page(result, charts).html()
+}
+
 /// The page of predictions next to measurements.
 pub fn measured(comparison: &MeasuredComparison) -> String {
     measured::page(comparison).html()
@@ -277,14 +284,15 @@ pub fn measurement(result: &MeasurementResult, charts: &[figures::Chart]) -> Str
     measurement::page(result, charts).html()
 }
 
-/// The report of a comparison of the files with this identity, with a sound for each design that has one.
-pub fn comparison(comparison: &Comparison, identity: &str, recordings: &[Recording]) -> String {
-    compared::page(comparison, identity, recordings).html()
+/// The report of a comparison of the files with this identity, with the changes over common draws if there are any, and
+/// with a sound for each design that has one.
+pub fn comparison(comparison: &Comparison, paired: &[PairedStudy], identity: &str, recordings: &[Recording]) -> String {
+    compared::page(comparison, paired, identity, recordings).html()
 }
 
 fn ranking(result: &RunResult) -> Markup {
     html! {
-        (tables::ranking(result))
+        (table::markup(&run_tables::ranking(result)))
         @if let Some(range) = result.range() {
             p.quiet {
                 "Levels in dB re 1 pW s over the one-third-octave bands " (range) ", the same for all sources. "
@@ -293,7 +301,7 @@ fn ranking(result: &RunResult) -> Markup {
             }
         }
         (declared::section(result))
-        ul.notes { @for note in &result.notes { li { (tables::with_code(note)) } } }
+        ul.notes { @for note in &result.notes { li { (table::with_code(note)) } } }
     }
 }
 
@@ -309,7 +317,7 @@ fn methods(result: &RunResult, value: &serde_json::Value) -> Markup {
         }
         details {
             summary { "Notes on methods, their ranges and limits" }
-            ul.notes { @for note in &result.method_notes { li { (tables::with_code(note)) } } }
+            ul.notes { @for note in &result.method_notes { li { (table::with_code(note)) } } }
         }
     }
 }

@@ -3,8 +3,10 @@
 use maud::{Markup, html};
 use rayon::prelude::*;
 
-use super::picture;
 use super::surface::{ColouredSurface, level};
+use super::tables::decibels;
+use super::{picture, table};
+use crate::tables::{Cell, Column, Table};
 
 /// Modes in the table, and those that are drawn.
 const LISTED: usize = 15;
@@ -28,6 +30,18 @@ pub(super) fn section(bodies: &[ColouredSurface<'_>]) -> Markup {
         .par_iter()
         .map(|(painted, mode)| picture::mode(painted.body, *mode))
         .collect();
+    let listed = modes.iter().take(LISTED).map(|(painted, mode)| {
+        let cells = [
+            painted.body.name.to_string(),
+            (mode + 1).to_string(),
+            name(painted, *mode),
+            decibels(level(painted.modes[*mode])),
+            painted.loss_factor.to_string(),
+        ];
+        cells.map(Cell::from).to_vec()
+    });
+    let numbers = ["mode", "frequency", "alone, L_{WA,1s} dB", "loss factor"].map(Column::number);
+    let columns = std::iter::once(Column::words("body")).chain(numbers);
     html! {
         p.quiet {
             "What each mode alone would radiate at radiation efficiency 1, A-weighted, from its motion in this shot. \
@@ -40,18 +54,11 @@ pub(super) fn section(bodies: &[ColouredSurface<'_>]) -> Markup {
                     alt={ "deflection of the " (painted.body.name) " in mode " (mode + 1) ", " (name(painted, *mode)) };
                 figcaption {
                     (painted.body.name) ", mode " (mode + 1) ", " b { (name(painted, *mode)) } br;
-                    (super::tables::decibels(level(painted.modes[*mode]))) " dB alone"
+                    (decibels(level(painted.modes[*mode]))) " dB alone"
                 }
             }
         } }
-        div.scroll { table {
-            thead { tr { th { "body" } th.n { "mode" } th.n { "frequency" } th.n { "alone, L" sub { "WA,1s" } " dB" }
-                th.n { "loss factor" } } }
-            tbody { @for (painted, mode) in modes.iter().take(LISTED) { tr {
-                td { (painted.body.name) } td.n { (mode + 1) } td.n { (name(painted, *mode)) }
-                td.n { (super::tables::decibels(level(painted.modes[*mode]))) } td.n { (painted.loss_factor) }
-            } } }
-        } }
+        (table::markup(&Table::new(columns, listed)))
         p.quiet { (modes.len()) " modes in all: " a href="#checks" { "their number is proven by a Sturm count" } "." }
     }
 }

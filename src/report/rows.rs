@@ -2,32 +2,19 @@
 
 use maud::{Markup, html};
 
-use super::axis::{across, labels, percent};
+use super::axis::{labels, percent};
 use super::legend::{legend, marked};
-use crate::figures::{Panel, Series, Shape};
+use crate::figures::path::{RowBar, row_bars, sharing};
+use crate::figures::ticks::across;
+use crate::figures::{Panel, Series};
 
 /// Height of a bar among others, and of one that has its row for itself \[px\].
 const THIN: usize = 7;
 const THICK: usize = 15;
 
-/// A bar of a row.
-struct Bar<'a> {
-    place: usize,
-    colour: usize,
-    /// Its ends as parts of the axis.
-    ends: [f64; 2],
-    mark: Option<f64>,
-    note: Option<&'a str>,
-}
-
 pub(super) fn markup(panel: &Panel) -> Markup {
     let ticks = across(&panel.x);
-    // Spans take turns in their rows; series of bars and swings share them.
-    let shared = panel
-        .series
-        .iter()
-        .filter(|own| matches!(own.shape, Shape::Bars(_) | Shape::Swings(_)))
-        .count();
+    let shared = sharing(panel);
     let height = if shared > 1 { THIN * shared + 5 } else { THICK + 5 };
     html! {
         div.panel.of-rows {
@@ -35,7 +22,7 @@ pub(super) fn markup(panel: &Panel) -> Markup {
             p.axis { (marked(&panel.y.title())) }
             div.rows {
                 @for (row, name) in panel.y.categories.iter().enumerate() {
-                    @let bars = bars(panel, row);
+                    @let bars = row_bars(panel, row);
                     @let in_words = words(panel, row, &bars);
                     div.row title=[in_words.as_deref()] {
                         span.name { (marked(name)) @if let Some(words) = &in_words { span.unseen { ": " (words) } } }
@@ -52,7 +39,7 @@ pub(super) fn markup(panel: &Panel) -> Markup {
     }
 }
 
-fn one(bar: &Bar<'_>, shared: usize) -> Markup {
+fn one(bar: &RowBar<'_>, shared: usize) -> Markup {
     let [from, to] = bar.ends;
     let (top, height) = if shared > 1 {
         (2 + THIN * bar.place, THIN - 1)
@@ -69,41 +56,8 @@ fn one(bar: &Bar<'_>, shared: usize) -> Markup {
     }
 }
 
-/// The bars of a row.
-fn bars(panel: &Panel, row: usize) -> Vec<Bar<'_>> {
-    let [low, high] = panel.x.range;
-    let of = |value: f64| ((value - low) / (high - low)).clamp(0.0, 1.0);
-    let mut found = Vec::new();
-    for (place, series) in panel.series.iter().enumerate() {
-        for index in (0..series.y.len()).filter(|&index| series.y[index] as usize == row) {
-            let value = series.x[index];
-            let (from, mark) = match &series.shape {
-                Shape::Spans(from) | Shape::Swings(from) => (from[index], None),
-                Shape::Bars(marks) => (low, marks.get(index).copied().filter(|mark| *mark > low)),
-                _ => continue,
-            };
-            if value.is_finite() && (value > low || !matches!(series.shape, Shape::Bars(_))) {
-                found.push(Bar {
-                    place,
-                    colour: series.colour,
-                    ends: [of(from.min(value)), of(from.max(value))],
-                    mark: mark.map(of),
-                    note: note(series, index),
-                });
-            }
-        }
-    }
-    found
-}
-
-/// Text after a bar: bars that share a row have no room for it.
-fn note(series: &Series, index: usize) -> Option<&str> {
-    let own = series.notes.get(index).map(String::as_str);
-    own.filter(|_| matches!(series.shape, Shape::Spans(_)) || series.name.is_empty())
-}
-
 /// A row in words, for those who see no bars.
-fn words(panel: &Panel, row: usize, bars: &[Bar<'_>]) -> Option<String> {
+fn words(panel: &Panel, row: usize, bars: &[RowBar<'_>]) -> Option<String> {
     if bars.iter().any(|bar| bar.note.is_some()) {
         return None;
     }

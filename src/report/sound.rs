@@ -4,7 +4,9 @@ use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
 use maud::{Markup, html};
 
+use super::table;
 use crate::result::{MicrophoneLevel, MicrophoneReport, RunResult};
+use crate::tables::{self, Cell, Column, Table, dash};
 use crate::wording;
 
 /// A recording that belongs to a run.
@@ -24,6 +26,23 @@ pub(super) fn measured(result: &RunResult) -> Markup {
 /// Sources by the array next to their radiated sound.
 fn by_source(report: &MicrophoneReport) -> Markup {
     let [a, b, c] = report.box_m;
+    let rows = report.sources.iter().map(|source| {
+        let cells = [
+            source.source.clone(),
+            source.how.to_string(),
+            format!("{:.0} to {:.0}", source.range_hz[0], source.range_hz[1]),
+            tables::decibels(source.lwa_db),
+            tables::decibels(source.true_lwa_db),
+            tables::fixed(source.synthetic_from_hz, 0),
+        ];
+        cells.map(Cell::from).to_vec()
+    });
+    let numbers = ["range, Hz", "by microphones, dB", "radiated, dB", "synthetic above, Hz"].map(Column::number);
+    let columns = ["source", "sound carried by"]
+        .map(Column::words)
+        .into_iter()
+        .chain(numbers);
+    let by_source = Table::new(columns, rows);
     html! {
         p {
             "Nine microphones by EN 12549 and ISO 3744 on a parallelepiped of half sides "
@@ -32,18 +51,7 @@ fn by_source(report: &MicrophoneReport) -> Markup {
                 at the \
              microphones, not with the true power: nine positions do not cover all directions of a source."
         }
-        div.scroll { table {
-            thead { tr { th { "source" } th { "sound carried by" } th.n { "range, Hz" } th.n { "by microphones, dB" }
-                th.n { "radiated, dB" } th.n { "synthetic above, Hz" } } }
-            tbody { @for source in &report.sources { tr {
-                th scope="row" { (source.source) }
-                td { (source.how) }
-                td.n { (format!("{:.0} to {:.0}", source.range_hz[0], source.range_hz[1])) }
-                td.n { (decibels(source.lwa_db)) }
-                td.n { (decibels(source.true_lwa_db)) }
-                td.n { (source.synthetic_from_hz.map_or_else(|| "\u{2013}".to_owned(), |hz| format!("{hz:.0}"))) }
-            } } }
-        } }
+        (table::markup(&by_source))
         p.quiet {
             "Above the frequency in the last column the phases of a source are not the model's: its sound there is \
              noise with the \
@@ -56,65 +64,55 @@ fn by_source(report: &MicrophoneReport) -> Markup {
 /// The three levels of all sources together, and why they differ.
 fn totals(result: &RunResult) -> Markup {
     let array = &result.microphones.total;
-    let step = |from: Option<f64>, to: Option<f64>| {
-        to.zip(from).map_or_else(
-            || "\u{2013}".to_owned(),
-            |(to, from)| wording::change(to - from).replace('-', "\u{2212}"),
-        )
-    };
+    let step = array.lwa_db.zip(array.true_lwa_db);
+    let step = dash(step, |(measured, radiated)| wording::change(measured - radiated));
+    let because = "nine positions do not cover all directions; energies of sources add";
+    let radiated = "radiated, all bands of the ranking: the total of this report";
+    let level = |level| Cell::from(tables::decibels(level)).strong();
     let rows = [
-        (
-            "radiated, all bands of the ranking: the total of this report",
-            result.total.lwa_db,
-            String::new(),
-            "",
-        ),
-        (
-            "by the nine microphones",
-            array.lwa_db,
-            step(array.true_lwa_db, array.lwa_db),
-            "nine positions do not cover all directions; energies of sources add",
-        ),
+        vec![radiated.into(), level(result.total.lwa_db)],
+        vec![
+            "by the nine microphones".into(),
+            level(array.lwa_db),
+            step.into(),
+            because.into(),
+        ],
+    ];
+    let columns = [
+        Column::words("level"),
+        Column::number("L_{WA,1s} dB"),
+        Column::number("step dB"),
+        Column::words("because"),
     ];
     html! {
         h3 { "The level of all sources together" }
-        div.scroll { table {
-            thead { tr { th { "level" } th.n { "L" sub { "WA,1s" } " dB" } th.n { "step, dB" } th { "because" } } }
-            tbody { @for (what, level, step, why) in rows { tr {
-                th scope="row" { (what) } td.n { b { (decibels(level)) } } td.n { (step) } td { (why) }
-            } } }
-        } }
-        p.quiet { "The level by the microphones holds K1 " (decibels(array.k1_db)) " dB and K2 "
+        (table::markup(&Table::new(columns, rows)))
+        p.quiet { "The level by the microphones includes K1 " (tables::decibels(array.k1_db)) " dB and K2 "
             (format!("{:.1} dB", array.k2_db)) "." }
     }
 }
 
 /// A-weighted exposure levels, microphone by microphone.
 fn levels(report: &MicrophoneReport) -> Markup {
-    let columns: Vec<(&str, &[MicrophoneLevel])> = report
+    let sources = report
         .sources
         .iter()
-        .map(|source| (source.source.as_str(), source.levels.as_slice()))
-        .chain([("all", report.total.levels.as_slice())])
-        .collect();
+        .map(|source| (source.source.as_str(), source.levels.as_slice()));
+    let sources: Vec<(&str, &[MicrophoneLevel])> = sources.chain([("all", report.total.levels.as_slice())]).collect();
+    let columns = [Column::number("microphone"), Column::words("x, y, z, m")];
+    let of_source = sources
+        .iter()
+        .map(|(name, _)| Column::number(format!("{name}, L_{{AE}} dB")));
+    let rows = report.positions_m.iter().enumerate().map(|(number, [x, y, z])| {
+        let place = [(number + 1).to_string(), format!("{x:.2}, {y:.2}, {z:.2}")];
+        let level = |levels: &[MicrophoneLevel]| tables::decibels(levels.get(number).and_then(|level| level.lae_db));
+        let levels = sources.iter().map(|(_, levels)| level(levels));
+        place.into_iter().chain(levels).map(Cell::from).collect()
+    });
     html! {
         h3 { "Exposure levels at each microphone" }
-        div.scroll { table {
-            thead { tr {
-                th.n { "microphone" } th { "x, y, z, m" }
-                @for (name, _) in &columns { th.n { (name) ", L" sub { "AE" } " dB" } }
-            } }
-            tbody { @for (number, [x, y, z]) in report.positions_m.iter().enumerate() { tr {
-                th.n scope="row" { (number + 1) }
-                td { (format!("{x:.2}, {y:.2}, {z:.2}")) }
-                @for (_, levels) in &columns { td.n { (decibels(levels.get(number).and_then(|level| level.lae_db))) } }
-            } } }
-        } }
+        (table::markup(&Table::new(columns.into_iter().chain(of_source), rows)))
     }
-}
-
-fn decibels(level: Option<f64>) -> String {
-    level.map_or_else(|| "\u{2013}".to_owned(), |level| format!("{level:.1}"))
 }
 
 /// A player for each recording, and two of them in a loop and in step; nothing without recordings.

@@ -1,14 +1,11 @@
 //! Tables of a report.
 
 use maud::{Markup, html};
-use nailnoise_dynamics::CycleRecord;
 use serde_json::Value;
 
-use crate::figures::in_palette;
-use crate::output::{EVENT_NAMES, event_name};
-use crate::result::{RankedSource, RunResult, loudest};
-use crate::study::legend;
-use crate::table::Table;
+use super::table::{self, typeset};
+use crate::result::{RankedSource, RunResult};
+use crate::tables::{Column, Table, run};
 use crate::wording::{band, readable, rounded, unit_of_figure};
 
 /// Keys of a ranked source with a dedicated form in the report.
@@ -34,122 +31,31 @@ pub(super) fn decibels(level: Option<f64>) -> String {
     level.map_or_else(|| "silent".to_owned(), |level| format!("{level:.1}"))
 }
 
-/// How much lower the total would be without a source that has this share \[dB\].
-pub(super) fn without(share: f64) -> f64 {
-    -10.0 * (1.0 - share).max(1e-12).log10()
-}
-
-/// The sources, loudest first, with the intervals of their levels if a study states them.
-pub(super) fn ranking(result: &RunResult) -> Markup {
-    let study = result.study.known();
-    let headings =
-        html! { @if let Some(study) = study { @for heading in legend::headings(study) { th.n { (heading) } } } };
-    let cells = |source: &str| {
-        html! { @if let Some(study) = study { @for cell in legend::cells(study, source) { td.n { (cell) } } } }
-    };
-    html! {
-        div.scroll { table.ranking {
-            thead { tr {
-                th { "source" } th.n { "L" sub { "WA,1s" } " dB" } (headings)
-                th { "share of A-weighted energy" } th.n { "total without it" } th { "loudest band (A)" }
-                th { "loudest after" }
-            } }
-            tbody {
-                @for (place, source) in result.ranking.iter().enumerate() {
-                    tr {
-                        @let colour = format!("c{}", in_palette(&source.source, place));
-                        th scope="row" { span class={ "dot " (colour) } {} (source.source) }
-                        td.n { b { (decibels(source.lwa_db)) } }
-                        (cells(&source.source))
-                        td { div.share {
-                            div class={ "bar " (colour) }
-                                style={ "width:" (format!("{:.1}%", 100.0 * source.share)) } {}
-                            span { (format!("{:.1} %", 100.0 * source.share)) }
-                        } }
-                        td.n { (format!("\u{2212}{:.1} dB", without(source.share))) }
-                        td { @if let Some(band) = loudest(&source.bands, |band| band.lwa_db) { (band.hz) " Hz" } }
-                        td { @if let Some(i) = loudest(&source.intervals, |i| i.lwa_db) { (event_name(&i.from)) } }
-                    }
-                }
-                tr.sum {
-                    th scope="row" { "total" } td.n { b { (decibels(result.total.lwa_db)) } } (cells("total"))
-                    td {} td {} td {} td {}
-                }
-            }
-        } }
-        @for line in legend::legend(result) { p.quiet { (with_code(&line)) } }
-    }
-}
-
-/// A table with its legend; the last row is a sum.
-pub(super) fn with_legend(shown: &Table) -> Markup {
-    let last = shown.rows.len().saturating_sub(1);
-    html! {
-        div.scroll { table.pinned {
-            thead { tr { @for (place, heading) in shown.headings.iter().enumerate() { th.n[place > 0] { (heading) } } }
-                }
-            tbody { @for (place, row) in shown.rows.iter().enumerate() { tr.sum[place == last] {
-                @for (column, cell) in row.iter().enumerate() {
-                    @if column == 0 { th scope="row" { (cell) } } @else { td.n { (cell) } }
-                }
-            } } }
-        } }
-        @for line in &shown.legend { p.quiet { (with_code(line)) } }
-    }
-}
-
-/// A line of plain text whose words between backticks are code.
-pub(super) fn with_code(line: &str) -> Markup {
-    let parts = line.split('`').enumerate();
-    html! { @for (place, part) in parts { @if place % 2 == 1 { code { (part) } } @else { (part) } } }
-}
-
 /// Parts of a source, and how it was computed.
 pub(super) fn source(source: &RankedSource) -> Markup {
-    let parts = source.parts();
+    let parts = run::parts([source]);
     html! {
         p.quiet {
             (source.method) ", computed over " (format!("{:.0} to {:.0} Hz", source.range_hz[0], source.range_hz[1]))
             ". Without A-weighting " (decibels(source.lw_db)) " dB. Error of the method alone "
-            (band(source.uncertainty_db.bounds()).replace('-', "\u{2212}")) " dB: " (source.uncertainty_db.basis) "."
+            (typeset(&band(source.uncertainty_db.bounds()))) " dB: " (source.uncertainty_db.basis) "."
         }
-        @if !parts.is_empty() {
-            div.scroll { table {
-                thead { tr { th { "part" } th.n { "L" sub { "WA,1s" } " dB" } th.n { "L" sub { "W,1s" } " dB" }
-                    th { "loudest band (A)" } } }
-                tbody { @for part in parts { tr {
-                    td { (part.name) } td.n { (decibels(part.lwa_db)) } td.n { (decibels(part.lw_db)) }
-                    td { @if let Some(band) = loudest(&part.bands, |band| band.lwa_db) { (band.hz) " Hz" } }
-                } } }
-            } }
-        }
-    }
-}
-
-/// Event times.
-pub(super) fn events(record: &CycleRecord) -> Markup {
-    html! {
-        div.scroll { table {
-            thead { tr { th { "event" } th { "what" } th.n { "ms" } } }
-            tbody { @for (index, (time, name)) in record.events.to_array().iter().zip(EVENT_NAMES).enumerate() { tr {
-                td { "t" sub { (index) } } td { (name) }
-                td.n { (time.map_or_else(|| "\u{2013}".to_owned(), |time| format!("{:.3}", 1e3 * time))) }
-            } } }
-        } }
+        @if !parts.rows.is_empty() { (table::markup(&parts)) }
     }
 }
 
 /// Names and values of an object.
 pub(super) fn figures(object: &Value) -> Markup {
-    html! {
-        div.scroll { table {
-            thead { tr { th { "figure of the shot" } th.n { "value" } th { "unit" } } }
-            tbody { @for (name, value) in object.as_object().into_iter().flatten() {
-                @let (unit, factor) = readable(unit_of_figure(name));
-                tr { td { (words(name)) } td.n { (plain(&scaled(value, factor))) } td { (unit) } }
-            } }
-        } }
-    }
+    let rows = object.as_object().into_iter().flatten().map(|(name, value)| {
+        let (unit, factor) = readable(unit_of_figure(name));
+        vec![words(name).into(), plain(&scaled(value, factor)).into(), unit.into()]
+    });
+    let columns = [
+        Column::words("figure of the shot"),
+        Column::number("value"),
+        Column::words("unit"),
+    ];
+    table::markup(&Table::new(columns, rows))
 }
 
 /// A number in another unit; other values unchanged.
@@ -171,14 +77,7 @@ pub(super) fn checks(result: &RunResult) -> Markup {
         }
         details open[failed > 0] {
             summary { "every check" }
-            div.scroll { table {
-                thead { tr { th { "check" } th.n { "value" } th.n { "limit" } th {} } }
-                tbody { @for check in checks { tr.failed[!check.ok] {
-                    td { (check.name) } td.n { (format!("{:.2e}", check.value)) }
-                    td.n { (format!("{:.0e}", check.limit)) }
-                    td { (if check.ok { "ok" } else { "FAILED" }) }
-                } } }
-            } }
+            (table::markup(&run::checks(checks)))
         }
     }
 }
@@ -222,19 +121,20 @@ pub(super) fn generic(value: &Value) -> Markup {
                     columns.push(key);
                 }
             }
-            html! {
-                div.scroll { table {
-                    thead { tr { @for column in &columns {
-                        th.n[rows.iter().any(|row| row[column.as_str()].is_number())] { (titled(column)) } } } }
-                    tbody { @for row in rows.iter().take(ROWS) { tr {
-                        @for column in &columns {
-                            @let cell = &row[column.as_str()];
-                            td.n[cell.is_number()] { (of_key(column, cell)) }
-                        }
-                    } } }
-                } }
-                @if rows.len() > ROWS { p.quiet { "and " (rows.len() - ROWS) " more in result.json" } }
-            }
+            let column = |key: &&String| match rows.iter().any(|row| row[key.as_str()].is_number()) {
+                true => Column::number(titled(key)),
+                false => Column::words(titled(key)),
+            };
+            let row = |row: &Value| {
+                columns
+                    .iter()
+                    .map(|key| of_key(key, &row[key.as_str()]).into())
+                    .collect()
+            };
+            let more = rows.len().checked_sub(ROWS).filter(|more| *more > 0);
+            let more = more.map(|more| format!("and {more} more in result.json"));
+            let shown = Table::new(columns.iter().map(column), rows.iter().take(ROWS).map(row));
+            table::markup(&shown.with_legend(more))
         }
         Value::Object(fields) => html! {
             table.facts { @for (key, value) in fields.iter().filter(|(_, value)| !nested(value)) {

@@ -16,7 +16,6 @@ mod kept;
 mod law;
 pub mod legend;
 mod level_table;
-mod normal;
 mod notes;
 mod one_at_a_time;
 mod paired;
@@ -40,6 +39,8 @@ mod variable_report;
 mod variables;
 mod weighted;
 
+use nailnoise_calibration::normal;
+
 pub use condition::{Condition, ConditionInput};
 pub use contributions::{Contribution, Contributions};
 pub use draw_table::DrawTable;
@@ -57,9 +58,10 @@ pub use result::{
     names_of_ends,
 };
 pub use sampling::{Frame, NoValues, Point, Rejections, Sampler};
+pub(crate) use screening::drawn;
 pub use screening::{Candidate, Tally, screen};
 pub use serving::{Serving, StudySource, study};
-pub use shots::{Counted, DrawnShot, ShotSampler, Shots, shots};
+pub use shots::{Counted, DrawnShot, ShotSampler, Shots, cycle_variables, shots};
 pub use statistics::{Estimate, Quantiles};
 pub use surrogate::{Surrogate, SurrogateIndex, common_reason};
 pub use sweep::{Axis, SweptPoint, at_point, distinct, sweep};

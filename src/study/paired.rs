@@ -10,6 +10,7 @@ use super::statistics::{Bootstrap, Estimate, Quantiles};
 use super::variables::differing_keys;
 use crate::design::Design;
 use crate::result::TOTAL;
+use crate::wording::drawn_structures;
 
 /// A design against a reference over common draws. What both share is the same in each draw, the errors of methods
 /// included, and cancels in the change.
@@ -51,6 +52,22 @@ pub struct Change {
 }
 
 impl PairedStudy {
+    /// What the changes are based on, in words.
+    pub(crate) fn basis(&self) -> String {
+        let decided = match self.decided.as_slice() {
+            [] => "nothing".to_owned(),
+            keys => keys.join(", "),
+        };
+        format!(
+            "{} against {} over {} common draws (seed {}), {}; not drawn, because the designs differ in them: {decided}",
+            self.design,
+            self.reference,
+            self.draws,
+            self.seed,
+            drawn_structures(self.structures)
+        )
+    }
+
     /// States the results of common draws of a reference and a design.
     pub fn new((reference, a): (&Design, &Draws), (design, b): (&Design, &Draws), request: &Request) -> Self {
         Self {

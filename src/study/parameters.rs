@@ -8,7 +8,7 @@ use crate::design::{Design, Distribution, Entry, Provenance, Value};
 use crate::error::Error;
 
 /// Standard deviations at which a normal distribution is cut.
-const CUT: f64 = 3.0;
+pub(crate) const CUT: f64 = 3.0;
 
 /// A key with a range.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -26,6 +26,9 @@ pub struct Parameter {
     /// Distribution over the range.
     #[serde(skip)]
     pub distribution: Distribution,
+    /// Standard deviations at which a normal distribution is cut below and above its middle.
+    #[serde(skip)]
+    pub(crate) cut: [f64; 2],
     /// Under which name a draw sets it, if that is not the key: of a derived quantity.
     #[serde(skip)]
     pub(crate) change: Option<&'static str>,
@@ -42,6 +45,7 @@ impl Parameter {
             value: entry.value,
             range,
             distribution: entry.distribution,
+            cut: [-CUT, CUT],
             change: None,
         })
     }
@@ -77,8 +81,8 @@ impl Parameter {
         let [low, high] = self.range;
         match self.distribution {
             Distribution::Normal => {
-                let (middle, cut) = (0.5 * (low + high), 0.25 * CUT * (high - low));
-                [middle - cut, middle + cut]
+                let (middle, deviation) = (0.5 * (low + high), 0.25 * (high - low));
+                self.cut.map(|cut| middle + cut * deviation)
             }
             Distribution::Uniform if self.is_count() => [low.ceil(), high.floor()],
             _ => self.range,
@@ -108,12 +112,24 @@ impl Parameter {
                 }
             }
             Distribution::Normal => {
-                let deviation = (high - low) / (2.0 * CUT);
-                let z = (x - 0.5 * (low + high)) / deviation;
-                let within = 1.0 - 2.0 * normal::cumulative(-CUT);
+                let [below, above] = self.cut;
+                let deviation = (high - low) / (above - below);
+                let z = (x - low) / deviation + below;
+                let within = 1.0 - normal::cumulative(below) - normal::cumulative(-above);
                 (-0.5 * z * z).exp() / (deviation * (2.0 * std::f64::consts::PI).sqrt() * within)
             }
             Distribution::LogUniform => 1.0 / (x * (high / low).ln()),
+        }
+    }
+
+    /// The parameter by a measurement of its value with a standard deviation: normal, cut to the range.
+    pub(crate) fn measured(self, value: f64, deviation: f64) -> Self {
+        let cut = self.range.map(|end| ((end - value) / deviation).clamp(-CUT, CUT));
+        Self {
+            range: [value - 2.0 * deviation, value + 2.0 * deviation],
+            distribution: Distribution::Normal,
+            cut,
+            ..self
         }
     }
 
@@ -159,8 +175,9 @@ impl Parameter {
                 }
             }
             Distribution::Normal => {
-                let below = normal::cumulative(-CUT);
-                0.5 * (low + high) + 0.25 * (high - low) * normal::quantile(below + u * (1.0 - 2.0 * below))
+                let [below, above] = [normal::cumulative(self.cut[0]), normal::cumulative(-self.cut[1])];
+                let inside = 1.0 - below - above;
+                0.5 * (low + high) + 0.25 * (high - low) * normal::quantile(below + u * inside)
             }
             Distribution::LogUniform => low * (high / low).powf(u),
         };
@@ -201,6 +218,7 @@ mod tests {
             value,
             range,
             distribution,
+            cut: [-CUT, CUT],
             change: None,
         }
     }
@@ -243,6 +261,24 @@ mod tests {
     fn a_normal_quantity_cut_at_three_deviations_has_97_per_cent_of_its_variance() {
         // 1 - 6 phi(3)/(2 Phi(3) - 1), Johnson, Kotz and Balakrishnan 1994, section 13.10.1.
         assert_moments(Distribution::Normal, 0.0, [-2.0, 2.0], [0.0, 0.973_336_9]);
+    }
+
+    #[test]
+    fn a_measured_parameter_is_normal_within_its_range() {
+        let of = |range| parameter(Value::Number(1.0), range, Distribution::Triangular).measured(2.0, 0.5);
+        let free = moments(&of([-9.0, 9.0]));
+        assert!(
+            (free[0] - 2.0).abs() < 1e-4 && (free[1] / 0.25 - 0.973_336_9).abs() < 1e-4,
+            "{free:?}"
+        );
+        // Cut at its mean, the half normal distribution below it: mean -sqrt(2/pi) standard deviations.
+        let half = of([-9.0, 2.0]);
+        assert!(
+            (moments(&half)[0] - (2.0 - 0.5 * 0.796_8)).abs() < 1e-3,
+            "{:?}",
+            moments(&half)
+        );
+        assert!((0..99).all(|k| matches!(half.at((f64::from(k) + 0.5) / 99.0), Value::Number(x) if x <= 2.0)));
     }
 
     #[test]

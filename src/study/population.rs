@@ -13,7 +13,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::parameters::Parameter;
+use super::parameters::{CUT, Parameter};
 use super::result::StudyResult;
 use crate::design::{Design, Distribution, Provenance, Value};
 use crate::error::Error;
@@ -59,6 +59,7 @@ impl Marginal {
             },
             range: self.range,
             distribution: self.distribution,
+            cut: [-CUT, CUT],
             change: None,
         }
     }

@@ -125,6 +125,50 @@ impl Sampler {
         self.components.iter().map(|component| component.members.as_slice())
     }
 
+    /// Whether each variable is drawn with others whose values may conflict with its own.
+    pub(crate) fn is_ruled(&self) -> Vec<bool> {
+        let mut ruled = vec![false; self.variables.len()];
+        let conflicting = self.components.iter().filter(|component| component.conflicts);
+        conflicting
+            .flat_map(|own| &own.members)
+            .for_each(|&member| ruled[member] = true);
+        ruled
+    }
+
+    /// The variables of each component whose values in a point break a rule around a base.
+    pub(crate) fn broken<'a>(&'a self, base: &'a Values, point: &'a Point) -> impl Iterator<Item = &'a [usize]> {
+        let conflicting = self.components.iter().filter(|component| component.conflicts);
+        conflicting
+            .map(|component| component.members.as_slice())
+            .filter(|members| self.broken_rule(base, members, point).is_some())
+    }
+
+    /// The point of independent standard normal numbers, one for each variable.
+    pub(crate) fn of_normal(&self, z: &[f64]) -> Point {
+        let mut z = z.to_vec();
+        for correlated in self.components.iter().flat_map(|own| &own.correlated) {
+            let mut own: Vec<f64> = correlated.members.iter().map(|&m| z[m]).collect();
+            correlate(&mut own, correlated.pearson);
+            correlated.members.iter().zip(own).for_each(|(&m, own)| z[m] = own);
+        }
+        let share = |z: &f64| normal::cumulative(*z).clamp(HALF_STEP, 1.0 - HALF_STEP);
+        Point {
+            shares: z.iter().map(share).collect(),
+        }
+    }
+
+    /// The independent standard normal numbers of a point whose variables are all drawn: the inverse of
+    /// [`of_normal`](Self::of_normal).
+    pub(crate) fn to_normal(&self, point: &Point) -> Vec<f64> {
+        let mut z: Vec<f64> = point.shares.iter().map(|share| normal::quantile(*share)).collect();
+        for correlated in self.components.iter().flat_map(|own| &own.correlated) {
+            let mut own: Vec<f64> = correlated.members.iter().map(|&m| z[m]).collect();
+            decorrelate(&mut own, correlated.pearson);
+            correlated.members.iter().zip(own).for_each(|(&m, own)| z[m] = own);
+        }
+        z
+    }
+
     fn names(&self, members: &[usize]) -> Vec<&str> {
         members
             .iter()
@@ -248,17 +292,50 @@ impl Sampler {
 }
 
 /// Gives independent standard normal numbers one common correlation `r`: multiplies them by the Cholesky factor of
-/// (1 - r) I + r 1 1^T, whose entries below the diagonal are equal in each column.
+/// (1 - r) I + r 1 1^T.
 fn correlate(z: &mut [f64], r: f64) {
-    // Of the columns so far: sum of the squares of the entries below the diagonal, and their part of every later row.
-    let (mut squares, mut sum) = (0.0_f64, 0.0);
+    let mut factor = CommonFactor::default();
     for own in z {
-        let diagonal = (1.0 - squares).max(0.0).sqrt();
-        let below = if diagonal > 0.0 { (r - squares) / diagonal } else { 0.0 };
-        let independent = *own;
-        *own = sum + diagonal * independent;
-        sum += below * independent;
-        squares += below * below;
+        let (above, diagonal) = (factor.sum, factor.diagonal());
+        factor.next(*own, r);
+        *own = above + diagonal * *own;
+    }
+}
+
+/// The inverse of [`correlate`]; a number that those before it determine becomes 0.
+fn decorrelate(z: &mut [f64], r: f64) {
+    let mut factor = CommonFactor::default();
+    for own in z {
+        let (above, diagonal) = (factor.sum, factor.diagonal());
+        *own = if diagonal > 0.0 { (*own - above) / diagonal } else { 0.0 };
+        factor.next(*own, r);
+    }
+}
+
+/// A row of the Cholesky factor of (1 - r) I + r 1 1^T, whose entries below the diagonal are equal in each column.
+#[derive(Default)]
+struct CommonFactor {
+    /// Sum of the squares of the row's entries before the diagonal.
+    squares: f64,
+    /// Their product with the numbers so far.
+    sum: f64,
+}
+
+impl CommonFactor {
+    fn diagonal(&self) -> f64 {
+        (1.0 - self.squares).max(0.0).sqrt()
+    }
+
+    /// Goes to the next row, with the number of this one.
+    fn next(&mut self, independent: f64, r: f64) {
+        let diagonal = self.diagonal();
+        let below = if diagonal > 0.0 {
+            (r - self.squares) / diagonal
+        } else {
+            0.0
+        };
+        self.sum += below * independent;
+        self.squares += below * below;
     }
 }
 
@@ -408,6 +485,18 @@ mod tests {
         let n = points.len() as f64;
         let squares: f64 = x.iter().zip(&y).map(|(x, y)| (x - y).powi(2)).sum();
         1.0 - 6.0 * squares / (n * (n * n - 1.0))
+    }
+
+    #[test]
+    fn numbers_are_recovered_from_their_correlated_ones() {
+        for r in [-0.3, 0.0, 0.7] {
+            let z = [0.3, -1.2, 2.0];
+            let mut own = z;
+            correlate(&mut own, r);
+            assert!(r == 0.0 || own[1] != z[1]);
+            decorrelate(&mut own, r);
+            assert!(own.iter().zip(z).all(|(own, z)| (own - z).abs() < 1e-12), "{own:?}");
+        }
     }
 
     #[test]

@@ -87,6 +87,22 @@ pub struct Counted {
     pub counts: BTreeMap<String, usize>,
 }
 
+/// The variables of the cycle alone: keys that take part in it, and the scores of a fitted penetration law.
+///
+/// # Errors
+/// As [`taking_part`].
+pub fn cycle_variables(design: &Design) -> Result<Vec<Variable>, Error> {
+    let mut parameters = taking_part(design)?;
+    law::leave_out_held(design, &mut parameters)?;
+    let variable = |parameter: Parameter| Variable {
+        name: parameter.key.clone(),
+        scope: Scope::Shot,
+        kind: Kind::Quantity(parameter),
+    };
+    let scores = law_scores(std::slice::from_ref(&without_sensors(design)))?;
+    Ok(parameters.into_iter().map(variable).chain(scores).collect())
+}
+
 /// Draws designs only for the cycle, one batch after the other: no draw is stored.
 pub struct ShotSampler {
     pub(super) design: Design,
@@ -103,22 +119,18 @@ impl ShotSampler {
     /// # Errors
     /// As [`taking_part`].
     pub fn new(design: &Design, seed: u64) -> Result<Self, Error> {
-        let mut parameters = taking_part(design)?;
-        law::leave_out_held(design, &mut parameters)?;
-        let variable = |parameter: &Parameter| Variable {
-            name: parameter.key.clone(),
-            scope: Scope::Shot,
-            kind: Kind::Quantity(parameter.clone()),
-        };
+        let variables = cycle_variables(design)?;
         let design = without_sensors(design);
-        let scores = law_scores(std::slice::from_ref(&design))?;
-        let names = scores.iter().map(|score| score.name.clone()).collect();
-        let variables = parameters.iter().map(variable).chain(scores).collect();
+        let parameter = |own: &Variable| match &own.kind {
+            Kind::Quantity(parameter) => Some(parameter.clone()),
+            _ => None,
+        };
+        let is_score = |own: &&Variable| matches!(own.kind, Kind::LawScore);
         Ok(Self {
+            parameters: variables.iter().filter_map(parameter).collect(),
+            scores: variables.iter().filter(is_score).map(|own| own.name.clone()).collect(),
             sampler: Sampler::new(&design, variables, seed),
             design,
-            parameters,
-            scores: names,
         })
     }
 

@@ -5,12 +5,15 @@
 //! agree.
 
 mod cycle;
+mod garteur;
 mod jets;
+mod loudness;
 mod panels;
 mod plates;
 mod radiation;
 mod row;
 mod signals;
+mod spruce;
 mod structures;
 mod table;
 mod valves;
@@ -54,6 +57,8 @@ const FIELDS: [Field; 4] = [
             structures::cylinder,
             structures::double_cell_box,
             structures::composite,
+            garteur::rows,
+            spruce::rows,
         ],
     },
     Field {
@@ -62,7 +67,7 @@ const FIELDS: [Field; 4] = [
     },
     Field {
         name: "levels",
-        parts: &[signals::rows],
+        parts: &[signals::rows, loudness::rows],
     },
 ];
 

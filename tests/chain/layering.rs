@@ -38,6 +38,11 @@ fn files_of_documents_form_no_circle() {
 }
 
 #[test]
+fn files_of_calibration_form_no_circle() {
+    assert_no_circle("calibration/src");
+}
+
+#[test]
 fn files_of_measurement_form_no_circle() {
     assert_no_circle("measurement/src");
 }

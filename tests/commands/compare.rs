@@ -121,7 +121,7 @@ fn the_table_shows_inputs_sources_and_events() {
         "ranking",
         "total",
         "speed before impact",
-        "t7 [ms]",
+        "t7 piston at",
     ] {
         assert!(text.contains(part), "no {part} in\n{text}");
     }

@@ -10,6 +10,7 @@ pub mod fourier;
 mod history;
 pub(crate) mod interpolation;
 mod levels;
+pub mod loudness;
 mod power_signals;
 mod ranking;
 mod spectrum;

@@ -5,7 +5,11 @@ use super::state::*;
 use super::system::System;
 use crate::{Crossing, Direction, Events, LogEntry, LogState};
 
-/// Piston travel of the position mark that t7 and t15 refer to, the thesis' sensor position \[m\].
+// Thresholds of the events. Chosen, unless a source is named: small against the stroke and the lift, and large against
+// the tolerance of the integration. They decide where one interval between events ends and the next begins, and neither
+// the motion nor the level of a source over the whole shot.
+
+/// Piston travel of the position mark that t7 and t15 refer to \[m\]: the position of the thesis' sensor (1.4.2.1).
 const POSITION_MARK: f64 = 50.51e-3;
 /// Valve lift at t1 \[m\].
 const FIRST_LIFT: f64 = 10e-6;

@@ -18,7 +18,7 @@ use crate::prf::{Resistance, ResistanceLaw, Shanks, Specimen};
 const TOLERANCE: f64 = 1e-12;
 /// Longest drive \[s\].
 const LONGEST: f64 = 0.5;
-/// Speed of waves along the nail \[m/s\], and the part of their frequency above which it is not rigid.
+/// Speed of longitudinal waves along a steel nail, sqrt(E/rho) with E = 205 GPa and rho = 7850 kg/m3 \[m/s\].
 const WAVE_SPEED: f64 = 5110.0;
 
 /// One shot into one specimen.

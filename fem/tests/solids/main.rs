@@ -10,6 +10,7 @@ mod material;
 
 mod assembly {
     mod element;
+    mod stress;
     mod system;
 }
 mod eigen {

@@ -10,7 +10,7 @@ use serde::Serialize;
 
 use crate::commands::Status;
 use crate::commands::progress::note;
-use crate::commands::table::{dash, fixed, table};
+use crate::commands::table::table;
 use crate::commands::{Threads, print, print_json};
 use crate::error::Error;
 use crate::figures;
@@ -18,6 +18,7 @@ use crate::output;
 use crate::penetration::fitting::{Fitting, Options, fit_files};
 use crate::penetration::{PenetrationError, file_of};
 use crate::staging::Staging;
+use crate::tables::{dash, fixed};
 
 /// The form of the published general law (Eq. 2.2).
 const FORM: &str = "poly(x,7) + rate + slender";

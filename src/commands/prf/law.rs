@@ -11,13 +11,14 @@ use serde::Serialize;
 use super::limits::within;
 use crate::commands::Status;
 use crate::commands::progress::note;
-use crate::commands::table::{dash, fixed, table};
+use crate::commands::table::table;
 use crate::commands::{print, print_json};
 use crate::error::Error;
 use crate::figures;
 use crate::output;
 use crate::penetration::{self, PenetrationError};
 use crate::staging::Staging;
+use crate::tables::{dash, fixed};
 use nailnoise_quantities::dimension::{FORCE, LENGTH, VELOCITY};
 use nailnoise_quantities::measure;
 

@@ -18,13 +18,14 @@ use super::limits::within;
 use crate::chain;
 use crate::commands::Status;
 use crate::commands::progress::note;
-use crate::commands::table::{fixed, table};
+use crate::commands::table::table;
 use crate::commands::{Changes, print, print_json};
 use crate::design::Assignment;
 use crate::error::Error;
 use crate::output;
 use crate::penetration::{self, PenetrationError};
 use crate::staging;
+use crate::tables::fixed;
 
 /// Density of a nail's steel \[kg/m3\].
 const STEEL: f64 = 7850.0;

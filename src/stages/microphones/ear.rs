@@ -1,11 +1,16 @@
-//! Sound at the operator's ear: exposure and C-weighted peak of the emission sound pressure.
+//! Sound at the operator's ear: exposure, C-weighted peak and loudness of the emission sound pressure.
 
+use nailnoise_acoustics::AcousticsError;
+use nailnoise_acoustics::signals::loudness::{
+    LoudnessError, LoudnessHistory, SoundField, loudness_level, time_varying,
+};
 use nailnoise_acoustics::signals::{Weighting, energy_level, peak_level};
+use rayon::prelude::*;
 
 use super::bands::{Spectra, density, integrals};
 use super::{AtMicrophones, MicrophoneArray, REFERENCE, SAMPLE_RATE, over_bands};
 use crate::error::Error;
-use crate::result::EarReport;
+use crate::result::{EarReport, SourceLoudness, TOTAL};
 
 impl MicrophoneArray {
     /// Levels at the ear, the last receiver, of sources whose signals are complete.
@@ -27,6 +32,9 @@ impl MicrophoneArray {
             signal.resize(signal.len().max(own.len()), 0.0);
             signal.iter_mut().zip(own).for_each(|(sum, p)| *sum += p);
         }
+        let sounds = ears().map(|(source, _, own)| (source.source.as_str(), own));
+        let sounds: Vec<(&str, &Vec<f64>)> = sounds.chain([(TOTAL, &signal)]).collect();
+        let loudness = sounds.into_par_iter().map(|(source, own)| loudness(source, own));
         let peak_db = peak_level(&signal, 1.0 / f64::from(SAMPLE_RATE), Weighting::C)?;
         // The peak of a pulse needs the phases of the full range.
         let lacking = |source: &AtMicrophones| {
@@ -49,6 +57,7 @@ impl MicrophoneArray {
             lpc_peak_db: peak_db.filter(|_| lacking.is_empty()),
             lpc_peak_signal_db: peak_db,
             not_stated: (!lacking.is_empty()).then(|| lacking.join(", ")),
+            loudness: loudness.collect::<Result<_, Error>>()?,
         })
     }
 
@@ -62,4 +71,24 @@ impl MicrophoneArray {
         );
         over_bands(&energies)[0]
     }
+}
+
+/// Loudness of a pressure signal; unknown above the levels of the standard.
+fn loudness(source: &str, signal: &[f64]) -> Result<SourceLoudness, Error> {
+    let history = match time_varying(signal, SoundField::Free) {
+        Ok(history) => Some(history),
+        Err(LoudnessError::TooLoud { .. }) => None,
+        Err(error) => return Err(AcousticsError::from(error).into()),
+    };
+    let n_max = history.as_ref().map(LoudnessHistory::maximum);
+    let time_of = |of: &LoudnessHistory| {
+        let at = of.sone.iter().position(|n| Some(*n) == n_max)?;
+        Some(at as f64 * LoudnessHistory::INTERVAL)
+    };
+    Ok(SourceLoudness {
+        source: source.to_owned(),
+        n_max_sone: n_max,
+        level_phon: n_max.map(loudness_level),
+        time_s: history.as_ref().and_then(time_of),
+    })
 }

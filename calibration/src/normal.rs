@@ -3,13 +3,13 @@
 use std::f64::consts::FRAC_1_SQRT_2;
 
 /// Phi(z), the probability of a value below `z`.
-pub(super) fn cumulative(z: f64) -> f64 {
+pub fn cumulative(z: f64) -> f64 {
     0.5 * libm::erfc(-z * FRAC_1_SQRT_2)
 }
 
 /// Phi^-1(p) for 0 < p < 1, to 1e-16 relative (Wichura, "Algorithm AS 241: The percentage points of the normal
 /// distribution", Applied Statistics 37, 477 (1988), PPND16).
-pub(super) fn quantile(p: f64) -> f64 {
+pub fn quantile(p: f64) -> f64 {
     let ratio = |r: f64, above: &[f64], below: &[f64]| {
         let sum = |coefficients: &[f64]| coefficients.iter().rev().fold(0.0, |sum, c| sum * r + c);
         sum(above) / sum(below)

@@ -1,0 +1,99 @@
+//! Why a design cannot be calibrated, with the place in the file of measurements and the remedy.
+
+use std::fmt::Display;
+use std::path::PathBuf;
+
+use miette::{Diagnostic, LabeledSpan, SourceCode};
+use nailnoise_calibration::likelihood::LikelihoodError;
+use nailnoise_documents::{DocumentError, KeyError, Place};
+
+/// Why a design cannot be calibrated.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum CalibrationError {
+    /// The file of measurements cannot be read.
+    #[error("cannot read {}: {cause}", path.display())]
+    Unreadable {
+        /// The file.
+        path: PathBuf,
+        /// Message of the system.
+        cause: String,
+    },
+    /// The file is not TOML.
+    #[error(transparent)]
+    Document(#[from] DocumentError),
+    /// A key of the file is wrong, missing or unknown.
+    #[error(transparent)]
+    Key(#[from] KeyError),
+    /// `--hold-out` names no measurement.
+    #[error("--hold-out: there is no measurement `{name}`")]
+    HeldOut {
+        /// The name given.
+        name: String,
+        /// All names.
+        known: String,
+    },
+    /// Errors that cannot be correlated as stated.
+    #[error(transparent)]
+    Likelihood(#[from] LikelihoodError),
+    /// No candidate has the outcomes that were observed.
+    #[error("none of {candidates} candidates shows the outcomes that were observed")]
+    NothingAccepted {
+        /// Candidates drawn.
+        candidates: u64,
+        /// The first condition that each candidate failed, and its outcome there, with their numbers.
+        outcomes: String,
+    },
+    /// Too few candidates for the halves of the sampler.
+    #[error("only {accepted} of {candidates} candidates show the outcomes that were observed; {wanted} are needed")]
+    TooFewAccepted {
+        /// Accepted candidates.
+        accepted: usize,
+        /// Candidates drawn.
+        candidates: u64,
+        /// Draws asked for.
+        wanted: usize,
+    },
+    /// No key of the design that takes part in the cycle has a range.
+    #[error("no key that takes part in the nailing cycle has a range, so that there is nothing to calibrate")]
+    NoVariables,
+}
+
+impl CalibrationError {
+    fn place(&self) -> Option<&Place> {
+        match self {
+            Self::Key(KeyError { at, .. }) | Self::Document(DocumentError::Syntax { at, .. }) => Some(at),
+            _ => None,
+        }
+    }
+}
+
+impl Diagnostic for CalibrationError {
+    fn help<'a>(&'a self) -> Option<Box<dyn Display + 'a>> {
+        Some(match self {
+            Self::Unreadable { .. } => Box::new("name a TOML file; docs/calibration.md describes it"),
+            Self::Document(_) => Box::new("write `key = value`, texts in quotes, groups as [measured]"),
+            Self::Key(KeyError { help, .. }) => Box::new(help),
+            Self::HeldOut { known, .. } => Box::new(format!("choose from {known}")),
+            Self::Likelihood(LikelihoodError::Indefinite { .. }) => Box::new("lower the correlations"),
+            Self::Likelihood(LikelihoodError::Censored { .. }) => {
+                Box::new("remove it from `correlation`, or give it as a value")
+            }
+            Self::NothingAccepted { outcomes, .. } => Box::new(format!(
+                "they failed with {outcomes}; correct `outcome` or widen the ranges of the design"
+            )),
+            Self::TooFewAccepted { .. } => {
+                Box::new("reduce --draws, leave out outcomes, or narrow the ranges of the design by `direct`")
+            }
+            Self::NoVariables => Box::new("give keys a range, as { value = \"131 g\", range = \"+-5 %\" }"),
+        })
+    }
+
+    fn source_code(&self) -> Option<&dyn SourceCode> {
+        self.place().map(Place::source_code)
+    }
+
+    fn labels(&self) -> Option<Box<dyn Iterator<Item = LabeledSpan> + '_>> {
+        Some(Box::new(std::iter::once(self.place()?.label("here"))))
+    }
+}

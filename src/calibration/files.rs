@@ -1,0 +1,162 @@
+//! Files of a calibration: the draws as a table, and a design with the ranges of the keys that moved.
+
+use std::fmt::Write as _;
+use std::path::Path;
+
+use super::posterior::Posterior;
+use super::result::{CalibrationResult, MovedKey, Table, moved_keys};
+use crate::design::{Design, Value};
+use crate::error::Error;
+use crate::output;
+
+/// Contents of the files.
+pub struct Files {
+    /// `posterior.csv`: a row for each draw.
+    pub draws: Vec<u8>,
+    /// `calibrated.toml`, which names its base relative to a folder; as text without its first line.
+    design: String,
+    base: std::path::PathBuf,
+}
+
+impl Files {
+    /// The calibrated design as a file in a folder.
+    pub fn design(&self, folder: &Path) -> String {
+        let base = std::path::absolute(&self.base).unwrap_or_else(|_| self.base.clone());
+        let folder = std::path::absolute(folder).unwrap_or_else(|_| folder.to_owned());
+        let base = relative(&base, &folder);
+        format!("base = {}\n{}", toml::Value::String(base), self.design)
+    }
+}
+
+/// A path relative to a folder, both absolute, with slashes.
+fn relative(path: &Path, folder: &Path) -> String {
+    let common = path
+        .components()
+        .zip(folder.components())
+        .take_while(|(a, b)| a == b)
+        .count();
+    // Two drives of Windows have nothing in common.
+    if common == 0 {
+        return path.to_string_lossy().into_owned();
+    }
+    let up = folder.components().skip(common).map(|_| "..".to_owned());
+    let down = path
+        .components()
+        .skip(common)
+        .map(|own| own.as_os_str().to_string_lossy().into_owned());
+    up.chain(down).collect::<Vec<_>>().join("/")
+}
+
+/// The files of a posterior.
+///
+/// # Errors
+/// [`Error::Table`], if rows differ in length.
+pub(super) fn files(
+    posterior: &Posterior,
+    design: &Design,
+    result: &CalibrationResult,
+    table: &Table,
+) -> Result<Files, Error> {
+    let moved = moved_keys(posterior, result, table);
+    let header = std::iter::once("draw".to_owned()).chain(table.names.iter().cloned());
+    let rows = table.rows.iter().enumerate().map(|(draw, row)| {
+        let numbers = row.iter().map(|own| {
+            if own.is_finite() {
+                own.to_string()
+            } else {
+                String::new()
+            }
+        });
+        std::iter::once(draw.to_string()).chain(numbers).collect::<Vec<_>>()
+    });
+    Ok(Files {
+        draws: output::table(header, rows)?,
+        design: calibrated(design, result, &moved),
+        base: design.path().to_owned(),
+    })
+}
+
+/// The design file without its base.
+fn calibrated(design: &Design, result: &CalibrationResult, moved: &[MovedKey<'_>]) -> String {
+    let mut text = format!(
+        "# {} calibrated with {}: {} draws, seed {}.\n\
+         # Values are those of the draw in the middle of all; ranges are 95 % of the draws of each key alone. The draws\n\
+         # are correlated: a study of this file draws the keys independently, so that its intervals are wider than\n\
+         # those of the draws in posterior.csv.\n",
+        design.name(),
+        result.measured,
+        result.draws,
+        result.seed
+    );
+    if !result.converged {
+        text.push_str("# The sampler had not converged.\n");
+    }
+    let entries = design.entries();
+    // Writing to a text cannot fail.
+    for own in moved {
+        let [low, high] = own.ends;
+        let with = |unit: &str| {
+            if unit.is_empty() {
+                String::new()
+            } else {
+                format!(" {unit}")
+            }
+        };
+        let provenance = toml::Value::String(format!("computed: calibrated with {}", result.measured));
+        if let Some((entry, solution)) = design.drawn_derived().find(|(entry, _)| entry.key == own.key) {
+            let mut moved = design.clone();
+            let follower = |design: &Design| {
+                design
+                    .entries()
+                    .into_iter()
+                    .find(|entry| entry.key == solution.follower)
+            };
+            if let (Ok(()), Some(entry)) = (moved.set(&[(solution.change, own.value.clone())]), follower(&moved)) {
+                let value = shown(&entry.value, &with(&entry.unit));
+                let _ = writeln!(text, "{} = {{ value = {value}, provenance = {provenance} }}", entry.key);
+            }
+            let follows = solution.follower.rsplit('.').next().unwrap_or(solution.follower);
+            let _ = writeln!(
+                text,
+                "{} = {{ range = \"{low:?} .. {high:?}{}\", distribution = \"normal\", follows = \"{follows}\", \
+                 provenance = {provenance} }}",
+                own.key,
+                with(&entry.unit)
+            );
+        } else if let Some(entry) = entries.iter().find(|entry| entry.key == own.key) {
+            let unit = with(&entry.unit);
+            let _ = writeln!(
+                text,
+                "{} = {{ value = {}, range = \"{low:?} .. {high:?}{unit}\", distribution = \"normal\", \
+                 provenance = {provenance} }}",
+                own.key,
+                shown(&own.value, &unit)
+            );
+        }
+    }
+    text
+}
+
+/// A value as TOML, with its unit.
+fn shown(value: &Value, unit: &str) -> String {
+    match value {
+        Value::Count(count) => count.to_string(),
+        Value::Number(number) if unit.is_empty() => format!("{number:?}"),
+        Value::Number(number) => format!("\"{number:?}{unit}\""),
+        Value::Switch(on) => on.to_string(),
+        Value::Choice(word) => format!("\"{word}\""),
+        Value::File(path) => toml::Value::String(path.clone()).to_string(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_base_is_named_relative_to_the_folder_of_the_file() {
+        let of = |path: &str, folder: &str| relative(Path::new(path), Path::new(folder));
+        assert_eq!(of("/a/b/tool.toml", "/a/out/tool"), "../../b/tool.toml");
+        assert_eq!(of("/a/tool.toml", "/a"), "tool.toml");
+    }
+}

@@ -1,0 +1,90 @@
+//! Measurements of a tool: conditions, instruments and readings, in SI units, without their file.
+
+use nailnoise_calibration::likelihood::Reading;
+
+use super::quantities::Quantity;
+use crate::design::Design;
+
+/// What a user measured.
+#[derive(Debug, Clone)]
+pub(super) struct Measurements {
+    /// Keys whose values were measured.
+    pub(super) direct: Vec<Direct>,
+    /// Names of the instruments.
+    pub(super) instruments: Vec<String>,
+    /// Conditions under which shots were made.
+    pub(super) conditions: Vec<Condition>,
+    /// The readings.
+    pub(super) data: Vec<Measured>,
+    /// Correlations of their errors.
+    pub(super) correlations: Vec<Correlation>,
+    /// Assumptions about readings that a user should know.
+    pub(super) notes: Vec<String>,
+}
+
+/// A key whose value was measured.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Direct {
+    pub(super) key: String,
+    /// Its value in SI units.
+    pub(super) value: f64,
+    /// Standard deviation of the value.
+    pub(super) deviation: f64,
+}
+
+/// Shots under the same values.
+#[derive(Debug, Clone)]
+pub(super) struct Condition {
+    pub(super) name: String,
+    /// The design with the values that were set.
+    pub(super) design: Design,
+    /// Keys that were set.
+    pub(super) set: Vec<String>,
+    /// Set values that an instrument showed.
+    pub(super) shown: Vec<Shown>,
+    /// Outcomes that each shot may have had; empty if none was noted.
+    pub(super) outcomes: Vec<&'static str>,
+}
+
+/// A set value that an instrument showed: the true value differs by the instrument's error.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Shown {
+    pub(super) key: String,
+    /// Number of the instrument.
+    pub(super) instrument: usize,
+    /// Standard deviation of the value.
+    pub(super) deviation: f64,
+}
+
+/// A reading.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Measured {
+    pub(super) name: String,
+    /// Number of the condition.
+    pub(super) condition: usize,
+    pub(super) quantity: Quantity,
+    pub(super) reading: Reading,
+    /// Standard deviation of the independent error of the mean of all shots, scatter of shots among it.
+    pub(super) error: f64,
+    /// Standard deviation of the model's error.
+    pub(super) discrepancy: f64,
+    /// Error that it shares with other readings of its instrument.
+    pub(super) instrument: Option<InstrumentError>,
+}
+
+/// The error of an instrument in a reading.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct InstrumentError {
+    /// Number of the instrument.
+    pub(super) instrument: usize,
+    /// Standard deviation in the unit of the reading.
+    pub(super) deviation: f64,
+}
+
+/// Correlated errors of readings.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Correlation {
+    /// Numbers of the readings.
+    pub(super) data: Vec<usize>,
+    pub(super) r: f64,
+}

@@ -1,0 +1,97 @@
+//! Calibration: the ranges of a design conditioned on what a user measured of the tool.
+//!
+//! The crate `nailnoise-calibration` samples; here are the file of measurements, the quantities of the cycle, the tool
+//! as a simulator, and the result with its files.
+
+mod error;
+mod files;
+mod measurements;
+mod posterior;
+mod quantities;
+mod reader;
+mod result;
+mod start;
+mod tool;
+#[cfg(test)]
+mod twins;
+
+use std::path::Path;
+
+pub use error::CalibrationError;
+pub use files::Files;
+pub use posterior::{Request, Treatment, Work};
+pub use result::{CalibrationResult, ConflictRow, FigureRow, InputRow, MeasurementRow, PairRow, Verdict};
+
+use crate::design::{Assignment, Design};
+use crate::error::Error;
+use crate::stages::{Progress, code};
+use crate::store::{Key, Store};
+
+/// Calibrates the design in a file, with further assignments, by the measurements in another file.
+///
+/// Finished blocks of candidates and finished moves of the sampler are stored, so that the same call continues an
+/// interrupted one.
+///
+/// # Errors
+/// The first fault of the design or of the measurements, with its place; no candidate with the observed outcomes.
+pub fn calibrate(
+    store: &Store,
+    design: &Design,
+    assignments: &[Assignment],
+    measured: &Path,
+    request: &Request,
+    progress: &Progress,
+) -> Result<(CalibrationResult, Files), Error> {
+    let document = reader::text(measured)?;
+    let with = |own: &[Assignment]| Design::load_with(design.path(), &[assignments, own].concat());
+    let reader = reader::Reader { design, with: &with };
+    let file = measured.display().to_string();
+    let measured = reader.read(&document)?;
+    let held_out = request.hold_out.iter().map(|name| {
+        let known = measured.data.iter().map(|own| own.name.as_str());
+        known
+            .clone()
+            .position(|own| own == name)
+            .ok_or_else(|| CalibrationError::HeldOut {
+                name: name.clone(),
+                known: known.collect::<Vec<_>>().join(", "),
+            })
+    });
+    let held_out = held_out.collect::<Result<Vec<usize>, _>>()?;
+    let tool = tool::Tool::new(design, &measured, request.seed)?;
+    let key = key(design, &tool, &measured, request);
+    let calibration = posterior::Calibration {
+        tool,
+        measured: &measured,
+        request,
+        store,
+        key,
+        progress,
+    };
+    let posterior = calibration.posterior(held_out)?;
+    let (result, table) = result::result(&posterior, design, &measured, request, &file);
+    let files = files::files(&posterior, design, &result, &table)?;
+    Ok((result, files))
+}
+
+/// Key of candidates and draws: everything but the readings that count.
+fn key(design: &Design, tool: &tool::Tool, measured: &measurements::Measurements, request: &Request) -> Key {
+    let variables: Vec<String> = tool.sampler.variables().iter().map(|own| format!("{own:?}")).collect();
+    let conditions: Vec<String> = measured.conditions.iter().map(|own| own.design.digest()).collect();
+    let data = format!("{:?} {:?} {:?}", measured.data, measured.correlations, measured.direct);
+    let shown: Vec<String> = measured
+        .conditions
+        .iter()
+        .map(|own| format!("{:?} {:?}", own.shown, own.outcomes))
+        .collect();
+    Key::empty()
+        .with(&code![calibration, dynamics])
+        .with(&design.digest())
+        .with(&variables)
+        .with(&conditions)
+        .with(&shown)
+        .with(&data)
+        .with(&design.study().require)
+        .with(&request.draws)
+        .with(&request.seed)
+}

@@ -1,0 +1,285 @@
+//! The posterior of a tool's inputs, and what became of readings that contradict each other.
+//!
+//! A posterior is never sharpened through a conflict. Readings that no candidate comes near are left out first. Then the
+//! sampler runs; while a reading has a predictive probability below 1 % by the others, it is left out, with its partner
+//! if the two contradict only each other, and the sampler runs again. With widening, the errors of these readings are
+//! multiplied in the end by the factor with which they agree.
+
+use std::collections::BTreeMap;
+
+use nailnoise_calibration::conflict::{self, Conflict, Pressed, Unreached};
+use nailnoise_calibration::likelihood::Likelihood;
+use nailnoise_calibration::sampler::{Diagnostics, Sampler, Settings, State};
+use nailnoise_calibration::statistics::log_mean_exp;
+
+use super::measurements::Measurements;
+use super::start::Start;
+use super::tool::{Tool, likelihood};
+use crate::error::Error;
+use crate::stages::{Digest, Postcard, Progress};
+use crate::store::{Key, Store};
+
+/// Names of its entries in the store.
+const START: &str = "candidates of a calibration";
+const STATE: &str = "draws of a calibration";
+
+/// Blocks of candidates between two entries in the store.
+const BLOCKS: u64 = 16;
+
+/// Most readings that are left out for conflicts.
+const MOST_CONFLICTS: usize = 8;
+
+/// What is done with readings that contradict each other.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+pub enum Treatment {
+    /// They are left out of the posterior.
+    LeaveOut,
+    /// Their errors are widened until they agree.
+    Widen,
+}
+
+/// How a design is calibrated.
+#[derive(Debug, Clone)]
+pub struct Request {
+    /// Number of draws from the posterior; even.
+    pub draws: usize,
+    /// Most moves of a step of the sampler.
+    pub moves: usize,
+    /// Seed of all random numbers.
+    pub seed: u64,
+    /// Names of measurements that are predicted only.
+    pub hold_out: Vec<String>,
+    /// What is done with conflicts.
+    pub treatment: Treatment,
+}
+
+/// A conflict that was found.
+#[derive(Debug, Clone)]
+pub(super) struct Found {
+    pub(super) datum: usize,
+    pub(super) partner: Option<usize>,
+    /// Predictive probability by the other readings; 0 of a reading that is not reached.
+    pub(super) probability: f64,
+    /// The nearest candidate of a reading that is not reached.
+    pub(super) unreached: Option<Unreached>,
+    /// Inputs and shared errors that the draws with both readings press against their ends.
+    pub(super) pressed: Vec<Pressed>,
+    /// Proposals of the last step that were refused for their outcome.
+    pub(super) refusals: BTreeMap<String, u64>,
+    /// Rise of the log evidence when the readings are left out.
+    pub(super) gain: Option<f64>,
+    /// Factor by which the errors were widened.
+    pub(super) factor: Option<f64>,
+}
+
+/// Draws from a posterior, and where they come from.
+pub(super) struct Posterior {
+    pub(super) tool: Tool,
+    pub(super) start: Start,
+    pub(super) likelihood: Likelihood,
+    pub(super) state: State,
+    pub(super) diagnostics: Diagnostics,
+    pub(super) conflicts: Vec<Found>,
+    /// Numbers of the readings that the user held out.
+    pub(super) held_out: Vec<usize>,
+    /// Points and cycles of all runs of the sampler.
+    pub(super) work: Work,
+}
+
+/// Work of the sampler.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, serde::Serialize)]
+pub struct Work {
+    /// Runs of the sampler: one, and another after each conflict.
+    pub runs: u64,
+    /// Points that were simulated.
+    pub likelihoods: u64,
+    /// Nailing cycles of these.
+    pub cycles: u64,
+}
+
+/// A calibration on its way.
+pub(super) struct Calibration<'a> {
+    pub(super) tool: Tool,
+    pub(super) measured: &'a Measurements,
+    pub(super) request: &'a Request,
+    pub(super) store: &'a Store,
+    /// Key of everything but the readings that count.
+    pub(super) key: Key,
+    pub(super) progress: &'a Progress,
+}
+
+/// A run of the sampler.
+struct Ran {
+    likelihood: Likelihood,
+    state: State,
+    diagnostics: Diagnostics,
+}
+
+impl Calibration<'_> {
+    /// Draws from the posterior, with the readings `held_out` only predicted.
+    ///
+    /// # Errors
+    /// No candidates; correlations that are not possible.
+    pub(super) fn posterior(self, held_out: Vec<usize>) -> Result<Posterior, Error> {
+        let start = self.start(&held_out)?;
+        let mut left_out = held_out.clone();
+        let mut conflicts = self.unreached(&start, &held_out)?;
+        left_out.extend(conflicts.iter().map(|own| own.datum));
+        let mut work = Work::default();
+        let mut ran = self.run(&start, &left_out, &BTreeMap::new(), &mut work)?;
+        while let Some(found) = conflict::worst(&ran.likelihood, &ran.state.particles) {
+            if conflicts.len() >= MOST_CONFLICTS {
+                break;
+            }
+            let before = log_mean_exp(&ran.state.log_evidence);
+            let mut named = named(&self.tool, found, &ran);
+            left_out.push(found.datum);
+            left_out.extend(found.partner);
+            ran = self.run(&start, &left_out, &BTreeMap::new(), &mut work)?;
+            named.gain = Some(log_mean_exp(&ran.state.log_evidence) - before);
+            conflicts.push(named);
+        }
+        if self.request.treatment == Treatment::Widen && !conflicts.is_empty() {
+            let mut factors = BTreeMap::new();
+            for own in &mut conflicts {
+                let factor = conflict::widening(&ran.likelihood, &ran.state.particles, own.datum, own.partner);
+                own.factor = Some(factor);
+                factors.extend(
+                    [Some(own.datum), own.partner]
+                        .into_iter()
+                        .flatten()
+                        .map(|k| (k, factor)),
+                );
+            }
+            ran = self.run(&start, &held_out, &factors, &mut work)?;
+        }
+        Ok(Posterior {
+            tool: self.tool,
+            start,
+            likelihood: ran.likelihood,
+            state: ran.state,
+            diagnostics: ran.diagnostics,
+            conflicts,
+            held_out,
+            work,
+        })
+    }
+
+    fn start(&self, held_out: &[usize]) -> Result<Start, Error> {
+        self.progress.stage("shots of candidates");
+        let likelihood = likelihood(&self.tool, self.measured, held_out, &BTreeMap::new())?;
+        let key = self.key.clone().with(held_out).with(START).digest();
+        let mut start: Start = self.store.load::<Start, Postcard>(START, &key).unwrap_or_default();
+        let blocks = std::cell::Cell::new(0);
+        let want = self.request.draws;
+        start.complete(
+            &self.tool,
+            &likelihood,
+            want,
+            self.request.seed,
+            self.progress,
+            |start| {
+                blocks.set(blocks.get() + 1);
+                if blocks.get() % BLOCKS == 0 || start.accepted.len() == want {
+                    self.store.save::<_, Postcard>(START, &key, start);
+                }
+            },
+        )?;
+        Ok(start)
+    }
+
+    /// Readings beyond all candidates.
+    fn unreached(&self, start: &Start, held_out: &[usize]) -> Result<Vec<Found>, Error> {
+        let likelihood = likelihood(&self.tool, self.measured, held_out, &BTreeMap::new())?;
+        let counting = (0..likelihood.data().len()).filter(|&k| likelihood.data()[k].counts);
+        let found = counting.filter_map(|datum| {
+            let unreached = conflict::unreached(&likelihood, datum, &start.accepted)?;
+            Some(Found {
+                datum,
+                partner: None,
+                probability: 0.0,
+                pressed: nearest_ends(&self.tool, &likelihood, start, datum),
+                unreached: Some(unreached),
+                refusals: BTreeMap::new(),
+                gain: None,
+                factor: None,
+            })
+        });
+        Ok(found.collect())
+    }
+
+    fn run(
+        &self,
+        start: &Start,
+        left_out: &[usize],
+        factors: &BTreeMap<usize, f64>,
+        work: &mut Work,
+    ) -> Result<Ran, Error> {
+        let likelihood = likelihood(&self.tool, self.measured, left_out, factors)?;
+        let settings = Settings {
+            moves: self.request.moves,
+            seed: self.request.seed,
+        };
+        let key: Digest = self
+            .key
+            .clone()
+            .with(left_out)
+            .with(factors)
+            .with(&settings)
+            .with(STATE)
+            .digest();
+        let sampler = Sampler::new(&self.tool, &likelihood, settings);
+        self.progress.stage("draws from the posterior");
+        let mut state = match self.store.load::<State, Postcard>(STATE, &key) {
+            Some(state) => state,
+            None => sampler.begin(start.accepted.clone()),
+        };
+        sampler.run(&mut state, |state| {
+            self.store.save::<_, Postcard>(STATE, &key, state);
+            // Steps of tau are about equal in its logarithm: the share done is known only at the end.
+            let last = state.steps.last().map_or(0, |step| step.moves);
+            self.progress
+                .done((last as u64).min(settings.moves as u64), settings.moves as u64);
+        });
+        work.runs += 1;
+        work.likelihoods += state.likelihoods;
+        work.cycles += state.simulations;
+        Ok(Ran {
+            diagnostics: sampler.diagnostics(&state),
+            likelihood,
+            state,
+        })
+    }
+}
+
+fn named(tool: &Tool, found: Conflict, ran: &Ran) -> Found {
+    let weights = vec![1.0 / ran.state.particles.len() as f64; ran.state.particles.len()];
+    let errors: Vec<usize> = (0..tool.shared.len()).map(|k| tool.keys() + k).collect();
+    Found {
+        datum: found.datum,
+        partner: found.partner,
+        probability: found.probability,
+        unreached: None,
+        pressed: conflict::at_ends(&ran.state.particles, &weights, &errors),
+        refusals: ran.state.refusals.clone(),
+        gain: None,
+        factor: None,
+    }
+}
+
+/// Ends to which the twentieth of the candidates nearest to a reading is pressed.
+fn nearest_ends(tool: &Tool, likelihood: &Likelihood, start: &Start, datum: usize) -> Vec<Pressed> {
+    let settings = Settings { moves: 0, seed: 0 };
+    let mut particles = Sampler::new(tool, likelihood, settings)
+        .begin(start.accepted.clone())
+        .particles;
+    let reading = likelihood.data()[datum].reading;
+    let distance = |value: f64| (reading.nearest(value) - value).abs();
+    particles.sort_by(|a, b| {
+        let [a, b] = [a, b].map(|own| distance(own.predictions[datum].value()));
+        a.total_cmp(&b)
+    });
+    particles.truncate((particles.len() / 20).max(1));
+    let weights = vec![1.0 / particles.len() as f64; particles.len()];
+    conflict::at_ends(&particles, &weights, &[])
+}

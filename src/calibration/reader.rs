@@ -1,0 +1,874 @@
+//! The file of measurements, `nailnoise-calibration/1`.
+
+use std::path::Path;
+
+use nailnoise_calibration::likelihood::Reading;
+use nailnoise_documents::{Document, KeyError, Keys, Value, found, nearest, read_regular};
+use nailnoise_dynamics::Outcome;
+use nailnoise_quantities::dimension::{NUMBER, PRESSURE, TIME};
+use nailnoise_quantities::{Dimension, Group, Kind, measure, quantity};
+use toml::de::DeValue;
+
+use super::error::CalibrationError;
+use super::measurements::{Condition, Correlation, Direct, InstrumentError, Measured, Measurements, Shown};
+use super::quantities::{Chamber, Moment, NAMES, NOT_BUILT, Quantity, Spread, event};
+use crate::design::{Assignment, Design, DesignError};
+
+/// Name and version of the layout.
+pub(super) const SCHEMA: &str = "nailnoise-calibration/1";
+
+/// The largest file that is read \[byte\].
+const LARGEST: u64 = 1 << 20;
+
+/// Most shots of a measurement.
+const MOST_SHOTS: usize = 100_000;
+
+/// Keys of a measurement.
+const MEASURED: [&str; 17] = [
+    "condition",
+    "quantity",
+    "of",
+    "at",
+    "events",
+    "value",
+    "values",
+    "at_most",
+    "at_least",
+    "shots",
+    "scatter",
+    "error",
+    "rounding",
+    "k",
+    "instrument",
+    "discrepancy",
+    "note",
+];
+
+/// Keys of measurements of sound, vibration and traces, which are not built.
+const OF_NOT_BUILT: [&str; 12] = [
+    "file", "column", "align", "from", "to", "points", "sensor", "body", "hz", "mounted", "source", "band",
+];
+
+/// Where the mean of repeats has `n` shots of sample deviation s, the deviation is that of n - 1 + 4 shots, 4 of them
+/// with the default.
+const SHOTS_OF_DEFAULT: f64 = 4.0;
+
+/// A reader of the file for one design.
+pub(super) struct Reader<'a> {
+    /// The design.
+    pub(super) design: &'a Design,
+    /// The design with further values.
+    pub(super) with: &'a dyn Fn(&[Assignment]) -> Result<Design, DesignError>,
+}
+
+/// Reads the text of a file of measurements.
+///
+/// # Errors
+/// A file that cannot be read, or is not UTF-8.
+pub(super) fn text(path: &Path) -> Result<Document, CalibrationError> {
+    let bytes = read_regular(path, LARGEST).map_err(|error| CalibrationError::Unreadable {
+        path: path.to_owned(),
+        cause: error.to_string(),
+    })?;
+    Ok(Document::from_bytes(path, bytes)?)
+}
+
+impl Reader<'_> {
+    /// Reads measurements.
+    ///
+    /// # Errors
+    /// The first key that is wrong, with its place and remedy.
+    pub(super) fn read(&self, document: &Document) -> Result<Measurements, CalibrationError> {
+        let keys = document.table()?;
+        let root = Keys::of_document(document, &keys, "file of measurements");
+        root.only(&["schema", "correlation", "direct", "instrument", "condition", "measured"])?;
+        root.required("schema", &format!("\"{SCHEMA}\""))?;
+        if root.text("schema", SCHEMA)? != Some(SCHEMA) {
+            return Err(root
+                .error("schema", "is another layout", format!("give \"{SCHEMA}\""))
+                .into());
+        }
+        let direct = self.direct(&root)?;
+        let instruments = tables(&root, "instrument", "{ error = \"1 %\" }")?;
+        for (_, table) in &instruments {
+            table.only(&["error"])?;
+            table.required("error", "\"1 %\"")?;
+        }
+        let conditions = tables(&root, "condition", "{ set = { \"supply.pressure\" = \"96 psig\" } }")?;
+        let conditions: Vec<Condition> = conditions
+            .iter()
+            .map(|(name, table)| self.condition(name, table, &instruments, &direct))
+            .collect::<Result<_, KeyError>>()?;
+        let mut notes = Vec::new();
+        let measured = tables(
+            &root,
+            "measured",
+            "{ condition = \"96 psig\", quantity = \"head_depth\", .. }",
+        )?;
+        if measured.is_empty() {
+            let problem = "has no measurement";
+            let help = "add one, as depth = { condition = \"96 psig\", quantity = \"head_depth\", value = \"2 mm\", \
+                error = \"0.2 mm\" }; without measurements `nailnoise study` is enough";
+            return Err(root.error("measured", problem, help).into());
+        }
+        let data: Vec<Measured> = measured
+            .iter()
+            .map(|(name, table)| {
+                let at = Of {
+                    table,
+                    conditions: &conditions,
+                    instruments: &instruments,
+                };
+                at.measured(name, &mut notes)
+            })
+            .collect::<Result<_, KeyError>>()?;
+        for (condition, (_, table)) in conditions.iter().zip(tables(&root, "condition", "")?) {
+            let is_read = data.iter().any(|own| conditions[own.condition].name == condition.name);
+            if !is_read && condition.outcomes.is_empty() {
+                let help = "add `outcome`, a measurement under it, or remove it";
+                return Err(table.error("", "has neither an outcome nor a measurement", help).into());
+            }
+        }
+        Ok(Measurements {
+            direct,
+            instruments: instruments.into_iter().map(|(name, _)| name).collect(),
+            conditions,
+            correlations: correlations(&root, &data)?,
+            data,
+            notes,
+        })
+    }
+
+    fn direct(&self, root: &Keys<'_, '_>) -> Result<Vec<Direct>, KeyError> {
+        let all = tables(root, "direct", "{ value = \"11.4 mm\", error = \"0.1 mm\" }")?;
+        let read = |(key, table): &(String, Keys<'_, '_>)| {
+            table.only(&["value", "error", "rounding", "k"])?;
+            let dimension = self.dimension(key).ok_or_else(|| self.unknown(table, key))?;
+            let entry = self.design.entries().into_iter().find(|entry| entry.key == *key);
+            if entry.is_none_or(|entry| entry.range.is_none_or(|[low, high]| low >= high)) {
+                let help = "give it a range in the design, or set its value there";
+                return Err(table.error("", "has no range in the design, so that nothing can be narrowed", help));
+            }
+            let value = table.required("value", "\"11.4 mm\"")?;
+            let value = scalar(table, "value", value, dimension, Some(self.design.ambient.pressure))?;
+            Ok(Direct {
+                key: key.clone(),
+                value,
+                deviation: error(table, dimension)?.at(value),
+            })
+        };
+        all.iter().map(read).collect()
+    }
+
+    /// The dimension of a key of the design that is a quantity or a count.
+    fn dimension(&self, key: &str) -> Option<Dimension> {
+        let mut dimension = None;
+        self.design.visit("", &mut |own, spec, _| {
+            if own == key {
+                dimension = match spec.kind {
+                    Kind::Quantity { dimension, .. } => Some(dimension),
+                    Kind::Count(_) => Some(NUMBER),
+                    _ => None,
+                };
+            }
+        });
+        dimension
+    }
+
+    fn unknown(&self, table: &Keys<'_, '_>, key: &str) -> KeyError {
+        let entries = self.design.entries();
+        let near = nearest(entries.iter().map(|entry| entry.key.as_str()), key);
+        let help = near.map_or_else(
+            || "`nailnoise check DESIGN` lists the keys".to_owned(),
+            |near| format!("is it `{near}`?"),
+        );
+        table.error("", "is not a quantity of the design", help)
+    }
+
+    fn condition(
+        &self,
+        name: &str,
+        table: &Keys<'_, '_>,
+        instruments: &[(String, Keys<'_, '_>)],
+        direct: &[Direct],
+    ) -> Result<Condition, KeyError> {
+        table.only(&["set", "instrument", "outcome"])?;
+        let set = table.table("set", "{ \"supply.pressure\" = \"96 psig\" }")?;
+        let mut assignments = Vec::new();
+        let mut keys = Vec::new();
+        for (key, value) in set
+            .iter()
+            .flat_map(|set| set.keys().iter().map(move |pair| (set, pair)))
+            .map(|(_, p)| p)
+        {
+            let key = key.get_ref().to_string();
+            let wrong = |problem: String, help: &str| table.wrong(&key, value.span(), problem, help.to_owned());
+            if direct.iter().any(|own| own.key == key) {
+                return Err(wrong(
+                    "is set here and measured in [direct]".to_owned(),
+                    "leave one of both out: a set value has the error of its instrument",
+                ));
+            }
+            let text = match value.get_ref() {
+                DeValue::String(text) => toml::Value::String(text.to_string()).to_string(),
+                DeValue::Integer(number) => number.as_str().to_owned(),
+                DeValue::Float(number) => number.as_str().to_owned(),
+                DeValue::Boolean(on) => on.to_string(),
+                other => return Err(wrong(format!("is {}", found(other)), "give a value of the key")),
+            };
+            let assignment: Assignment = format!("{key}={text}")
+                .parse()
+                .map_err(|error| wrong(format!("cannot be set: {error}"), "correct the key"))?;
+            // Each value is read on its own first, so that the message has its place.
+            (self.with)(std::slice::from_ref(&assignment)).map_err(|error| {
+                let help = miette::Diagnostic::help(&error).map(|help| help.to_string());
+                wrong(
+                    format!("cannot be set: {error}"),
+                    &help.unwrap_or_else(|| "correct the value".to_owned()),
+                )
+            })?;
+            assignments.push(assignment);
+            keys.push(key);
+        }
+        let design = (self.with)(&assignments)
+            .map_err(|error| table.error("set", format!("is not possible: {error}"), "correct the values"))?;
+        let mut shown = Vec::new();
+        if let (Some(by), Some(set)) = (table.table("instrument", "{ \"supply.pressure\" = \"gauge\" }")?, &set) {
+            for key in by.keys().keys().map(|key| key.get_ref().to_string()) {
+                let Some(value) = set.get(&key) else {
+                    return Err(by.error(&key, "is not set under this condition", "set it, or remove it here"));
+                };
+                let instrument = named(&by, &key, instruments)?;
+                let dimension = self.dimension(&key).ok_or_else(|| self.unknown(&by, &key))?;
+                // A gauge's error is a share of what it shows.
+                let reading = scalar(set, &key, value, dimension, None)?;
+                let (_, of) = &instruments[instrument];
+                shown.push(Shown {
+                    deviation: spread(of, "error", dimension)?.at(reading),
+                    key,
+                    instrument,
+                });
+            }
+        }
+        Ok(Condition {
+            name: name.to_owned(),
+            design,
+            set: keys,
+            shown,
+            outcomes: outcomes(table)?,
+        })
+    }
+}
+
+/// The tables in a group, in the order of the file.
+fn tables<'t, 'i>(root: &Keys<'t, 'i>, group: &str, example: &str) -> Result<Vec<(String, Keys<'t, 'i>)>, KeyError> {
+    let Some(all) = root.table(group, &format!("[{group}]"))? else {
+        return Ok(Vec::new());
+    };
+    let mut found = Vec::new();
+    for key in all.keys().keys() {
+        let name = key.get_ref().to_string();
+        if let Some(table) = all.table(&name, example)? {
+            found.push((name, table));
+        }
+    }
+    Ok(found)
+}
+
+/// A value in SI units; a gauge pressure counts from `ambient`, or is left as it is shown.
+fn scalar(
+    table: &Keys<'_, '_>,
+    key: &str,
+    value: &Value<'_>,
+    dimension: Dimension,
+    ambient: Option<f64>,
+) -> Result<f64, KeyError> {
+    table.number(key, value, |text| {
+        match quantity(text, dimension, dimension == PRESSURE) {
+            Ok(read) => Ok(ambient.map_or(read.si, |ambient| read.absolute(ambient))),
+            Err(_) => measure(text, dimension),
+        }
+    })
+}
+
+/// A spread: an amount, a share in percent, or both with a plus between.
+fn spread(table: &Keys<'_, '_>, key: &str, dimension: Dimension) -> Result<Spread, KeyError> {
+    let Some(value) = table.get(key) else {
+        return Ok(Spread {
+            share: 0.0,
+            amount: 0.0,
+        });
+    };
+    let help = "give an amount, percent of the value, or both, as \"1 % + 2 kPa\"";
+    let refuse = |problem: String| table.error(key, problem, help);
+    let DeValue::String(text) = value.get_ref() else {
+        let amount = table.number(key, value, |_| Err(String::new()))?;
+        return Ok(Spread { share: 0.0, amount });
+    };
+    let mut sum = Spread {
+        share: 0.0,
+        amount: 0.0,
+    };
+    for part in text.split(" + ") {
+        let (to, number) = match part.trim().strip_suffix('%') {
+            Some(percent) => (&mut sum.share, percent.trim().parse().ok().map(|own: f64| 0.01 * own)),
+            None => {
+                let amount = measure(part, dimension).map_err(|problem| refuse(format!("is \"{text}\": {problem}")))?;
+                (&mut sum.amount, Some(amount))
+            }
+        };
+        let number = number.filter(|own| *own >= 0.0 && own.is_finite());
+        *to += number.ok_or_else(|| refuse(format!("is \"{text}\", which is not a spread")))?;
+    }
+    Ok(sum)
+}
+
+/// The standard deviation of one reading: `error`, divided by `k`, or `rounding`.
+fn error(table: &Keys<'_, '_>, dimension: Dimension) -> Result<Spread, KeyError> {
+    const EXACT: &str = "no instrument is exact: give `error`, or `rounding` as half of the last digit";
+    let factor = match (table.get("error"), table.get("rounding"), table.get("k")) {
+        (Some(_), Some(_), _) => {
+            return Err(table.error("rounding", "stands beside `error`", "give one of both"));
+        }
+        (None, Some(_), Some(_)) => {
+            return Err(table.error("k", "belongs to an expanded `error`", "remove it"));
+        }
+        (None, None, _) => return Err(table.error("error", "is missing", EXACT)),
+        (Some(_), None, None) => 1.0,
+        (Some(_), None, Some(k)) => {
+            let k = table.number("k", k, |text| measure(text, NUMBER))?;
+            1.0 / table.within("k", k, [1.0, 10.0], "")?
+        }
+        // A uniform distribution within the half width.
+        (None, Some(_), None) => 1.0 / 3.0_f64.sqrt(),
+    };
+    let key = if table.get("error").is_some() {
+        "error"
+    } else {
+        "rounding"
+    };
+    let own = spread(table, key, dimension)?;
+    if own.share + own.amount <= 0.0 {
+        return Err(table.error(key, "is 0", EXACT));
+    }
+    Ok(Spread {
+        share: factor * own.share,
+        amount: factor * own.amount,
+    })
+}
+
+/// The number of the instrument that a key names.
+fn named(table: &Keys<'_, '_>, key: &str, known: &[(String, Keys<'_, '_>)]) -> Result<usize, KeyError> {
+    let name = table.text(key, "\"gauge\"")?.unwrap_or_default();
+    place(
+        table,
+        key,
+        name,
+        known.iter().map(|(own, _)| own.as_str()),
+        "instrument",
+    )
+}
+
+/// The place of a name in a list.
+fn place<'n>(
+    table: &Keys<'_, '_>,
+    key: &str,
+    name: &str,
+    known: impl Iterator<Item = &'n str> + Clone,
+    what: &str,
+) -> Result<usize, KeyError> {
+    known.clone().position(|own| own == name).ok_or_else(|| {
+        let near = nearest(known.clone(), name).map_or_else(String::new, |near| format!("is it \"{near}\"? "));
+        let all: Vec<&str> = known.collect();
+        let help = match all.is_empty() {
+            true => format!("add the {what} to [{what}]"),
+            false => format!("{near}choose from {}", all.join(", ")),
+        };
+        table.error(key, format!("is \"{name}\", which is no {what}"), help)
+    })
+}
+
+/// A text or a list of texts.
+fn words(table: &Keys<'_, '_>, key: &str, example: &str) -> Result<Vec<String>, KeyError> {
+    let Some(value) = table.get(key) else {
+        return Ok(Vec::new());
+    };
+    let list = match value.get_ref() {
+        DeValue::Array(list) => list
+            .iter()
+            .map(|own| own.get_ref().as_str().map(str::to_owned))
+            .collect(),
+        own => own.as_str().map(|text| vec![text.to_owned()]),
+    };
+    list.ok_or_else(|| table.error(key, format!("is {}", found(value.get_ref())), format!("give {example}")))
+}
+
+fn outcomes(table: &Keys<'_, '_>) -> Result<Vec<&'static str>, KeyError> {
+    let known = Outcome::ALL.map(Outcome::name);
+    let words = words(table, "outcome", "\"drives\", or a list of outcomes")?;
+    let outcome = |word: &String| {
+        let place = place(table, "outcome", word, known.into_iter(), "outcome")?;
+        Ok(known[place])
+    };
+    words.iter().map(outcome).collect()
+}
+
+fn correlations(root: &Keys<'_, '_>, data: &[Measured]) -> Result<Vec<Correlation>, KeyError> {
+    const EXAMPLE: &str = "[{ ids = [\"drive\", \"p1\"], r = 0.3 }]";
+    let Some(value) = root.get("correlation") else {
+        return Ok(Vec::new());
+    };
+    let help = format!("give it as correlation = {EXAMPLE}");
+    let wrong = |problem: String| root.wrong("correlation", value.span(), problem, help.clone());
+    let Some(list) = value.get_ref().as_array() else {
+        return Err(wrong(format!("is {}", found(value.get_ref()))));
+    };
+    let mut all = Vec::new();
+    for own in list {
+        let entry = |key: &str| own.get_ref().as_table().and_then(|own| own.get(key));
+        let names = entry("ids").and_then(|own| own.get_ref().as_array());
+        let names = names.and_then(|own| own.iter().map(|own| own.get_ref().as_str()).collect::<Option<Vec<_>>>());
+        let (Some(names), Some(r)) = (names, entry("r")) else {
+            return Err(wrong("lacks `ids` or `r`".to_owned()));
+        };
+        let known = data.iter().map(|own| own.name.as_str());
+        let place = |name: &str| place(root, "correlation", name, known.clone(), "measurement");
+        let data: Vec<usize> = names.into_iter().map(place).collect::<Result<_, KeyError>>()?;
+        let r = root.number("correlation", r, |text| measure(text, NUMBER))?;
+        if data.len() < 2 || !(-1.0..1.0).contains(&r) {
+            return Err(wrong(
+                "needs two measurements or more, and r between -1 and 1".to_owned(),
+            ));
+        }
+        all.push(Correlation { data, r });
+    }
+    Ok(all)
+}
+
+/// The table of a measurement.
+struct Of<'a, 't, 'i> {
+    table: &'a Keys<'t, 'i>,
+    conditions: &'a [Condition],
+    instruments: &'a [(String, Keys<'t, 'i>)],
+}
+
+/// Readings of a quantity in several shots.
+struct Repeats {
+    reading: Reading,
+    /// The value to which percentages refer.
+    typical: f64,
+    shots: f64,
+    /// Standard deviation of one shot, if the file states it by values or `scatter`.
+    scatter: Option<f64>,
+}
+
+impl Of<'_, '_, '_> {
+    fn measured(&self, name: &str, notes: &mut Vec<String>) -> Result<Measured, KeyError> {
+        let table = self.table;
+        if let Some(key) = OF_NOT_BUILT.iter().find(|key| table.get(key).is_some()) {
+            return Err(self.not_built(key));
+        }
+        table.only(&MEASURED)?;
+        table.required("condition", "\"96 psig\"")?;
+        let condition = table.text("condition", "\"96 psig\"")?.unwrap_or_default();
+        let known = self.conditions.iter().map(|own| own.name.as_str());
+        let condition = place(table, "condition", condition, known, "condition")?;
+        let quantity = self.quantity()?;
+        let dimension = quantity.dimension();
+        let repeats = self.repeats(quantity, &self.conditions[condition])?;
+        let own = error(table, dimension)?.at(repeats.typical);
+        let scatter = repeats.scatter.unwrap_or_else(|| {
+            notes.push(format!(
+                "`{name}` states no scatter of its shots: {} is assumed",
+                shown(quantity.scatter(repeats.typical), dimension)
+            ));
+            quantity.scatter(repeats.typical)
+        });
+        // The sum of many shots is read once.
+        let (own, repeated) = match quantity {
+            Quantity::AirPerShot if repeats.shots > 1.0 && table.get("values").is_none() => (own / repeats.shots, 1.0),
+            _ => (own, repeats.shots),
+        };
+        let variance = own.powi(2) / repeated + scatter.powi(2) / repeats.shots;
+        if quantity.depends_on_the_hand() {
+            notes.push(format!("`{name}` depends on hand and trigger, whose errors are wide"));
+        }
+        let discrepancy = match table.get("discrepancy") {
+            Some(_) => spread(table, "discrepancy", dimension)?.at(repeats.typical),
+            None => quantity.discrepancy(repeats.typical),
+        };
+        let instrument = match table.get("instrument") {
+            Some(_) => {
+                let instrument = named(table, "instrument", self.instruments)?;
+                let deviation = spread(&self.instruments[instrument].1, "error", dimension)?.at(repeats.typical);
+                Some(InstrumentError { instrument, deviation })
+            }
+            None => None,
+        };
+        Ok(Measured {
+            name: name.to_owned(),
+            condition,
+            quantity,
+            reading: repeats.reading,
+            error: variance.sqrt(),
+            discrepancy,
+            instrument,
+        })
+    }
+
+    fn not_built(&self, key: &str) -> KeyError {
+        let problem =
+            "belongs to a measurement of sound, vibration or a trace, with which this version cannot calibrate";
+        let help = format!("measure quantities of the cycle: {}", NAMES.join(", "));
+        self.table.error(key, problem, help)
+    }
+
+    fn quantity(&self) -> Result<Quantity, KeyError> {
+        let table = self.table;
+        table.required("quantity", "\"head_depth\"")?;
+        let name = table.text("quantity", "\"head_depth\"")?.unwrap_or_default();
+        if NOT_BUILT.contains(&name) {
+            return Err(self.not_built("quantity"));
+        }
+        let number = place(table, "quantity", name, NAMES.into_iter(), "quantity")?;
+        let allowed: &[&str] = match NAMES[number] {
+            "interval" => &["events"],
+            "piston_travel" => &["at"],
+            "pressure" => &["of", "at"],
+            "peak_pressure" => &["of"],
+            _ => &[],
+        };
+        if let Some(other) = ["events", "at", "of"]
+            .iter()
+            .find(|key| table.get(key).is_some() && !allowed.contains(key))
+        {
+            return Err(table.error(other, format!("does not belong to `{name}`"), "remove it"));
+        }
+        Ok(match NAMES[number] {
+            "head_depth" => Quantity::HeadDepth,
+            "air_per_shot" => Quantity::AirPerShot,
+            "interval" => self.interval()?,
+            "mean_drive_speed" => Quantity::MeanDriveSpeed,
+            "speed_before_impact" => Quantity::SpeedBeforeImpact,
+            "piston_travel" => Quantity::PistonTravel(self.moment()?),
+            "pressure" => Quantity::Pressure(self.chamber()?, self.moment()?),
+            "peak_pressure" => Quantity::PeakPressure(self.chamber()?),
+            _ => Quantity::SupplyDrop,
+        })
+    }
+
+    fn interval(&self) -> Result<Quantity, KeyError> {
+        const EXAMPLE: &str = "[\"t6\", \"t9\"]";
+        self.table.required("events", EXAMPLE)?;
+        let words = words(self.table, "events", EXAMPLE)?;
+        let events: Option<Vec<usize>> = words.iter().map(|word| event(word)).collect();
+        match events.as_deref() {
+            Some(&[from, to]) if from < to => Ok(Quantity::Interval { from, to }),
+            Some(_) => Err(self
+                .table
+                .error("events", "must be two events in their order", format!("as {EXAMPLE}"))),
+            None => Err(self.unknown_event("events")),
+        }
+    }
+
+    fn unknown_event(&self, key: &str) -> KeyError {
+        let help = "give t0 to t18; docs/nailing-cycle.md explains them".to_owned();
+        self.table.error(key, "names an event that does not exist", help)
+    }
+
+    fn moment(&self) -> Result<Moment, KeyError> {
+        let value = self.table.required("at", "\"t9\", or a time from the trigger pull")?;
+        if let Some(word) = value.get_ref().as_str().filter(|word| word.starts_with('t')) {
+            return event(word).map(Moment::Event).ok_or_else(|| self.unknown_event("at"));
+        }
+        let time = self.table.number("at", value, |text| measure(text, TIME))?;
+        self.table.within("at", time, [0.0, 10.0], "s").map(Moment::Time)
+    }
+
+    fn chamber(&self) -> Result<Chamber, KeyError> {
+        self.table.required("of", "\"above_piston\"")?;
+        let name = self.table.text("of", "\"above_piston\"")?.unwrap_or_default();
+        let known = Chamber::NAMES.into_iter().map(|(own, _)| own);
+        place(self.table, "of", name, known, "chamber").map(|place| Chamber::NAMES[place].1)
+    }
+
+    fn repeats(&self, quantity: Quantity, condition: &Condition) -> Result<Repeats, KeyError> {
+        let table = self.table;
+        let dimension = quantity.dimension();
+        let ambient = quantity
+            .is_absolute_pressure()
+            .then_some(condition.design.ambient.pressure);
+        let read = |key: &str, value: &Value<'_>| scalar(table, key, value, dimension, ambient);
+        let get = |key: &str| table.get(key).map(|value| read(key, value)).transpose();
+        let (value, most, least) = (get("value")?, get("at_most")?, get("at_least")?);
+        let given = ["value", "values", "at_most", "at_least"];
+        let given: Vec<&str> = given.into_iter().filter(|key| table.get(key).is_some()).collect();
+        if !matches!(
+            given[..],
+            ["value"] | ["values"] | ["at_most"] | ["at_least"] | ["at_most", "at_least"]
+        ) {
+            let help = "give `value`, `values` of repeated shots, or `at_most` and `at_least`";
+            let problem = match given[..] {
+                [] => "has no value",
+                _ => "has values of several kinds",
+            };
+            return Err(table.error(given.get(1).copied().unwrap_or(""), problem, help));
+        }
+        let scatter = match table.get("scatter") {
+            Some(_) => {
+                let typical = value.or(most).or(least).unwrap_or_default();
+                Some(spread(table, "scatter", dimension)?.at(typical))
+            }
+            None => None,
+        };
+        if let Some(values) = table.get("values") {
+            if let Some(other) = ["shots", "scatter"].into_iter().find(|key| table.get(key).is_some()) {
+                return Err(table.error(other, "follows from `values`", "remove it"));
+            }
+            let list = values.get_ref().as_array().filter(|list| !list.is_empty());
+            let list = list.ok_or_else(|| {
+                table.error(
+                    "values",
+                    format!("is {}", found(values.get_ref())),
+                    "give a list of values",
+                )
+            })?;
+            let list: Vec<f64> = list.iter().map(|own| read("values", own)).collect::<Result<_, _>>()?;
+            let n = list.len() as f64;
+            let mean = list.iter().sum::<f64>() / n;
+            let squares: f64 = list.iter().map(|own| (own - mean).powi(2)).sum();
+            let by_default = quantity.scatter(mean).powi(2);
+            let variance = (SHOTS_OF_DEFAULT * by_default + squares) / (n - 1.0 + SHOTS_OF_DEFAULT);
+            return Ok(Repeats {
+                reading: Reading::Value(mean),
+                typical: mean,
+                shots: n,
+                scatter: Some(variance.sqrt()),
+            });
+        }
+        let shots = table.count("shots", MOST_SHOTS)?.unwrap_or(1) as f64;
+        let of_one = if quantity == Quantity::AirPerShot {
+            1.0 / shots
+        } else {
+            1.0
+        };
+        let reading = match (value, most, least) {
+            (Some(value), ..) => Reading::Value(of_one * value),
+            (None, Some(most), Some(least)) if least < most => Reading::Within([of_one * least, of_one * most]),
+            (None, Some(_), Some(_)) => {
+                return Err(table.error("at_least", "is not below `at_most`", "exchange both"));
+            }
+            (None, Some(most), None) => Reading::AtMost(of_one * most),
+            (None, None, least) => Reading::AtLeast(of_one * least.unwrap_or_default()),
+        };
+        let typical = match reading {
+            Reading::Value(value) | Reading::AtMost(value) | Reading::AtLeast(value) => value,
+            Reading::Within([low, high]) => 0.5 * (low + high),
+        };
+        Ok(Repeats {
+            reading,
+            typical,
+            shots,
+            scatter,
+        })
+    }
+}
+
+/// A value with the unit of its dimension.
+fn shown(value: f64, dimension: Dimension) -> String {
+    format!("{} {}", nailnoise_quantities::rounded(value, 3, 1e5), dimension.unit())
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+
+    use super::*;
+
+    /// A file with one condition and this measurement.
+    fn file(measured: &str) -> String {
+        format!(
+            "schema = \"{SCHEMA}\"\n[instrument]\ncaliper = {{ error = \"1 % + 0.05 mm\" }}\ngauge = {{ error = \"2 %\" }}\n\
+             [condition]\na = {{ set = {{ \"supply.pressure\" = \"96 psig\" }}, \
+             instrument = {{ \"supply.pressure\" = \"gauge\" }}, outcome = \"drives\" }}\n[measured]\n{measured}\n"
+        )
+    }
+
+    fn read(text: &str) -> Result<Measurements, CalibrationError> {
+        let design = Design::shipped("n80cb.toml").unwrap();
+        let with =
+            |own: &[Assignment]| Design::load_with(concat!(env!("CARGO_MANIFEST_DIR"), "/designs/n80cb.toml"), own);
+        Reader {
+            design: &design,
+            with: &with,
+        }
+        .read(&Document::new(Path::new("shots.toml"), text))
+    }
+
+    fn one(measured: &str) -> Measured {
+        read(&file(measured)).unwrap().data.remove(0)
+    }
+
+    #[test]
+    fn readings_have_si_units_and_errors_of_their_mean() {
+        let own = one(
+            "m = { condition = \"a\", quantity = \"head_depth\", value = \"2 mm\", shots = 4, scatter = \"1 mm\", \
+             error = \"0.5 mm\", k = 2, instrument = \"caliper\", discrepancy = \"10 %\" }",
+        );
+        assert_eq!(own.reading, Reading::Value(2e-3));
+        let expected = ((0.25e-3_f64.powi(2) + 1e-3_f64.powi(2)) / 4.0).sqrt();
+        assert!((own.error / expected - 1.0).abs() < 1e-12);
+        assert!((own.discrepancy - 2e-4).abs() < 1e-15);
+        assert!((own.instrument.unwrap().deviation - 0.07e-3).abs() < 1e-15);
+    }
+
+    #[test]
+    fn repeats_mix_their_scatter_with_that_of_the_kind() {
+        let own = one(
+            "m = { condition = \"a\", quantity = \"head_depth\", values = [\"1 mm\", \"3 mm\", \"2 mm\"], \
+             rounding = \"0.3 mm\" }",
+        );
+        assert_eq!(own.reading, Reading::Value(2e-3));
+        let scatter = (4.0 * 1.5e-3_f64.powi(2) + 2e-6) / 6.0;
+        let expected = ((scatter + 0.3e-3_f64.powi(2) / 3.0) / 3.0).sqrt();
+        assert!((own.error / expected - 1.0).abs() < 1e-12, "{} {expected}", own.error);
+    }
+
+    #[test]
+    fn the_air_of_many_shots_is_read_once() {
+        let own = one(
+            "m = { condition = \"a\", quantity = \"air_per_shot\", value = \"24 l\", shots = 20, error = \"1 l\", \
+             scatter = \"0 l\" }",
+        );
+        assert_eq!(own.reading, Reading::Value(1.2e-3));
+        assert!((own.error / 5e-5 - 1.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn gauge_pressures_count_from_ambient_and_gauges_err_by_what_they_show() {
+        let all = read(&file(
+            "m = { condition = \"a\", quantity = \"peak_pressure\", of = \"supply\", value = \"90 psig\", error = \"1 psi\" }",
+        ))
+        .unwrap();
+        let psi = 6_894.757_293_168_361;
+        let Reading::Value(value) = all.data[0].reading else {
+            panic!("a value")
+        };
+        assert!((value - 90.0 * psi - 101_325.0).abs() < 2e3, "{value}");
+        let shown = &all.conditions[0].shown[0];
+        assert!((shown.deviation / (0.02 * 96.0 * psi) - 1.0).abs() < 1e-9);
+    }
+
+    #[test]
+    fn censored_readings_are_bounds() {
+        let of = |bounds: &str| {
+            one(&format!(
+                "m = {{ condition = \"a\", quantity = \"head_depth\", {bounds}, error = \"1 mm\" }}"
+            ))
+            .reading
+        };
+        assert_eq!(of("at_most = \"-10 mm\""), Reading::AtMost(-10e-3));
+        assert_eq!(of("at_least = \"-10 mm\""), Reading::AtLeast(-10e-3));
+        assert_eq!(
+            of("at_least = \"-10 mm\", at_most = \"5 mm\""),
+            Reading::Within([-10e-3, 5e-3])
+        );
+    }
+
+    /// Problem and remedy of a file that is wrong.
+    fn fault(text: &str) -> String {
+        match read(text).unwrap_err() {
+            CalibrationError::Key(error) => format!("{error}; {}", error.help),
+            other => other.to_string(),
+        }
+    }
+
+    #[test]
+    fn every_fault_has_its_place_and_remedy() {
+        let depth = "condition = \"a\", quantity = \"head_depth\", value = \"2 mm\"";
+        for (measured, words) in [
+            (format!("m = {{ {depth} }}"), &["line 7", "no instrument is exact"][..]),
+            (
+                format!("m = {{ {depth}, error = \"0 mm\" }}"),
+                &["`measured.m.error` is 0", "rounding"],
+            ),
+            (format!("m = {{ {depth}, error = \"1 s\" }}"), &["a time", "a length"]),
+            (
+                format!("m = {{ {depth}, error = \"1 mm\", instrument = \"calliper\" }}"),
+                &["is it \"caliper\"?"],
+            ),
+            (
+                format!("m = {{ {depth}, error = \"1 mm\", values = [\"1 mm\"] }}"),
+                &["several kinds"],
+            ),
+            (
+                format!("m = {{ {depth}, error = \"1 mm\", events = [\"t1\", \"t2\"] }}"),
+                &["does not belong"],
+            ),
+            (format!("m = {{ {depth}, eror = \"1 mm\" }}"), &["is it `error`?"]),
+            (
+                "m = { condition = \"b\", quantity = \"head_depth\", value = \"2 mm\" }".to_owned(),
+                &["is no condition", "choose from a"],
+            ),
+            (
+                "m = { condition = \"a\", quantity = \"head_dept\", value = \"2 mm\" }".to_owned(),
+                &["is it \"head_depth\"?"],
+            ),
+            (
+                "m = { condition = \"a\", quantity = \"interval\", events = [\"t6\", \"t19\"], value = \"4 ms\" }"
+                    .to_owned(),
+                &["does not exist", "t0 to t18"],
+            ),
+            (
+                "m = { condition = \"a\", quantity = \"level\", value = \"100\" }".to_owned(),
+                &["this version cannot calibrate"],
+            ),
+            (
+                "m = { condition = \"a\", quantity = \"mode\", body = \"block\", hz = [100] }".to_owned(),
+                &["`measured.m.body`", "this version cannot calibrate"],
+            ),
+        ] {
+            let got = fault(&file(&measured));
+            assert!(words.iter().all(|word| got.contains(word)), "{measured}\n{got}");
+        }
+    }
+
+    #[test]
+    fn faults_outside_the_measurements_are_named_too() {
+        let good = file("m = { condition = \"a\", quantity = \"head_depth\", value = \"2 mm\", error = \"1 mm\" }");
+        for (from, to, words) in [
+            ("schema = \"nailnoise-calibration/1\"", "", "`schema` is missing"),
+            ("outcome = \"drives\"", "outcome = \"drive\"", "is it \"drives\"?"),
+            (
+                "\"supply.pressure\" = \"96 psig\"",
+                "\"supply.presure\" = \"96 psig\"",
+                "supply.pressure",
+            ),
+            (
+                "\"supply.pressure\" = \"gauge\"",
+                "\"supply.pressure\" = \"caliper\"",
+                "a length",
+            ),
+            (
+                "[instrument]",
+                "[direct]\n\"piston.mas\" = { value = \"1 g\", error = \"1 g\" }\n[instrument]",
+                "`piston.mass`",
+            ),
+            (
+                "[instrument]",
+                "[direct]\n\"supply.pressure\" = { value = \"96 psig\", error = \"1 kPa\" }\n[instrument]",
+                "measured in [direct]",
+            ),
+            (
+                "[instrument]",
+                "correlation = [{ ids = [\"m\", \"n\"], r = 0.3 }]\n[instrument]",
+                "is no measurement",
+            ),
+        ] {
+            assert!(good.contains(from), "{from}");
+            let got = fault(&good.replacen(from, to, 1));
+            assert!(got.contains(words), "{to}\n{got}");
+        }
+        assert!(fault(&file("")).contains("`nailnoise study` is enough"));
+    }
+}

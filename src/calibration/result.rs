@@ -1,0 +1,619 @@
+//! The result of a calibration: readings, inputs and figures of the shot before and now.
+
+use nailnoise_calibration::conflict::{CONFLICT, left_out_probability, left_over};
+use nailnoise_calibration::likelihood::Reading;
+use nailnoise_calibration::normal;
+use nailnoise_calibration::sampler::Step;
+use nailnoise_calibration::statistics::{quantile_of, rank_correlation};
+use nailnoise_dynamics::CycleRecord;
+use rayon::prelude::*;
+use serde::Serialize;
+
+use super::measurements::Measurements;
+use super::posterior::{Found, Posterior, Request, Work};
+use super::tool::{Tool, shot};
+use crate::design::{Design, Value};
+use crate::result::DesignId;
+use crate::study::{Drawn, Kind, Variable};
+
+/// Name and version of the layout.
+const SCHEMA: &str = "nailnoise-calibrated/1";
+
+/// Largest ratio of the widths now and before at which an input has moved.
+const MOVED: f64 = 0.9;
+
+/// Least rank correlation of inputs of a pair.
+const CORRELATED: f64 = 0.3;
+
+/// Relative standard error of the width between P5 and P95 of n normal draws, and standard error of a rank correlation,
+/// both times the square root of n.
+const ERROR_OF_WIDTH: f64 = 0.9;
+const ERROR_OF_CORRELATION: f64 = 1.0;
+
+/// Standard errors by which a change of an input must exceed what chance makes of draws without a change.
+const BEYOND_CHANCE: f64 = 2.0;
+
+/// Most pairs that are listed.
+const MOST_PAIRS: usize = 12;
+
+/// What a calibration found.
+#[derive(Debug, Clone, Serialize)]
+pub struct CalibrationResult {
+    /// Name and version of the layout.
+    pub schema: &'static str,
+    /// The design.
+    pub design: DesignId,
+    /// The file of measurements.
+    pub measured: String,
+    /// Draws from the posterior.
+    pub draws: usize,
+    /// Seed of all random numbers.
+    pub seed: u64,
+    /// Whether every diagnostic is within its limit.
+    pub converged: bool,
+    /// Diagnostics beyond their limits.
+    pub faults: Vec<String>,
+    /// Candidates drawn from the ranges for those with the observed outcomes.
+    pub candidates: u64,
+    /// Log evidence of the readings, among all candidates and without the constants of their densities.
+    pub log_evidence: f64,
+    /// Difference of the log evidence between the halves of the draws.
+    pub halves_apart: f64,
+    /// Candidates from which the draws descend.
+    pub ancestors: usize,
+    /// Work of the sampler.
+    pub work: Work,
+    /// Steps of the last run.
+    pub steps: Vec<Step>,
+    /// The measurements, in the order of the file.
+    pub measurements: Vec<MeasurementRow>,
+    /// Measurements that contradict each other or the ranges.
+    pub conflicts: Vec<ConflictRow>,
+    /// Ratio of widths below which an input has moved: the draws count as their ancestors, so that few ancestors ask
+    /// for a larger change.
+    pub moved_below: f64,
+    /// Inputs, those that moved most first.
+    pub inputs: Vec<InputRow>,
+    /// Inputs that are narrower together than each is.
+    pub pairs: Vec<PairRow>,
+    /// Inputs that are neither narrower nor in a pair.
+    pub unidentified: usize,
+    /// Figures of the shot of the design itself.
+    pub figures: Vec<FigureRow>,
+    /// What a reader should know.
+    pub notes: Vec<String>,
+}
+
+/// What became of a measurement.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Verdict {
+    /// It conditions the inputs, and the other measurements predict it.
+    Met,
+    /// It was held out, and the posterior predicts it.
+    Predicted,
+    /// Others contradict it.
+    Conflict,
+    /// No candidate comes near it.
+    NotReached,
+}
+
+impl Verdict {
+    /// In words.
+    pub fn as_str(self) -> &'static str {
+        match self {
+            Self::Met => "met",
+            Self::Predicted => "predicted",
+            Self::Conflict => "conflict",
+            Self::NotReached => "not reached",
+        }
+    }
+}
+
+/// A measurement and its predictions.
+#[derive(Debug, Clone, Serialize)]
+pub struct MeasurementRow {
+    /// Its name.
+    pub name: String,
+    /// Name of the condition.
+    pub condition: String,
+    /// SI unit.
+    pub unit: String,
+    /// The reading: its ends, equal for a value; null for an open end.
+    pub reading: [Option<f64>; 2],
+    /// P5 and P95 of the predictions of candidates.
+    pub before: [f64; 2],
+    /// P5 and P95 of the predictions of the draws.
+    pub now: [f64; 2],
+    /// Reading less mean prediction, in standard deviations of both.
+    pub left_over: f64,
+    /// Predictive probability by the other measurements.
+    pub probability: f64,
+    /// Whether it conditions the inputs.
+    pub counts: bool,
+    /// What became of it.
+    pub verdict: Verdict,
+}
+
+/// A conflict, and what could resolve it.
+#[derive(Debug, Clone, Serialize)]
+pub struct ConflictRow {
+    /// The measurement.
+    pub measurement: String,
+    /// The measurement that it contradicts; null if it contradicts the rest together, or the ranges.
+    pub partner: Option<String>,
+    /// Predictive probability by the others; 0 if it is not reached.
+    pub probability: f64,
+    /// The nearest value that any candidate has, in SI units, if it is not reached.
+    pub nearest: Option<f64>,
+    /// Distance of that value in standard deviations.
+    pub distance: Option<f64>,
+    /// Rise of the log evidence without the measurements.
+    pub gain: Option<f64>,
+    /// Factor by which their errors were widened; null if they are left out.
+    pub widened: Option<f64>,
+    /// What would have to give, in words.
+    pub remedies: Vec<String>,
+}
+
+/// An input before and now.
+#[derive(Debug, Clone, Serialize)]
+pub struct InputRow {
+    /// Its key, or the name of a shared error.
+    pub name: String,
+    /// SI unit.
+    pub unit: String,
+    /// P5 and P95 of its distribution in the design.
+    pub before: [f64; 2],
+    /// P5 and P95 of the draws.
+    pub now: [f64; 2],
+    /// Ratio of the widths.
+    pub ratio: f64,
+    /// Value of the draw in the middle of all.
+    pub medoid: f64,
+}
+
+/// Correlated inputs.
+#[derive(Debug, Clone, Serialize)]
+pub struct PairRow {
+    /// Names.
+    pub inputs: [String; 2],
+    /// Rank correlation of the draws.
+    pub rank_correlation: f64,
+}
+
+/// A figure of the shot before and now.
+#[derive(Debug, Clone, Serialize)]
+pub struct FigureRow {
+    /// Its name.
+    pub name: &'static str,
+    /// SI unit.
+    pub unit: &'static str,
+    /// P5, P50 and P95 of candidates.
+    pub before: [f64; 3],
+    /// P5, P50 and P95 of the draws.
+    pub now: [f64; 3],
+}
+
+/// A figure of a shot.
+struct Figure {
+    name: &'static str,
+    unit: &'static str,
+    of: fn(&CycleRecord) -> Option<f64>,
+}
+
+/// Figures of the shot that decide the sources: the workpiece by speed, energy and force, the exhaust by its flow.
+const FIGURES: [Figure; 8] = [
+    Figure {
+        name: "speed before impact",
+        unit: "m/s",
+        of: |own| own.summary.speed_before_impact,
+    },
+    Figure {
+        name: "mean drive speed",
+        unit: "m/s",
+        of: |own| own.summary.mean_drive_speed,
+    },
+    Figure {
+        name: "head depth",
+        unit: "m",
+        of: |own| Some(own.summary.head_depth),
+    },
+    Figure {
+        name: "energy left at full depth",
+        unit: "J",
+        of: energy_left,
+    },
+    Figure {
+        name: "peak penetration force",
+        unit: "N",
+        of: |own| Some(own.summary.peak_penetration_force),
+    },
+    Figure {
+        name: "air through the exhaust",
+        unit: "kg",
+        of: |own| Some(own.summary.exhaust_mass),
+    },
+    Figure {
+        name: "peak exhaust flow",
+        unit: "kg/s",
+        of: |own| largest(&own.exhaust.mass_flow),
+    },
+    Figure {
+        name: "peak return pressure",
+        unit: "Pa",
+        of: |own| largest(&own.return_volume.pressure),
+    },
+];
+
+fn largest(values: &[f64]) -> Option<f64> {
+    values.iter().copied().reduce(f64::max)
+}
+
+/// Kinetic energy of piston and nail when the nail reaches its full depth \[J\].
+fn energy_left(record: &CycleRecord) -> Option<f64> {
+    let index = (record.summary.full_penetration? / record.sample_interval).round() as usize;
+    let (mass, speed) = (
+        record.motion.moving_mass.get(index)?,
+        record.piston.velocity.get(index)?,
+    );
+    Some(0.5 * mass * speed * speed)
+}
+
+/// Figures of the shots of points for a design; NaN where there are none.
+pub(super) fn figures_of<'z>(tool: &Tool, design: &Design, points: impl Iterator<Item = &'z [f64]>) -> Vec<Vec<f64>> {
+    let points: Vec<&[f64]> = points.collect();
+    let figures = |z: &&[f64]| {
+        let own = tool.design(design, z)?;
+        let record = shot(&own, own.analysis.cycle_end).ok()?;
+        Some(
+            FIGURES
+                .iter()
+                .map(|figure| (figure.of)(&record).unwrap_or(f64::NAN))
+                .collect(),
+        )
+    };
+    let rows = points.par_iter().map(figures);
+    rows.map(|row: Option<Vec<f64>>| row.unwrap_or_else(|| vec![f64::NAN; FIGURES.len()]))
+        .collect()
+}
+
+/// A quantile of the finite values.
+fn quantile(values: impl Iterator<Item = f64>, p: f64) -> f64 {
+    quantile_of(&mut values.filter(|own| own.is_finite()).collect::<Vec<_>>(), p)
+}
+
+fn interval(values: &[f64]) -> [f64; 2] {
+    [0.05, 0.95].map(|p| quantile(values.iter().copied(), p))
+}
+
+/// The value of a variable at a standard normal number.
+fn value(posterior: &Posterior, variable: usize, z: f64) -> f64 {
+    match posterior.tool.sampler.variables().get(variable) {
+        Some(own) => number(own, normal::cumulative(z)),
+        None => z,
+    }
+}
+
+fn number(variable: &Variable, share: f64) -> f64 {
+    match variable.at(share.clamp(1e-12, 1.0 - 1e-12)) {
+        Drawn::Value(Value::Number(value)) => value,
+        Drawn::Value(Value::Count(count)) => f64::from(count),
+        _ => f64::NAN,
+    }
+}
+
+/// The number of the draw in the middle of all: that of the smallest distance from the mean in the inputs that moved,
+/// each in its standard deviation.
+pub(super) fn medoid(posterior: &Posterior, moved: &[usize]) -> usize {
+    let particles = &posterior.state.particles;
+    let moments: Vec<[f64; 2]> = moved
+        .iter()
+        .map(|&k| nailnoise_calibration::statistics::moments(&particles.iter().map(|own| own.z[k]).collect::<Vec<_>>()))
+        .collect();
+    let distance = |z: &[f64]| -> f64 {
+        let terms = moved.iter().zip(&moments);
+        terms
+            .map(|(&k, [mean, deviation])| ((z[k] - mean) / deviation.max(1e-9)).powi(2))
+            .sum()
+    };
+    let order = (0..particles.len()).min_by(|&a, &b| distance(&particles[a].z).total_cmp(&distance(&particles[b].z)));
+    order.unwrap_or(0)
+}
+
+/// Draws of a posterior with their values, for files.
+pub(super) struct Table {
+    /// Names of the columns.
+    pub(super) names: Vec<String>,
+    /// A row for each draw.
+    pub(super) rows: Vec<Vec<f64>>,
+}
+
+/// The result of a posterior, and the table of its draws.
+pub(super) fn result(
+    posterior: &Posterior,
+    design: &Design,
+    measured: &Measurements,
+    request: &Request,
+    file: &str,
+) -> (CalibrationResult, Table) {
+    let particles = &posterior.state.particles;
+    let variables = particles.first().map_or(0, |own| own.z.len());
+    let values: Vec<Vec<f64>> = (0..variables)
+        .map(|k| {
+            let point = |z: &[f64]| match k < posterior.tool.keys() {
+                true => normal::quantile(posterior.tool.point(z).shares[k]),
+                false => z[k],
+            };
+            particles.iter().map(|own| value(posterior, k, point(&own.z))).collect()
+        })
+        .collect();
+    let rows: Vec<InputRow> = (0..variables).map(|k| input(posterior, k, &values[k])).collect();
+    let by_chance = BEYOND_CHANCE / (posterior.diagnostics.ancestors.max(1) as f64).sqrt();
+    let moved_below = MOVED.min(1.0 - ERROR_OF_WIDTH * by_chance);
+    let mut moved: Vec<usize> = (0..variables).filter(|&k| rows[k].ratio < moved_below).collect();
+    moved.sort_by(|&a, &b| rows[a].ratio.total_cmp(&rows[b].ratio));
+    let middle = medoid(posterior, &moved);
+    let pairs = pairs(posterior, &values, CORRELATED.max(ERROR_OF_CORRELATION * by_chance));
+    let in_pair = |name: &String| pairs.iter().any(|own| own.inputs.contains(name));
+    let unidentified = rows[..posterior.tool.keys().min(rows.len())]
+        .iter()
+        .filter(|own| own.ratio >= moved_below && !in_pair(&own.name))
+        .count();
+    let mut inputs: Vec<InputRow> = rows
+        .into_iter()
+        .zip(&values)
+        .map(|(own, values)| InputRow {
+            medoid: values[middle],
+            ..own
+        })
+        .collect();
+    inputs.sort_by(|a, b| a.ratio.total_cmp(&b.ratio));
+    let before = figures_of(
+        &posterior.tool,
+        design,
+        posterior.start.accepted.iter().map(|own| own.z.as_slice()),
+    );
+    let now = figures_of(&posterior.tool, design, particles.iter().map(|own| own.z.as_slice()));
+    let figures = FIGURES.iter().enumerate().map(|(k, figure)| FigureRow {
+        name: figure.name,
+        unit: figure.unit,
+        before: [0.05, 0.5, 0.95].map(|p| quantile(before.iter().map(|row| row[k]), p)),
+        now: [0.05, 0.5, 0.95].map(|p| quantile(now.iter().map(|row| row[k]), p)),
+    });
+    let measurements = (0..measured.data.len()).map(|k| row(posterior, measured, k)).collect();
+    let share = posterior.start.accepted.len() as f64 / posterior.start.drawn.max(1) as f64;
+    let result = CalibrationResult {
+        schema: SCHEMA,
+        design: DesignId::from(design),
+        measured: file.to_owned(),
+        draws: particles.len(),
+        seed: request.seed,
+        converged: posterior.diagnostics.faults.is_empty(),
+        faults: posterior.diagnostics.faults.iter().map(ToString::to_string).collect(),
+        candidates: posterior.start.drawn,
+        log_evidence: posterior.diagnostics.log_evidence + share.ln(),
+        halves_apart: posterior.diagnostics.halves_apart,
+        ancestors: posterior.diagnostics.ancestors,
+        work: posterior.work,
+        steps: posterior.state.steps.clone(),
+        measurements,
+        conflicts: posterior
+            .conflicts
+            .iter()
+            .map(|own| conflict(posterior, measured, own))
+            .collect(),
+        moved_below,
+        inputs,
+        pairs,
+        unidentified,
+        figures: figures.collect(),
+        notes: notes(posterior, measured),
+    };
+    let names = (0..variables).map(|k| posterior.tool.name(k).to_owned());
+    let names = names.chain(measured.data.iter().map(|own| format!("predicted.{}", own.name)));
+    let names = names
+        .chain(FIGURES.iter().map(|own| own.name.replace(' ', "_")))
+        .collect();
+    let table = (0..particles.len()).map(|draw| {
+        let own = values.iter().map(|own| own[draw]);
+        let predicted = particles[draw].predictions.iter().map(|own| own.value());
+        own.chain(predicted).chain(now[draw].iter().copied()).collect()
+    });
+    let table = Table {
+        names,
+        rows: table.collect(),
+    };
+    (result, table)
+}
+
+fn input(posterior: &Posterior, variable: usize, values: &[f64]) -> InputRow {
+    let before = [0.05, 0.95].map(|p| value(posterior, variable, normal::quantile(p)));
+    let now = interval(values);
+    let own = posterior.tool.sampler.variables().get(variable);
+    let ratio = (now[1] - now[0]) / (before[1] - before[0]);
+    InputRow {
+        name: posterior.tool.name(variable).to_owned(),
+        unit: own.map_or_else(String::new, |own| own.unit().to_owned()),
+        before,
+        now,
+        // A count with one value before has not moved.
+        ratio: if ratio.is_finite() { ratio } else { 1.0 },
+        medoid: f64::NAN,
+    }
+}
+
+fn pairs(posterior: &Posterior, values: &[Vec<f64>], least: f64) -> Vec<PairRow> {
+    let mut found = Vec::new();
+    for a in 0..values.len() {
+        for b in 0..a {
+            let rank_correlation = rank_correlation(&values[a], &values[b]);
+            if rank_correlation.abs() > least {
+                let inputs = [b, a].map(|k| posterior.tool.name(k).to_owned());
+                found.push(PairRow {
+                    inputs,
+                    rank_correlation,
+                });
+            }
+        }
+    }
+    found.sort_by(|a, b| b.rank_correlation.abs().total_cmp(&a.rank_correlation.abs()));
+    found.truncate(MOST_PAIRS);
+    found
+}
+
+fn row(posterior: &Posterior, measured: &Measurements, k: usize) -> MeasurementRow {
+    let own = &measured.data[k];
+    let particles = &posterior.state.particles;
+    let datum = &posterior.likelihood.data()[k];
+    let before: Vec<f64> = posterior
+        .start
+        .accepted
+        .iter()
+        .map(|own| own.predictions[k].value())
+        .collect();
+    let now: Vec<f64> = particles.iter().map(|own| own.predictions[k].value()).collect();
+    let probability = left_out_probability(&posterior.likelihood, particles, k, &[]);
+    let in_conflict = |found: &&Found| found.datum == k || found.partner == Some(k);
+    let verdict = match posterior.conflicts.iter().find(in_conflict) {
+        Some(found) if found.unreached.is_some() => Verdict::NotReached,
+        Some(_) => Verdict::Conflict,
+        None if probability < CONFLICT => Verdict::Conflict,
+        None if posterior.held_out.contains(&k) => Verdict::Predicted,
+        None => Verdict::Met,
+    };
+    MeasurementRow {
+        name: own.name.clone(),
+        condition: measured.conditions[own.condition].name.clone(),
+        unit: own.quantity.dimension().unit(),
+        reading: match own.reading {
+            Reading::Value(value) => [Some(value); 2],
+            Reading::AtMost(most) => [None, Some(most)],
+            Reading::AtLeast(least) => [Some(least), None],
+            Reading::Within(ends) => ends.map(Some),
+        },
+        before: interval(&before),
+        now: interval(&now),
+        left_over: left_over(&posterior.likelihood, k, particles),
+        probability,
+        counts: datum.counts,
+        verdict,
+    }
+}
+
+/// The key of the design that bounds an outcome.
+fn bound_of(outcome: &str) -> Option<&'static str> {
+    match outcome {
+        "overdriven" => Some("nail.overdrive_limit"),
+        "strikes_bumper" => Some("piston.stroke"),
+        "underdriven" => Some("wood.resistance_scale"),
+        "does_not_open" | "does_not_exhaust" => Some("head_valve"),
+        "does_not_release" => Some("trigger"),
+        _ => None,
+    }
+}
+
+fn conflict(posterior: &Posterior, measured: &Measurements, found: &Found) -> ConflictRow {
+    let name = |k: usize| measured.data[k].name.clone();
+    let mut remedies = Vec::new();
+    for own in &found.pressed {
+        let end = if own.is_upper { "upper" } else { "lower" };
+        let variable = posterior.tool.name(own.variable);
+        remedies.push(match own.variable < posterior.tool.keys() {
+            true => format!(
+                "widen the range of `{variable}`: {:.0} % of the draws are at its {end} end",
+                100.0 * own.share
+            ),
+            false => format!("the error `{variable}` would have to exceed two standard deviations"),
+        });
+    }
+    let reading = posterior.likelihood.data()[found.datum].reading;
+    for (outcome, [low, high]) in &posterior.start.reached[found.datum] {
+        let allowed = &posterior.tool.conditions[measured.data[found.datum].condition].outcomes;
+        let is_reached = [low, high].iter().any(|end| reading.nearest(**end) == **end)
+            || matches!(reading, Reading::Value(value) if (*low..=*high).contains(&value));
+        if found.unreached.is_some() && is_reached && !allowed.contains(outcome) {
+            let bound = bound_of(outcome).map_or_else(String::new, |key| format!(", which `{key}` bounds"));
+            remedies.push(format!(
+                "shots with the outcome \"{}\" reach it{bound}",
+                outcome.replace('_', " ")
+            ));
+        }
+    }
+    if let Some((outcome, count)) = found.refusals.iter().max_by_key(|(_, count)| **count) {
+        let bound = bound_of(outcome).map_or_else(String::new, |key| format!(", which `{key}` bounds"));
+        remedies.push(format!(
+            "{count} proposals were refused for the outcome \"{}\"{bound}",
+            outcome.replace('_', " ")
+        ));
+    }
+    ConflictRow {
+        measurement: name(found.datum),
+        partner: found.partner.map(name),
+        probability: found.probability,
+        nearest: found.unreached.map(|own| own.nearest),
+        distance: found.unreached.map(|own| own.distance),
+        gain: found.gain,
+        widened: found.factor,
+        remedies,
+    }
+}
+
+fn notes(posterior: &Posterior, measured: &Measurements) -> Vec<String> {
+    let mut notes = measured.notes.clone();
+    notes.push(
+        "the draws are of this tool with the wood, nails and support as measured; keys of bodies (bore, valve diameters, \
+         masses) are drawn for the cycle"
+            .to_owned(),
+    );
+    let left_out: Vec<&str> = posterior
+        .conflicts
+        .iter()
+        .filter(|own| own.factor.is_none())
+        .flat_map(|own| [Some(own.datum), own.partner])
+        .flatten()
+        .map(|k| measured.data[k].name.as_str())
+        .collect();
+    if !left_out.is_empty() {
+        notes.push(format!(
+            "all intervals are without {}, which are in conflict",
+            left_out.join(", ")
+        ));
+    }
+    for own in posterior.conflicts.iter().filter_map(|own| Some((own, own.factor?))) {
+        let names = [Some(own.0.datum), own.0.partner].into_iter().flatten();
+        let names: Vec<&str> = names.map(|k| measured.data[k].name.as_str()).collect();
+        notes.push(format!(
+            "the independent errors of {} were widened by a factor {:.1}",
+            names.join(" and "),
+            own.1
+        ));
+    }
+    notes
+}
+
+/// The keys of the design that moved, with the ends of their draws: P2.5 and P97.5.
+pub(super) struct MovedKey<'a> {
+    pub(super) key: &'a str,
+    pub(super) value: Value,
+    pub(super) ends: [f64; 2],
+}
+
+/// Keys that moved, for a design file.
+pub(super) fn moved_keys<'a>(posterior: &'a Posterior, result: &CalibrationResult, table: &Table) -> Vec<MovedKey<'a>> {
+    let variables = posterior.tool.sampler.variables().iter().enumerate();
+    let moved = variables.filter_map(|(k, variable)| {
+        let Kind::Quantity(parameter) = &variable.kind else {
+            return None;
+        };
+        let row = result.inputs.iter().find(|own| own.name == variable.name)?;
+        let ends = [0.025, 0.975].map(|p| quantile(table.rows.iter().map(|row| row[k]), p));
+        (row.ratio < result.moved_below).then(|| MovedKey {
+            key: &variable.name,
+            value: parameter.hold(row.medoid),
+            // The range of a value includes it.
+            ends: [ends[0].min(row.medoid), ends[1].max(row.medoid)],
+        })
+    });
+    moved.collect()
+}

@@ -1,0 +1,172 @@
+//! Candidates with the observed outcomes: draws from the ranges of the design, in the order of the study's sequence.
+
+use std::collections::BTreeMap;
+
+use nailnoise_acoustics::random::uniform;
+use nailnoise_calibration::likelihood::{Likelihood, Prediction};
+use nailnoise_calibration::normal;
+use nailnoise_calibration::sampler::Candidate;
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+
+use super::error::CalibrationError;
+use super::tool::Tool;
+use crate::design::Values;
+use crate::stages::Progress;
+use crate::study::{Frame, Rejections};
+
+/// Candidates that are computed at a time.
+const BLOCK: u64 = 64;
+
+/// Most candidates before any is accepted, and for each draw.
+const MOST_IN_VAIN: u64 = 4096;
+const MOST: u64 = 200;
+
+/// Apart from the seeds of the sequence.
+const SHARED: u64 = 0x5EED_5A4E_D001;
+
+/// Candidates so far.
+#[derive(Debug, Clone, Default, Serialize, Deserialize)]
+pub(super) struct Start {
+    /// Those with the observed outcomes.
+    pub(super) accepted: Vec<Candidate>,
+    /// All that were drawn.
+    pub(super) drawn: u64,
+    /// The others by condition and outcome at which they failed.
+    pub(super) refused: BTreeMap<String, u64>,
+    /// Least and largest value of each reading by outcome, among all shots under its condition.
+    pub(super) reached: Vec<BTreeMap<String, [f64; 2]>>,
+}
+
+/// What became of a candidate.
+struct Tried {
+    accepted: Option<Candidate>,
+    /// Condition and outcome that failed.
+    failed: Option<(usize, &'static str)>,
+    /// Outcome and predictions under each condition that was computed.
+    shots: Vec<(usize, &'static str, Vec<Prediction>)>,
+}
+
+impl Start {
+    /// Draws candidates until `want` are accepted, and calls `after` after every block.
+    ///
+    /// # Errors
+    /// None of the first candidates is accepted, or too few of all.
+    pub(super) fn complete(
+        &mut self,
+        tool: &Tool,
+        likelihood: &Likelihood,
+        want: usize,
+        seed: u64,
+        progress: &Progress,
+        after: impl Fn(&Self),
+    ) -> Result<(), CalibrationError> {
+        self.reached.resize(likelihood.data().len(), BTreeMap::new());
+        let bases: Vec<Values> = tool.conditions.iter().map(|own| Values::clone(&own.design)).collect();
+        let active = vec![true; tool.keys()];
+        while self.accepted.len() < want {
+            if self.accepted.is_empty() && self.drawn >= MOST_IN_VAIN {
+                return Err(CalibrationError::NothingAccepted {
+                    candidates: self.drawn,
+                    outcomes: counted(&self.refused),
+                });
+            }
+            if self.drawn >= MOST * want as u64 {
+                return Err(CalibrationError::TooFewAccepted {
+                    accepted: self.accepted.len(),
+                    candidates: self.drawn,
+                    wanted: want,
+                });
+            }
+            let frame = Frame::new(&bases, &active, 0);
+            let tried: Vec<Option<Tried>> = (self.drawn..self.drawn + BLOCK)
+                .into_par_iter()
+                .map(|index| {
+                    let point = tool.sampler.point(frame, index, &mut Rejections::new()).ok()?;
+                    let mut z = tool.sampler.to_normal(&point);
+                    let shared = 0..tool.shared.len() as u64;
+                    // uniform is in [0, 1).
+                    z.extend(shared.map(|k| normal::quantile(uniform(seed ^ SHARED, index, k).max(f64::EPSILON))));
+                    Some(try_point(tool, likelihood, z))
+                })
+                .collect();
+            for tried in tried {
+                if self.accepted.len() == want {
+                    break;
+                }
+                self.drawn += 1;
+                match tried {
+                    Some(tried) => self.add(tool, likelihood, tried),
+                    None => *self.refused.entry("refused".to_owned()).or_default() += 1,
+                }
+            }
+            progress.done(self.accepted.len() as u64, want as u64);
+            after(self);
+        }
+        Ok(())
+    }
+
+    fn add(&mut self, tool: &Tool, likelihood: &Likelihood, tried: Tried) {
+        for (condition, outcome, predictions) in tried.shots {
+            for (k, prediction) in likelihood.of_condition(condition).zip(predictions) {
+                if let Prediction::Value(value) = prediction {
+                    let ends = self.reached[k].entry(outcome.to_owned()).or_insert([value; 2]);
+                    *ends = [ends[0].min(value), ends[1].max(value)];
+                }
+            }
+        }
+        if let Some((condition, outcome)) = tried.failed {
+            let name = format!(
+                "{} under \"{}\"",
+                outcome.replace('_', " "),
+                tool.conditions[condition].name
+            );
+            *self.refused.entry(name).or_default() += 1;
+        }
+        self.accepted.extend(tried.accepted);
+    }
+}
+
+fn try_point(tool: &Tool, likelihood: &Likelihood, z: Vec<f64>) -> Tried {
+    let data = likelihood.data();
+    let mut predictions = vec![Prediction::Missing; data.len()];
+    let mut tried = Tried {
+        accepted: None,
+        failed: None,
+        shots: Vec::new(),
+    };
+    for &condition in likelihood.order() {
+        let observed = match tool.observe(&z, condition) {
+            Ok(observed) => observed,
+            Err(name) => {
+                tried.failed = Some((condition, name));
+                return tried;
+            }
+        };
+        let own: Vec<usize> = likelihood.of_condition(condition).collect();
+        own.iter()
+            .zip(&observed.predictions)
+            .for_each(|(&k, own)| predictions[k] = *own);
+        let allowed = &tool.conditions[condition].outcomes;
+        let is_allowed = allowed.is_empty() || allowed.iter().any(|own| own == observed.outcome);
+        let is_missing = own
+            .iter()
+            .any(|&k| data[k].counts && predictions[k] == Prediction::Missing);
+        tried.shots.push((condition, observed.outcome, observed.predictions));
+        if !is_allowed || is_missing {
+            let name = if is_allowed { "no such event" } else { observed.outcome };
+            tried.failed = Some((condition, name));
+            return tried;
+        }
+    }
+    tried.accepted = Some(Candidate { z, predictions });
+    tried
+}
+
+/// Counts in words, the largest first.
+fn counted(counts: &BTreeMap<String, u64>) -> String {
+    let mut counts: Vec<(&String, &u64)> = counts.iter().collect();
+    counts.sort_by(|a, b| b.1.cmp(a.1));
+    let words = counts.iter().map(|(name, count)| format!("{name} ({count})"));
+    words.collect::<Vec<_>>().join(", ")
+}

@@ -1,0 +1,324 @@
+//! The tool of a design as a simulator of what was measured: variables of the study, errors that readings share, and one
+//! cycle for each condition.
+
+use std::collections::BTreeMap;
+
+use nailnoise_calibration::Simulator;
+use nailnoise_calibration::likelihood::{Datum, ErrorCorrelation, ErrorLaw, Likelihood, Prediction, SharedError};
+use nailnoise_dynamics::{CycleError, CycleRecord, Settings, simulate};
+
+use super::error::CalibrationError;
+use super::measurements::{Measured, Measurements};
+use super::quantities::{Family, Quantity};
+use crate::design::inputs::cycle::{cycle_settings, parameters};
+use crate::design::{Derived, Design, Value};
+use crate::error::Error;
+use crate::study::{Kind, Parameter, Point, Sampler, Variable, cycle_variables, differing_keys, drawn};
+
+/// Tolerance of the cycles: it moves the depth of the head by less than 1 um.
+const TOLERANCE: f64 = 1e-5;
+
+/// Interval of the samples \[s\].
+const SAMPLES: f64 = 5e-5;
+
+/// Shots under one condition.
+pub(super) struct Shots {
+    /// Name of the condition; that of the design itself where only its `require` is asked.
+    pub(super) name: String,
+    /// The design with the values that were set.
+    pub(super) design: Design,
+    /// Outcomes that a shot may have; any if empty.
+    pub(super) outcomes: Vec<String>,
+    /// Set values that an instrument showed.
+    shown: Vec<ShownError>,
+    quantities: Vec<Quantity>,
+    end: f64,
+}
+
+/// The error of an instrument in a set value.
+struct ShownError {
+    key: String,
+    shown: f64,
+    error: SharedError,
+}
+
+/// A shot that was computed.
+pub(super) struct Observed {
+    /// Name of its outcome.
+    pub(super) outcome: &'static str,
+    /// Predictions of the readings of its condition, in their order.
+    pub(super) predictions: Vec<Prediction>,
+}
+
+/// The tool of a design under the conditions of its measurements.
+pub(super) struct Tool {
+    /// Draws of the keys.
+    pub(super) sampler: Sampler,
+    /// Names of the errors that readings share, whose variables follow those of the keys.
+    pub(super) shared: Vec<String>,
+    /// The conditions; one of the design itself may follow those of the file.
+    pub(super) conditions: Vec<Shots>,
+}
+
+impl Tool {
+    /// The tool of a design and its measurements.
+    ///
+    /// # Errors
+    /// No variables; values of the design that do not yield a cycle.
+    pub(super) fn new(design: &Design, measured: &Measurements, seed: u64) -> Result<Self, Error> {
+        let variables = variables(design, measured)?;
+        if variables.is_empty() {
+            return Err(CalibrationError::NoVariables.into());
+        }
+        let keys = variables.len();
+        let mut shared: Vec<String> = measured
+            .instruments
+            .iter()
+            .map(|name| format!("instrument.{name}"))
+            .collect();
+        shared.extend(families(measured).into_iter().map(Family::name));
+        let mut conditions: Vec<Shots> = measured
+            .conditions
+            .iter()
+            .enumerate()
+            .map(|(number, condition)| {
+                let data = measured.data.iter().filter(|own| own.condition == number);
+                let quantities: Vec<Quantity> = data.map(|own| own.quantity).collect();
+                let shown = condition.shown.iter().map(|own| ShownError {
+                    shown: number_of(&condition.design, &own.key),
+                    key: own.key.clone(),
+                    error: SharedError {
+                        variable: keys + own.instrument,
+                        coefficient: own.deviation,
+                    },
+                });
+                Shots {
+                    name: condition.name.clone(),
+                    end: end(&condition.design, &quantities, !condition.outcomes.is_empty()),
+                    outcomes: condition.outcomes.iter().map(|own| (*own).to_owned()).collect(),
+                    shown: shown.collect(),
+                    design: condition.design.clone(),
+                    quantities,
+                }
+            })
+            .collect();
+        // What the design requires is known of its own values, unless a condition with these says more.
+        let require = &design.study().require;
+        let is_own = |own: &Shots| !own.outcomes.is_empty() && differing_keys(&[design, &own.design]).is_empty();
+        if !require.is_empty() && !conditions.iter().any(is_own) {
+            conditions.push(Shots {
+                name: design.name().to_owned(),
+                design: design.clone(),
+                outcomes: require.iter().map(ToString::to_string).collect(),
+                shown: Vec::new(),
+                quantities: Vec::new(),
+                end: end(design, &[], true),
+            });
+        }
+        for condition in &mut conditions {
+            condition.design.sensors.clear();
+        }
+        let mut base = design.clone();
+        base.sensors.clear();
+        Ok(Self {
+            sampler: Sampler::new(&base, variables, seed),
+            shared,
+            conditions,
+        })
+    }
+
+    /// Number of the variables that are keys of the design.
+    pub(super) fn keys(&self) -> usize {
+        self.sampler.variables().len()
+    }
+
+    /// Name of a variable.
+    pub(super) fn name(&self, variable: usize) -> &str {
+        match self.sampler.variables().get(variable) {
+            Some(own) => &own.name,
+            None => &self.shared[variable - self.keys()],
+        }
+    }
+
+    /// The point of the keys in the study's form.
+    pub(super) fn point(&self, z: &[f64]) -> Point {
+        self.sampler.of_normal(&z[..self.keys()])
+    }
+
+    /// The design of a point around the values of another.
+    pub(super) fn design(&self, around: &Design, z: &[f64]) -> Option<Design> {
+        drawn(around, &self.sampler, around, &self.point(z)).ok()
+    }
+
+    /// The shot of a point under a condition.
+    ///
+    /// # Errors
+    /// Why there is none: `refused`, `dry_fire` or `solver_failure`.
+    pub(super) fn observe(&self, z: &[f64], condition: usize) -> Result<Observed, &'static str> {
+        let own = &self.conditions[condition];
+        let mut design = self.design(&own.design, z).ok_or("refused")?;
+        for shown in &own.shown {
+            let value = shown.shown + shown.error.coefficient * z[shown.error.variable];
+            design
+                .set(&[(&shown.key, Value::Number(value))])
+                .map_err(|_| "refused")?;
+        }
+        let record = shot(&design, own.end)?;
+        let predict = |quantity: &Quantity| quantity.predict(&record, &design.ambient, own.end);
+        Ok(Observed {
+            outcome: record.outcome.name(),
+            predictions: own.quantities.iter().map(predict).collect(),
+        })
+    }
+}
+
+/// The record of a design's shot until `end` \[s\].
+///
+/// # Errors
+/// As [`Tool::observe`].
+pub(super) fn shot(design: &Design, end: f64) -> Result<CycleRecord, &'static str> {
+    let settings = Settings {
+        relative_tolerance: TOLERANCE,
+        sample_interval: SAMPLES,
+        end,
+        ..cycle_settings(design)
+    };
+    let parameters = parameters(design).map_err(|_| "refused")?;
+    simulate(&parameters, &settings).map_err(|error| match error {
+        CycleError::DryFire { .. } => "dry_fire",
+        CycleError::Integration { .. } | CycleError::Collapse { .. } | CycleError::Chatter { .. } => "solver_failure",
+        _ => "refused",
+    })
+}
+
+impl Simulator for Tool {
+    fn variables(&self) -> usize {
+        self.keys() + self.shared.len()
+    }
+
+    fn predict(&self, z: &[f64], condition: usize) -> Result<Vec<Prediction>, &'static str> {
+        let observed = self.observe(z, condition)?;
+        let allowed = &self.conditions[condition].outcomes;
+        if allowed.is_empty() || allowed.iter().any(|own| own == observed.outcome) {
+            Ok(observed.predictions)
+        } else {
+            Err(observed.outcome)
+        }
+    }
+
+    fn is_ruled(&self) -> Vec<bool> {
+        let mut ruled = self.sampler.is_ruled();
+        ruled.resize(self.variables(), false);
+        ruled
+    }
+
+    fn restore(&self, proposed: &mut [f64], current: &[f64]) {
+        for condition in &self.conditions {
+            let point = self.point(proposed);
+            let broken = self.sampler.broken(&condition.design, &point).flatten();
+            for &member in broken {
+                proposed[member] = current[member];
+            }
+        }
+    }
+}
+
+/// End of the record of a shot with these quantities \[s\].
+fn end(design: &Design, quantities: &[Quantity], has_outcome: bool) -> f64 {
+    let of_design = design.analysis.cycle_end;
+    let ends = quantities.iter().map(|own| own.end(of_design));
+    ends.chain(has_outcome.then_some(of_design)).fold(0.0, f64::max)
+}
+
+/// The value of a key that is a quantity.
+fn number_of(design: &Design, key: &str) -> f64 {
+    let entries = design.entries();
+    let value = entries.iter().find(|entry| entry.key == key).map(|entry| &entry.value);
+    match value {
+        Some(Value::Number(value)) => *value,
+        Some(Value::Count(count)) => f64::from(*count),
+        _ => f64::NAN,
+    }
+}
+
+/// Families of the readings, each once.
+fn families(measured: &Measurements) -> Vec<Family> {
+    let mut families: Vec<Family> = measured.data.iter().filter_map(|own| own.quantity.family()).collect();
+    families.sort_unstable();
+    families.dedup();
+    families
+}
+
+/// The variables of the cycle that no condition sets, narrowed where a key was measured.
+fn variables(design: &Design, measured: &Measurements) -> Result<Vec<Variable>, Error> {
+    let mut designs = vec![design];
+    designs.extend(measured.conditions.iter().map(|own| &own.design));
+    let mut set = differing_keys(&designs);
+    set.extend(measured.conditions.iter().flat_map(|own| own.set.iter().cloned()));
+    let is_set = |name: &str| {
+        let primaries = Derived::find(name).map_or(&[][..], |derived| derived.primaries);
+        set.iter().any(|key| key == name || primaries.contains(&key.as_str()))
+    };
+    let mut variables = cycle_variables(design)?;
+    variables.retain(|own| !is_set(&own.name));
+    for variable in &mut variables {
+        let direct = measured.direct.iter().find(|own| own.key == variable.name);
+        if let (Some(direct), Kind::Quantity(parameter)) = (direct, &mut variable.kind) {
+            *parameter = Parameter::clone(parameter).measured(direct.value, direct.deviation);
+        }
+    }
+    Ok(variables)
+}
+
+/// The likelihood of the readings, those of `held_out` only predicted; `factors` widens their independent errors.
+///
+/// The model's error of a family is half common to its readings and half their own, in variance.
+///
+/// # Errors
+/// Correlations that are not possible.
+pub(super) fn likelihood(
+    tool: &Tool,
+    measured: &Measurements,
+    left_out: &[usize],
+    factors: &BTreeMap<usize, f64>,
+) -> Result<Likelihood, CalibrationError> {
+    let keys = tool.keys();
+    let families = families(measured);
+    let datum = |(number, own): (usize, &Measured)| {
+        let family = own
+            .quantity
+            .family()
+            .and_then(|family| families.iter().position(|known| *known == family));
+        let common = if family.is_some() { 0.5 } else { 0.0 };
+        let scale = (own.error.powi(2) + (1.0 - common) * own.discrepancy.powi(2)).sqrt();
+        let of_model = family.map(|place| SharedError {
+            variable: keys + measured.instruments.len() + place,
+            coefficient: own.discrepancy * f64::sqrt(common),
+        });
+        let of_instrument = own.instrument.map(|own| SharedError {
+            variable: keys + own.instrument,
+            coefficient: own.deviation,
+        });
+        Datum {
+            name: own.name.clone(),
+            condition: own.condition,
+            reading: own.reading,
+            scale: scale * factors.get(&number).copied().unwrap_or(1.0),
+            shared: of_model.into_iter().chain(of_instrument).collect(),
+            counts: !left_out.contains(&number),
+        }
+    };
+    let data = measured.data.iter().enumerate().map(datum).collect();
+    let correlation = |own: &super::measurements::Correlation| ErrorCorrelation {
+        data: own.data.clone(),
+        r: own.r,
+        parts: own.data.iter().map(|&k| measured.data[k].error).collect(),
+    };
+    let correlations: Vec<ErrorCorrelation> = measured.correlations.iter().map(correlation).collect();
+    Ok(Likelihood::new(
+        data,
+        tool.conditions.len(),
+        &correlations,
+        ErrorLaw::Student,
+    )?)
+}

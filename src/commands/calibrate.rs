@@ -1,0 +1,256 @@
+//! `nailnoise calibrate`: the ranges of a design conditioned on measurements.
+
+use std::path::PathBuf;
+
+use clap::Args;
+use nailnoise_quantities::rounded;
+
+use super::table::{table, texts};
+use super::{Common, Keeping, Status, message, print, print_json, progress};
+use crate::calibration::{self, CalibrationResult, ConflictRow, Request, Treatment};
+use crate::error::Error;
+use crate::staging::Staging;
+use crate::store::Store;
+use crate::{figures, report};
+
+/// The last file to be written, so that a folder with it has all the rest.
+const LAST: &str = "calibration.json";
+
+/// Inputs that are printed.
+const SHOWN: usize = 12;
+
+#[derive(Args)]
+#[command(after_help = examples!(
+    "nailnoise calibrate my-tool.toml --measured my-shots.toml" => "the inputs that the shots determine, and what is \
+        predicted now",
+    "nailnoise calibrate my-tool.toml --measured my-shots.toml --hold-out depth-60" => "with one measurement as a check",
+    "nailnoise calibrate my-tool.toml --measured my-shots.toml --draws 256 --moves 12" => "a quick look",
+))]
+pub(super) struct Arguments {
+    #[command(flatten)]
+    common: Common,
+    #[command(flatten)]
+    keeping: Keeping,
+    /// File of measurements (TOML)
+    #[arg(long, value_name = "FILE")]
+    measured: PathBuf,
+    /// Number of draws from the posterior; an odd number is raised by one
+    #[arg(long, value_name = "N", default_value_t = 512, value_parser = clap::value_parser!(u32).range(64..=16_384))]
+    draws: u32,
+    /// Seed of the draws; the same seed draws the same inputs
+    #[arg(long, value_name = "SEED", default_value_t = 1)]
+    seed: u64,
+    /// Most moves of the draws in a step of the sampler
+    #[arg(long, value_name = "N", default_value_t = 24, value_parser = clap::value_parser!(u16).range(3..=1000))]
+    moves: u16,
+    /// Only predict these measurements, as a check
+    #[arg(long, value_name = "ID,..", value_delimiter = ',')]
+    hold_out: Vec<String>,
+    /// What is done with measurements that contradict each other
+    #[arg(long, value_name = "WHAT", value_enum, default_value_t = Treatment::LeaveOut)]
+    conflict: Treatment,
+    /// Keep candidates and draws in this folder, and not in the cache
+    #[arg(long, value_name = "DIR", conflicts_with = "no_cache")]
+    store: Option<PathBuf>,
+}
+
+pub(super) fn execute(arguments: &Arguments) -> Result<Status, Error> {
+    let common = &arguments.common;
+    let design = common.begin()?;
+    let folder = common.out(&design)?.join("calibration");
+    let store = match &arguments.store {
+        Some(folder) => Store::shared(folder)?,
+        None => arguments.keeping.cache()?,
+    };
+    let request = Request {
+        draws: arguments.draws.next_multiple_of(2) as usize,
+        moves: usize::from(arguments.moves),
+        seed: arguments.seed,
+        hold_out: arguments.hold_out.clone(),
+        treatment: arguments.conflict,
+    };
+    let progress = progress();
+    let set = &common.changes.set;
+    let (result, files) = calibration::calibrate(&store, &design, set, &arguments.measured, &request, &progress)?;
+    progress.stage("writing files");
+    let staging = Staging::within(&folder)?;
+    let page = report::calibration(&result, &figures::calibration(&result));
+    staging.write("calibration.html".as_ref(), page.as_bytes())?;
+    staging.write("posterior.csv".as_ref(), &files.draws)?;
+    staging.write("calibrated.toml".as_ref(), files.design(&folder).as_bytes())?;
+    let json = serde_json::to_string_pretty(&result).map_err(Error::Json)? + "\n";
+    staging.write(LAST.as_ref(), json.as_bytes())?;
+    staging.place(&[], LAST.as_ref())?;
+    progress.end();
+    for fault in &result.faults {
+        message(&format!("not converged: {fault}"));
+    }
+    if common.json {
+        print_json(&result)?;
+    } else {
+        print(&text(&result))?;
+        print(&format!(
+            "\n  files in {}; open calibration.html for the charts\n",
+            folder.display()
+        ))?;
+    }
+    Ok(if !result.converged {
+        Status::from(3)
+    } else if !result.conflicts.is_empty() {
+        Status::from(1)
+    } else {
+        Status::SUCCESS
+    })
+}
+
+fn number(value: f64) -> String {
+    if value.is_finite() {
+        rounded(value, 3, 1e5)
+    } else {
+        "-".to_owned()
+    }
+}
+
+fn ends([low, high]: [f64; 2]) -> String {
+    format!("{} .. {}", number(low), number(high))
+}
+
+/// A reading with its open ends.
+fn reading([low, high]: [Option<f64>; 2]) -> String {
+    match (low, high) {
+        (Some(low), Some(high)) if low == high => number(low),
+        (Some(low), Some(high)) => ends([low, high]),
+        (Some(low), None) => format!(">= {}", number(low)),
+        (None, Some(high)) => format!("<= {}", number(high)),
+        (None, None) => "-".to_owned(),
+    }
+}
+
+/// The result for the terminal.
+fn text(result: &CalibrationResult) -> String {
+    let mut text = format!(
+        "{}: {} draws given {} ({} of {} candidates have the observed outcomes)\n",
+        result.design.name, result.draws, result.measured, result.draws, result.candidates
+    );
+    if !result.converged {
+        text.push_str("NOT CONVERGED: do not rely on these intervals; double --draws, then --moves 48\n");
+    }
+    let rows = result.measurements.iter().map(|own| {
+        let held_out = if own.counts { "" } else { "not used" };
+        vec![
+            own.name.clone(),
+            reading(own.reading),
+            own.unit.clone(),
+            ends(own.before),
+            ends(own.now),
+            format!("{:+.1}", own.left_over),
+            own.verdict.as_str().to_owned(),
+            held_out.to_owned(),
+        ]
+    });
+    let rows: Vec<Vec<String>> = rows.collect();
+    let headings = [
+        "measurement",
+        "value",
+        "unit",
+        "before, 90 %",
+        "now, 90 %",
+        "left over, sd",
+        "verdict",
+        "",
+    ];
+    text.push_str(&format!("\n{}", texts(&headings, &rows)));
+    for own in &result.conflicts {
+        text.push_str(&format!("\n{}", conflict(own)));
+    }
+    let moved: Vec<Vec<String>> = result
+        .inputs
+        .iter()
+        .filter(|own| own.ratio < result.moved_below)
+        .take(SHOWN)
+        .map(|own| {
+            let ratio = format!("{:.2}", own.ratio);
+            vec![
+                own.name.clone(),
+                own.unit.clone(),
+                ends(own.before),
+                ends(own.now),
+                ratio,
+            ]
+        })
+        .collect();
+    let more = result
+        .inputs
+        .iter()
+        .filter(|own| own.ratio < result.moved_below)
+        .count()
+        .saturating_sub(SHOWN);
+    text.push_str(&format!(
+        "\n{}",
+        texts(
+            &["input", "unit", "before, 90 %", "now, 90 %", "ratio of widths"],
+            &moved
+        )
+    ));
+    if more > 0 {
+        text.push_str(&format!("  and {more} more on the page\n"));
+    }
+    for own in &result.pairs {
+        let [a, b] = &own.inputs;
+        text.push_str(&format!(
+            "  {a} and {b}: rank correlation {:+.2}\n",
+            own.rank_correlation
+        ));
+    }
+    text.push_str(&format!(
+        "  {} inputs are not identified by these measurements\n\n",
+        result.unidentified
+    ));
+    let rows: Vec<Vec<String>> = result
+        .figures
+        .iter()
+        .map(|own| {
+            let words = |[low, middle, high]: [f64; 3]| format!("{} ({})", number(middle), ends([low, high]));
+            vec![
+                format!("{} [{}]", own.name, own.unit),
+                words(own.before),
+                words(own.now),
+            ]
+        })
+        .collect();
+    text.push_str(&table(&["the shot of the design", "before, P50 (90 %)", "now"], &rows));
+    for note in &result.notes {
+        text.push_str(&format!("  - {note}\n"));
+    }
+    text
+}
+
+/// A conflict in words.
+fn conflict(own: &ConflictRow) -> String {
+    let mut text = match (&own.partner, own.nearest, own.distance) {
+        (_, Some(nearest), Some(distance)) => format!(
+            "  NOT REACHED: no candidate comes near {}; the nearest has {}, {distance:.1} sd away\n",
+            own.measurement,
+            number(nearest)
+        ),
+        (Some(partner), ..) => format!(
+            "  CONFLICT: {} and {partner} contradict each other (probability {:.1e})\n",
+            own.measurement, own.probability
+        ),
+        _ => format!(
+            "  CONFLICT: {} contradicts the other measurements (probability {:.1e})\n",
+            own.measurement, own.probability
+        ),
+    };
+    text.push_str(&match own.widened {
+        Some(factor) => format!("    its errors were widened by a factor {factor:.1}\n"),
+        None => "    left out of all intervals\n".to_owned(),
+    });
+    if let Some(gain) = own.gain {
+        text.push_str(&format!("    log evidence without: {gain:+.1}\n"));
+    }
+    for remedy in &own.remedies {
+        text.push_str(&format!("    - {remedy}\n"));
+    }
+    text
+}

@@ -1,0 +1,119 @@
+//! Tables as HTML.
+
+use maud::{Markup, html};
+
+use super::legend::marked;
+use crate::tables::{Cell, Column, Content, Table};
+
+/// Characters of the terminal, and those that a page sets for them.
+const TYPESET: [(&str, &str); 6] = [
+    ("+-", "\u{b1}"),
+    ("<= ", "\u{2264} "),
+    (">= ", "\u{2265} "),
+    ("dB2", "dB\u{b2}"),
+    ("Q2", "Q\u{b2}"),
+    (" m2", " m\u{b2}"),
+];
+
+/// A table with its legend.
+pub(super) fn markup(table: &Table) -> Markup {
+    let last = table.rows.len().saturating_sub(1);
+    html! {
+        div.scroll { table.pinned {
+            thead { tr { @for column in &table.columns {
+                th.n[column.content == Content::Numbers] { (marked(&typeset(&column.heading))) }
+            } } }
+            tbody { @for (place, row) in table.rows.iter().enumerate() { tr.sum[table.sum && place == last]
+                .failed[row.iter().any(|cell| cell.alarm)] {
+                @for (place, column) in table.columns.iter().enumerate() {
+                    (cell(place, column, row.get(place).unwrap_or(&Cell::default())))
+                }
+            } } }
+        } }
+        @for line in &table.legend { p.quiet { (with_code(line)) } }
+    }
+}
+
+fn cell(place: usize, column: &Column, cell: &Cell) -> Markup {
+    let key = column.content == Content::Keys;
+    html! {
+        @if place == 0 { th.key-name[key] scope="row" { (content(cell)) } }
+        @else if column.content == Content::Numbers { td.n { (content(cell)) } }
+        @else { td.key-name[key] { (content(cell)) } }
+    }
+}
+
+/// The content of a cell.
+pub(super) fn content(cell: &Cell) -> Markup {
+    let text = typeset(&cell.text);
+    html! {
+        @if let Some(place) = cell.dot { span class={ "dot c" (place) } {} }
+        @if let Some(bar) = cell.bar {
+            div.share {
+                div class={ "bar c" (bar.colour) }
+                    style={ "width:" (format!("{:.1}%", 100.0 * bar.length.clamp(0.0, 1.0))) } {}
+                @if !text.is_empty() { span { (text) } }
+            }
+        } @else if cell.strong { b { (text) } } @else { (text) }
+        @if !cell.spread.is_empty() { " " span.quiet { (typeset(&cell.spread)) } }
+    }
+}
+
+/// A line of plain text whose words between backticks are code.
+pub(super) fn with_code(line: &str) -> Markup {
+    let parts = line.split('`').enumerate();
+    html! { @for (place, part) in parts { @if place % 2 == 1 { code { (part) } } @else { (part) } } }
+}
+
+/// A text of the terminal with the signs of a page: an en dash for a missing value, minus signs before digits.
+pub(super) fn typeset(text: &str) -> String {
+    if text == "-" {
+        return "\u{2013}".to_owned();
+    }
+    let text = TYPESET
+        .iter()
+        .fold(text.to_owned(), |text, (plain, set)| text.replace(plain, set));
+    let mut set = String::with_capacity(text.len());
+    let mut letters = text.chars().peekable();
+    let mut before = ' ';
+    while let Some(letter) = letters.next() {
+        let number = letters.peek().is_some_and(char::is_ascii_digit);
+        let sign = letter == '-' && number && matches!(before, ' ' | '(' | '/');
+        set.push(if sign { '\u{2212}' } else { letter });
+        before = letter;
+    }
+    set
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn signs_are_set_and_names_stay() {
+        for (plain, set) in [
+            ("-", "\u{2013}"),
+            ("-0.4 .. +1.2", "\u{2212}0.4 .. +1.2"),
+            ("+-0.3", "\u{b1}0.3"),
+            ("<= 92.00", "\u{2264} 92.00"),
+            ("-1.0 / -2.0", "\u{2212}1.0 / \u{2212}2.0"),
+            ("n80cb-2", "n80cb-2"),
+            ("variance 2.0 dB2", "variance 2.0 dB\u{b2}"),
+        ] {
+            assert_eq!(typeset(plain), set);
+        }
+    }
+
+    #[test]
+    fn every_row_has_a_cell_for_each_column() {
+        let columns = [Column::words("source"), Column::number("L_{WA,1s} dB"), Column::bars()];
+        let rows = [
+            vec!["exhaust".into(), Cell::estimate("97.0", "+-0.4"), Cell::bar(0.5)],
+            vec!["total".into()],
+        ];
+        let text = markup(&Table::new(columns, rows).with_sum()).into_string();
+        assert_eq!(text.matches("<td").count() + text.matches("scope=\"row\"").count(), 6);
+        assert!(text.contains("L<sub>WA,1s</sub> dB") && text.contains("<b>97.0</b> <span class=\"quiet\">\u{b1}0.4"));
+        assert_eq!(text.matches("<tr class=\"sum\">").count(), 1);
+    }
+}
