@@ -21,7 +21,6 @@ mod locate;
 mod marks;
 mod mode;
 mod rates;
-mod real;
 mod recorder;
 mod start;
 mod state;
@@ -32,7 +31,6 @@ mod tolerances;
 mod wood;
 
 pub(crate) use gas::{Air, Gas};
-pub(crate) use real::Real;
 
 use crate::{CouplingWork, CycleError, CycleRecord, Parameters, Settings, Workpiece};
 
