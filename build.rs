@@ -15,10 +15,11 @@ use proc_macro2::{Delimiter, TokenStream, TokenTree};
 use sha2::{Digest as _, Sha256};
 
 /// Crates of the workspace, each after those that it depends on.
-const CRATES: [&str; 9] = [
+const CRATES: [&str; 10] = [
     "quantities",
     "documents",
     "calibration",
+    "penetration",
     "dynamics",
     "meshes",
     "fem",

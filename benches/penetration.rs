@@ -5,8 +5,8 @@ use std::path::Path;
 use divan::Bencher;
 use nailnoise::penetration::machine::machine;
 use nailnoise_dynamics::machine::{Drive as Driven, Shot, drive, launch};
-use nailnoise_dynamics::prf::fit::{Conditions, Drive, Driving, Fitted, Form, Method, Point, fit};
-use nailnoise_dynamics::prf::{NAILS, Specimen, WOODS};
+use nailnoise_penetration::fit::{Conditions, Drive, Driving, Fitted, Form, Method, Point, fit};
+use nailnoise_penetration::{NAILS, Specimen, WOODS};
 
 const DRIVES: usize = 1000;
 const POINTS: usize = 100;

@@ -252,7 +252,7 @@ pub enum Error {
     /// A penetration law cannot be evaluated.
     #[error(transparent)]
     #[diagnostic(help("{}", _0.remedy()))]
-    Curve(#[from] nailnoise_dynamics::prf::CurveError),
+    Curve(#[from] nailnoise_penetration::CurveError),
     /// A mesh could not be built.
     #[error("the mesh of a body cannot be built")]
     Mesh(#[from] nailnoise_meshes::MeshError),

@@ -179,27 +179,6 @@ pub enum CycleError {
         /// Time \[s\].
         time: f64,
     },
-    /// A penetration speed outside the range of the quasi-static laws.
-    #[error(
-        "penetration speed {speed} m/s is outside {lowest} .. {highest} m/s, the range of the quasi-static laws \
-         (Eq. 2.2); use prf::REFERENCE_SPEED for a dynamic run"
-    )]
-    PenetrationSpeed {
-        /// Speed asked for \[m/s\].
-        speed: f64,
-        /// Lowest speed \[m/s\].
-        lowest: f64,
-        /// Highest speed \[m/s\].
-        highest: f64,
-    },
-    /// A depth beyond the nail's length.
-    #[error("depth {depth} m is beyond the nail's length {length} m, where the penetration law ends")]
-    PenetrationDepth {
-        /// Depth asked for \[m\].
-        depth: f64,
-        /// Nail length \[m\].
-        length: f64,
-    },
     /// Cycle and wood do not agree on forces.
     #[error(
         "the cycle and the wood do not agree on their forces at {time} s: {mismatch} N apart, {limit} N allowed; use a \

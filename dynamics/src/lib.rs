@@ -17,8 +17,8 @@ pub mod machine;
 mod n80cb_assembly;
 pub mod network;
 mod parameters;
+mod penetration;
 mod presets;
-pub mod prf;
 mod record;
 mod settings;
 mod workpiece;
@@ -28,9 +28,10 @@ pub use energy::{ContactEnergy, EnergyFlow};
 pub use error::CycleError;
 pub use geometry::Geometry;
 pub use log::{Crossing, Direction, LogEntry, LogState};
+pub use nailnoise_penetration::Wood;
 pub use parameters::{
     Ambient, Block, Chambers, Contacts, Exhaust, Form, Friction, Hand, HeadValve, Model, Nail, Parameters, Piston,
-    Supply, Support, SupportDamping, Tool, Trigger, Wood,
+    Supply, Support, SupportDamping, Tool, Trigger,
 };
 pub use record::{Body, CycleRecord, Events, ExhaustFlow, Forces, Motion, Outcome, Summary, VentFlow, Volume, Work};
 pub use settings::{Method, Settings};

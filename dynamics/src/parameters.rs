@@ -3,14 +3,13 @@
 //! Nothing here is derived. Areas, volumes of the nail and block, masses, the channel's delay and attenuation come from
 //! [`Geometry`](crate::Geometry). The symbols are those of Nili Ahmadabadi (2016), ch. 4.
 
+use nailnoise_penetration::fit::FittedLaw;
+use nailnoise_penetration::{ForceTable, Wood};
 use nailnoise_quantities::dimension::*;
 use nailnoise_quantities::{
     Group, KeySpec, Kind, Value, any, choice, component, fraction, gas_pressure, group, nonnegative, positive,
 };
 use serde::{Deserialize, Serialize};
-
-use crate::prf::fit::FittedLaw;
-use crate::prf::{ForceTable, ResistanceLaw};
 
 /// One tool, one nail, one block of wood, one hand: all the inputs of a nailing cycle (SI units throughout).
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -242,30 +241,6 @@ group! {
         overdrive_limit: f64 = positive(LENGTH), "";
         /// Friction of magazine and guide on the nail while the rod drives it.
         magazine_friction: f64 = nonnegative(FORCE), "";
-    }
-}
-
-group! {
-    /// The wood as the nail meets it.
-    Wood {
-        /// Density.
-        density: f64 = positive(DENSITY), "rho_w";
-        /// Hardness modulus; also the stiffness k_w of the wood under the nail's head.
-        hardness_modulus: f64 = positive(STIFFNESS), "H_M";
-        /// Law of penetration resistance.
-        penetration_law: ResistanceLaw = ResistanceLaw::KIND, "F_r";
-        /// Coefficient of the speed term of the solid-wood law, at its reference speed.
-        speed_term: f64 = any(VELOCITY_SQUARED).within(-1e5, 1e5), "C8 v_ref^2";
-        /// Coefficient of the slenderness term D/l_n of the solid-wood law.
-        slenderness_term: f64 = any(NUMBER).within(-100.0, 100.0), "C9";
-        /// Force of the constant law; unused with the others.
-        penetration_force: f64 = nonnegative(FORCE), "";
-        /// Multiplier on the penetration law.
-        resistance_scale: f64 = nonnegative(NUMBER).within(0.0, 1e3), "Fr_scale";
-        /// Multiplier on the stiffness under the nail's head, k_w = scale H_M.
-        head_stiffness_scale: f64 = positive(NUMBER).within(1e-9, 1e3), "kw_scale";
-        /// Unloading stiffness of the seated nail.
-        unloading_stiffness: f64 = positive(STIFFNESS), "k_u";
     }
 }
 

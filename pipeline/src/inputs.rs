@@ -22,8 +22,16 @@ pub trait Input<E>: Send + Sync {
 }
 
 thread_local! {
-    /// The inputs found so far while this thread serialises a stage, with the keys of their stages.
-    static FOUND: RefCell<Option<Vec<(Digest, Box<dyn Any>)>>> = const { RefCell::new(None) };
+    /// The inputs found so far while this thread serialises a stage.
+    static FOUND: RefCell<Option<Vec<Found>>> = const { RefCell::new(None) };
+}
+
+/// An input, whatever its error type.
+struct Found {
+    /// Key of the stage that makes it.
+    key: Digest,
+    /// An `Arc<dyn Input<E>>`.
+    input: Box<dyn Any>,
 }
 
 /// Runs work that serialises values; also returns the inputs within them, each once.
@@ -33,7 +41,7 @@ pub(crate) fn during<T, E: 'static>(work: impl FnOnce() -> T) -> (T, Vec<Arc<dyn
     let found = FOUND.replace(outer).unwrap_or_default();
     let inputs = found
         .into_iter()
-        .filter_map(|(_, input)| input.downcast::<Arc<dyn Input<E>>>().ok())
+        .filter_map(|found| found.input.downcast::<Arc<dyn Input<E>>>().ok())
         .map(|input| *input);
     (value, inputs.collect())
 }
@@ -42,8 +50,11 @@ pub(crate) fn during<T, E: 'static>(work: impl FnOnce() -> T) -> (T, Vec<Arc<dyn
 pub(crate) fn found<E: 'static>(key: &Digest, input: impl FnOnce() -> Arc<dyn Input<E>>) {
     FOUND.with_borrow_mut(|found| {
         let Some(found) = found else { return };
-        if found.iter().all(|(known, _)| known != key) {
-            found.push((*key, Box::new(input())));
+        if found.iter().all(|known| known.key != *key) {
+            found.push(Found {
+                key: *key,
+                input: Box::new(input()),
+            });
         }
     });
 }

@@ -5,8 +5,8 @@ use std::path::PathBuf;
 use nailnoise::penetration::fitting::{Options, fit_files};
 use nailnoise::penetration::{self, PenetrationError, file_of};
 use nailnoise::{Error, figures};
-use nailnoise_dynamics::prf::fit::{Cleaning, Form, Leave, Method, Start};
-use nailnoise_dynamics::prf::{NAILS, PenetrationCurve, PenetrationLaw, WOODS};
+use nailnoise_penetration::fit::{Cleaning, Form, Leave, Method, Start};
+use nailnoise_penetration::{NAILS, PenetrationCurve, PenetrationLaw, WOODS};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 

@@ -1,6 +1,6 @@
 //! Fitted penetration laws: data with law and band, and residuals against every predictor.
 
-use nailnoise_dynamics::prf::fit::{Drive, FittedLaw, Scatter, VARIABLES, Variable};
+use nailnoise_penetration::fit::{Drive, FittedLaw, Scatter, VARIABLES, Variable};
 
 use super::chart::{Axis, Chart, Panel, Series, Shape};
 

@@ -1,6 +1,6 @@
 //! Penetration laws over depth, published ones with a band of one standard error.
 
-use nailnoise_dynamics::prf::{CurveError, PenetrationCurve};
+use nailnoise_penetration::{CurveError, PenetrationCurve};
 
 use super::PALETTE;
 use super::chart::{Axis, Chart, Panel, Series, Shape};

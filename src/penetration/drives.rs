@@ -3,8 +3,8 @@
 use std::collections::{BTreeMap, HashSet};
 use std::path::{Path, PathBuf};
 
-use nailnoise_dynamics::prf::Specimen;
-use nailnoise_dynamics::prf::fit::{Conditions, Driving, Masses};
+use nailnoise_penetration::Specimen;
+use nailnoise_penetration::fit::{Conditions, Driving, Masses};
 use sha2::{Digest as _, Sha256};
 
 use super::{PenetrationError, nail, read_bytes, unreadable, wood};

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-use nailnoise_dynamics::prf::fit::{
+use nailnoise_penetration::fit::{
     Cleaning, Drive, FitError, FittedLaw, Flag, Form, Leave, Method, Reduction, Scatter, Split, Validation, Variable,
     fit, reduce, split, validate,
 };

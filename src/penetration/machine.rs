@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use nailnoise_dynamics::machine::Machine;
-use nailnoise_dynamics::prf::fit::FittedLaw;
+use nailnoise_penetration::fit::FittedLaw;
 use nailnoise_quantities::{Found, Group, KeySpec, Kind, Value, quantity};
 
 use super::{PenetrationError, fitted, read_text, unreadable};

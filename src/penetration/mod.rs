@@ -11,8 +11,8 @@ use std::path::{Path, PathBuf};
 use miette::Diagnostic;
 use nailnoise_documents::read_regular;
 use nailnoise_dynamics::machine::{MachineError, PlanError};
-use nailnoise_dynamics::prf::fit::{FitError, FittedLaw, FormError};
-use nailnoise_dynamics::prf::{CurveError, ForceTable, NAILS, NailSize, PenetrationLaw, TableError, WOODS, WoodKind};
+use nailnoise_penetration::fit::{FitError, FittedLaw, FormError};
+use nailnoise_penetration::{CurveError, ForceTable, NAILS, NailSize, PenetrationLaw, TableError, WOODS, WoodKind};
 use nailnoise_quantities::dimension;
 use thiserror::Error;
 

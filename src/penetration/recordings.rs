@@ -2,8 +2,8 @@
 
 use std::path::Path;
 
-use nailnoise_dynamics::prf::fit::{Cleaned, Cleaning, Drive, Trace};
 use nailnoise_meshes::uff;
+use nailnoise_penetration::fit::{Cleaned, Cleaning, Drive, Trace};
 use nailnoise_quantities::Dimension;
 
 use super::drives::{Row, digest};

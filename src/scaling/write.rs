@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use nailnoise_dynamics::prf::Specimen;
+use nailnoise_penetration::Specimen;
 use nailnoise_quantities::{Group as _, Kind};
 
 use super::error::{ScalingError, broken};

@@ -53,6 +53,11 @@ fn files_of_pipeline_form_no_circle() {
 }
 
 #[test]
+fn files_of_penetration_form_no_circle() {
+    assert_no_circle("penetration/src");
+}
+
+#[test]
 fn files_of_dynamics_form_no_circle() {
     assert_no_circle("dynamics/src");
 }

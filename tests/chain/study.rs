@@ -11,8 +11,8 @@ use nailnoise::design::inputs::cycle as inputs;
 use nailnoise::graph::Graph;
 use nailnoise::stages::Progress;
 use nailnoise::study::{DrawnShot, ShotOutcome, Shots, shots, taking_part};
-use nailnoise_dynamics::prf::Specimen;
 use nailnoise_dynamics::{Parameters, simulate};
+use nailnoise_penetration::Specimen;
 use rayon::prelude::*;
 
 fn design() -> Design {

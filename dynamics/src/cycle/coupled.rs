@@ -17,12 +17,12 @@
 
 use super::integrate::{Cycle, Problem, Run};
 use super::mode::{Contact, Mode, Penetration};
-use super::real::Dual;
 use super::state::*;
 use super::switching::{SLOTS, deepest};
 use super::system::System;
 use super::wood::DrivenWood;
 use crate::{CouplingWork, CycleError, Settings, WoodForces, WoodMotion, Workpiece};
+use nailnoise_penetration::Dual;
 
 /// Difference of forces, as a part of the largest so far, at which both sides agree.
 const AGREEMENT: f64 = 1e-9;

@@ -10,10 +10,10 @@ use diffsol::{
 
 use super::history::{History, Past};
 use super::mode::Mode;
-use super::real::Dual;
 use super::state::{SIZE, STATES, State};
 use super::system::System;
 use crate::Form;
+use nailnoise_penetration::Dual;
 
 type Matrix = NalgebraMat<f64>;
 type Vector = NalgebraVec<f64>;

@@ -5,10 +5,10 @@ use std::f64::consts::PI;
 use super::gas::Gas;
 use super::history::{Past, Stream};
 use super::mode::{Channel, Mode};
-use super::real::Real;
 use super::state::*;
 use super::system::{Instant, System};
 use crate::Form;
+use nailnoise_penetration::Real;
 
 /// Coefficients of the intake's flow coefficient C_f(P_d/P_u) and the range of the ratio (Eq. 4.35).
 const POPPET: [f64; 4] = [1.1, -0.71, 0.49, -0.14];

@@ -1,9 +1,9 @@
 //! Forces between the bodies, and their effects on them.
 
 use super::mode::{Contact, Mode, NailState, Penetration};
-use super::real::Real;
 use super::state::*;
 use super::system::{Instant, System};
+use nailnoise_penetration::Real;
 
 /// Coefficients of the head valve's closing spring, F(y) in N, y in m (Eq. 4.60, as printed; C-24).
 pub(crate) const SPRING: [f64; 9] = [

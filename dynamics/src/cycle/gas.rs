@@ -1,6 +1,6 @@
 //! Flow of air through restrictions.
 
-use super::real::{Dual, Real};
+use nailnoise_penetration::{Dual, Real};
 
 /// Air and the compressible orifice law.
 ///

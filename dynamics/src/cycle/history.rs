@@ -1,8 +1,8 @@
 //! Past flow of the trigger's channel, for the published form with a delay of the flow itself (C-04).
 
-use super::real::{Dual, Real};
 use super::state::{SIZE, State};
 use super::system::System;
+use nailnoise_penetration::{Dual, Real};
 
 /// Mass and enthalpy flow.
 #[derive(Debug, Clone, Copy)]

@@ -23,7 +23,6 @@ mod mode;
 #[cfg(test)]
 mod network_agrees;
 mod rates;
-mod real;
 mod recorder;
 mod start;
 mod state;
@@ -35,7 +34,6 @@ mod wood;
 
 pub(crate) use gas::{Air, Gas};
 pub(crate) use locate::locate;
-pub(crate) use real::{Dual, Real};
 
 use crate::{CouplingWork, CycleError, CycleRecord, Parameters, Settings, Workpiece};
 

@@ -3,9 +3,9 @@
 //! The right-hand side is smooth for a fixed mode, whatever the state, so a step may run past an event and be cut back
 //! to it: no force or flow has a branch on the sign of a gap.
 
-use super::real::Real;
 use super::state::{V_W, Y_W};
 use super::wood::DrivenWood;
+use nailnoise_penetration::Real;
 
 /// A contact that pushes with F = k u + c u' while closed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -3,7 +3,6 @@
 
 use super::history::Past;
 use super::mode::{Channel, Contact, Mode, NailState, Penetration};
-use super::real::Dual;
 use super::start::start;
 use super::state::*;
 use super::system::System;
@@ -13,6 +12,7 @@ use crate::network::jacobian::Jacobian;
 use crate::network::mode::{Mode as Switches, depth, head};
 use crate::network::plan::Plan;
 use crate::network::rates::Workspace;
+use nailnoise_penetration::Dual;
 
 /// Bodies of the network; the fixed cycle has the hand as a fifth.
 const NETWORK_BODIES: usize = 4;

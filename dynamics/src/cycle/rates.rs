@@ -5,10 +5,10 @@ use std::f64::consts::PI;
 use super::flows::{ChannelFlow, Flows};
 use super::history::Past;
 use super::mode::{Contact, Mode};
-use super::real::Real;
 use super::state::*;
 use super::system::System;
 use crate::Form;
+use nailnoise_penetration::Real;
 
 impl System {
     /// dy/dt of states and integrals.

@@ -8,8 +8,8 @@ use super::mode::{Channel, Contact, Mode, NailState, Penetration};
 use super::state::*;
 use super::system::System;
 use super::wood::DrivenWood;
-use crate::prf::ResistanceLaw;
 use crate::{CycleError, Parameters, SupportDamping, WoodMotion};
+use nailnoise_penetration::ResistanceLaw;
 
 /// Refuses designs outside the validity of the model.
 pub(crate) fn check(p: &Parameters) -> Result<(), CycleError> {

@@ -2,10 +2,10 @@
 
 use super::gas::{Air, Gas};
 use super::mode::{Contact, Mode, NailState};
-use super::real::Real;
 use super::state::*;
-use crate::prf::Envelope;
 use crate::{Form, Geometry, Parameters};
+use nailnoise_penetration::Envelope;
+use nailnoise_penetration::Real;
 
 /// Spring and dashpot of a contact.
 #[derive(Debug, Clone, Copy)]
@@ -98,7 +98,7 @@ impl System {
             } else {
                 [0.0; 2]
             },
-            envelope: Envelope::new(p),
+            envelope: p.penetration_envelope(),
             check_area: cd * p.chambers.check_hole_area,
             return_area: cd * p.chambers.return_hole_area,
             leak_area: cd * p.chambers.leak_area,

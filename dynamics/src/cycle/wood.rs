@@ -4,9 +4,9 @@
 //! in the time since the window began. That time is a state, replacing the lumped wood's position, so that every force
 //! and every margin stays a function of the state.
 
-use super::real::Real;
 use super::state::*;
 use crate::WoodMotion;
+use nailnoise_penetration::Real;
 
 /// A cubic through position and velocity at both ends of a window.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -11,8 +11,8 @@ use serde::Serialize;
 
 use super::integrator::integrate;
 use super::{Machine, MachineError};
-use crate::prf::fit::FittedLaw;
-use crate::prf::{Resistance, ResistanceLaw, Shanks, Specimen};
+use nailnoise_penetration::fit::FittedLaw;
+use nailnoise_penetration::{Driven, Resistance, ResistanceLaw, Shanks, Specimen};
 
 /// Tolerance of the integration.
 const TOLERANCE: f64 = 1e-12;
@@ -127,7 +127,14 @@ pub fn drive(machine: &Machine, fit: Option<&FittedLaw>, shot: Shot, interval: f
             });
         }
     }
-    let law = Resistance::of(wood, (None, fit), &specimen, (m, Shanks::SMOOTH));
+    let law = Resistance::new(&Driven {
+        wood,
+        table: None,
+        fit,
+        specimen: &specimen,
+        mass: m,
+        shanks: Shanks::SMOOTH,
+    });
     let joint = m + nail.mass;
     let v1 = v0 * m / joint;
     let to_cell = (m - projectile.mass_ahead_of_cell) / joint;

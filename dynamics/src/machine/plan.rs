@@ -5,7 +5,7 @@ use thiserror::Error;
 
 use super::driving::{Shot, drive};
 use super::{Machine, MachineError};
-use crate::prf::fit::FittedLaw;
+use nailnoise_penetration::fit::FittedLaw;
 
 /// Masses of the published plan \[kg\]. The first is printed as 0.1293 kg with the speeds of the tool's 0.131 kg: at
 /// 0.1293 kg the middle level would be 25.52 m/s.

@@ -10,7 +10,9 @@ use super::kernels::{Ends, interpolate};
 use super::mode::{Mode, head};
 use super::plan::{Pair, Plan};
 use super::rates::Workspace;
-use crate::cycle::{Dual, Gas, Real};
+use nailnoise_penetration::{Dual, Real};
+
+use crate::cycle::Gas;
 
 /// Derivatives of the rates by the states, by columns of the length of the whole vector.
 #[derive(Debug, Clone)]

@@ -8,7 +8,9 @@ use super::plan::{
     AreaPlan, CoefficientPlan, ContactPlan, FastenerPlan, FrictionPlan, HoldPlan, MotorPlan, PassagePlan,
     ResistancePlan, RestrictionPlan, SpringPlan,
 };
-use crate::cycle::{Air, Gas, Real};
+use nailnoise_penetration::Real;
+
+use crate::cycle::{Air, Gas};
 
 /// A force with the dashpot's part of it \[N\].
 #[derive(Debug, Clone, Copy)]

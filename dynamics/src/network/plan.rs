@@ -12,7 +12,7 @@ use super::assembly::{
 };
 use super::error::RunError;
 use crate::cycle::Air;
-use crate::prf::{Curve, PenetrationLaw};
+use nailnoise_penetration::{Curve, PenetrationLaw};
 
 /// Two bodies between which a block acts; the ground has the index after the last body.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

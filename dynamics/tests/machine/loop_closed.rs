@@ -1,10 +1,10 @@
 //! From a law over virtual tests back to the law.
 
 use nailnoise_dynamics::machine::{Machine, Shot, TOOL_MASS, TOOL_SPEED, drive, plan, read};
-use nailnoise_dynamics::prf::fit::{
+use nailnoise_penetration::fit::{
     Cleaning, Conditions, Drive, Driving, FittedLaw, Form, Masses, Method, Point, Trace, fit,
 };
-use nailnoise_dynamics::prf::{ResistanceLaw, Specimen};
+use nailnoise_penetration::{ResistanceLaw, Specimen};
 
 use super::machine;
 

@@ -9,7 +9,7 @@ use nailnoise_dynamics::machine::{
     Launch, Machine, MachineError, Projectile, ScatterOfWood, Sensors, Shot, TOOL_MASS, TOOL_SPEED, TestBlock,
     TestNail, drive, launch, plan, speed_for_mean,
 };
-use nailnoise_dynamics::prf::ResistanceLaw;
+use nailnoise_penetration::ResistanceLaw;
 
 use base_design::{group, number};
 use nailnoise_quantities::dimension::LENGTH;

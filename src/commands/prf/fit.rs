@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
-use nailnoise_dynamics::prf::fit::{Cleaning, Drive, FitFile, Form, Leave, Method, Start};
+use nailnoise_penetration::fit::{Cleaning, Drive, FitFile, Form, Leave, Method, Start};
 use nailnoise_quantities::dimension::FORCE;
 use nailnoise_quantities::measure;
 use serde::Serialize;

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use nailnoise_dynamics::prf::{
+use nailnoise_penetration::{
     CurveError, CurveLaw, FitQuality, NAILS, PenetrationCurve, PenetrationLaw, REFERENCE_SPEED, WOODS,
 };
 use serde::Serialize;

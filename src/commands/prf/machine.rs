@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use nailnoise_acoustics::random::uniform;
 use nailnoise_dynamics::machine::{Drive, Launched, Machine, Shot, drive, launch, read};
-use nailnoise_dynamics::prf::fit::{FittedLaw, standard_normal};
+use nailnoise_penetration::fit::{FittedLaw, standard_normal};
 use serde::Serialize;
 
 use crate::atomic_write::AtomicWrite;

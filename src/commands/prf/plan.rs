@@ -7,9 +7,9 @@ use nailnoise_dynamics::machine::{
     Launch, MASSES, Machine, MachineError, Projectile, ScatterOfWood, Sensors, Shot, TestBlock, TestNail, drive, plan,
     speed_for_mean,
 };
-use nailnoise_dynamics::prf::fit::{Conditions, Drive, Driving, FittedLaw, Form, Method, Point, Regression};
-use nailnoise_dynamics::prf::{NailSize, PenetrationLaw, REFERENCE_SPEED, ResistanceLaw, Specimen, WoodKind};
 use nailnoise_dynamics::{Ambient, Wood};
+use nailnoise_penetration::fit::{Conditions, Drive, Driving, FittedLaw, Form, Method, Point, Regression};
+use nailnoise_penetration::{NailSize, PenetrationLaw, REFERENCE_SPEED, ResistanceLaw, Specimen, WoodKind};
 use nailnoise_quantities::dimension::{ENERGY, MASS, NUMBER};
 use nalgebra::DMatrix;
 use serde::Serialize;

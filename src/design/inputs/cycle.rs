@@ -3,8 +3,8 @@
 use std::path::Path;
 
 use nailnoise_dynamics as dynamics;
-use nailnoise_dynamics::prf::fit::{Conditions, Driving, FittedLaw};
-use nailnoise_dynamics::prf::{ResistanceLaw, Specimen};
+use nailnoise_penetration::fit::{Conditions, Driving, FittedLaw};
+use nailnoise_penetration::{ResistanceLaw, Specimen};
 
 use crate::design::{Design, MufflerKind};
 use crate::error::Error;

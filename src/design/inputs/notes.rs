@@ -1,7 +1,7 @@
 //! Inputs of the notes: the fitted law, and values outside their ranges, in words.
 
 use nailnoise_dynamics::CycleRecord;
-use nailnoise_dynamics::prf::fit::{Placement, Variable};
+use nailnoise_penetration::fit::{Placement, Variable};
 
 use super::cycle::{conditions, fitted_law as law_of};
 use super::radiation::cap;

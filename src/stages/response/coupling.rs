@@ -7,12 +7,12 @@
 
 use std::sync::Arc;
 
-use nailnoise_dynamics::prf::Envelope;
 use nailnoise_dynamics::{
     Compliance, CouplingWork, CycleRecord, Parameters, Settings as CycleSettings, WoodForces, WoodMotion, Workpiece,
     simulate_on,
 };
 use nailnoise_fem::vibration::{Driven, ModalBody, ModalResponse, Settings, Support};
+use nailnoise_penetration::Envelope;
 use nalgebra::{DMatrix, DVectorView};
 
 use super::nail_force;

@@ -12,8 +12,8 @@
 //! (Nili Ahmadabadi 2016, sec. 2.4.3: 81 % for a smooth 6d nail in poplar plywood). While the nail is unloaded
 //! (F_pen < E) all parts shrink in proportion.
 
-use nailnoise_dynamics::prf::Envelope;
 use nailnoise_dynamics::{CycleRecord, Parameters};
+use nailnoise_penetration::Envelope;
 use nalgebra::DMatrix;
 
 use crate::stages::bodies::STATIONS;

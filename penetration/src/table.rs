@@ -128,7 +128,7 @@ impl ForceTable {
     }
 
     /// Depth of the last point \[m\].
-    pub(crate) fn last_depth(&self) -> f64 {
+    pub fn last_depth(&self) -> f64 {
         self.depths[self.depths.len() - 1]
     }
 
@@ -138,6 +138,7 @@ impl ForceTable {
     }
 
     /// Force and its derivative, straight beyond both ends.
+    #[inline]
     pub(crate) fn evaluate(&self, depth: f64) -> (f64, f64) {
         let last = self.depths.len() - 1;
         let right = self.depths.partition_point(|x| *x <= depth);

@@ -1,7 +1,7 @@
 //! Penetration resistance from a table.
 
-use nailnoise_dynamics::prf::{ForceTable, PenetrationLaw, REFERENCE_SPEED, Specimen, TableError};
 use nailnoise_dynamics::{CycleError, CycleRecord, Parameters, Settings, simulate};
+use nailnoise_penetration::{ForceTable, PenetrationLaw, REFERENCE_SPEED, Specimen, TableError};
 
 use crate::common::n80cb;
 

@@ -1,10 +1,10 @@
 //! Regression of penetration laws: recovery, check values of a small set by hand, covariance against Monte Carlo.
 
-use nailnoise_dynamics::prf::fit::{
+use nailnoise_penetration::fit::{
     Conditions, Drive, Driving, FitError, Form, Leave, Method, Point, Regression, Scatter, Variable, fit, reduce,
     roots, validate,
 };
-use nailnoise_dynamics::prf::{NAILS, PenetrationLaw, Specimen, WOODS};
+use nailnoise_penetration::{NAILS, PenetrationLaw, Specimen, WOODS};
 use nalgebra::{DMatrix, DVector};
 
 /// Speeds of the published tests of smooth nails \[m/s\].

@@ -1,7 +1,7 @@
 //! The resistance law of a cycle: a constant force, or a published law with its terms.
 
-use nailnoise_dynamics::prf::{PenetrationLaw, ResistanceLaw};
 use nailnoise_dynamics::{CycleError, Parameters, Settings, simulate};
+use nailnoise_penetration::{PenetrationLaw, ResistanceLaw};
 
 use crate::common::n80cb;
 

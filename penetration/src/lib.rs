@@ -8,7 +8,15 @@
 //! they are valid for penetration speeds of 20 to 500 mm/min, and a dynamic run uses the upper end,
 //! [`REFERENCE_SPEED`].
 
+#![forbid(unsafe_code)]
+
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;
+
+mod dual;
 mod envelope;
+mod error;
 mod extension;
 pub mod fit;
 mod law;
@@ -17,16 +25,19 @@ mod resistance;
 mod resistance_law;
 mod table;
 mod tables;
+mod wood;
 
+pub use dual::{Dual, Real};
 pub use envelope::Envelope;
+pub use error::RangeError;
 pub use extension::LENGTH_FACTOR;
-pub(crate) use law::Curve;
-pub use law::{PenetrationLaw, Specimen};
+pub use law::{Curve, PenetrationLaw, Specimen};
 pub use penetration_curve::{CurveError, CurveLaw, PenetrationCurve};
-pub(crate) use resistance::{Resistance, Shanks};
+pub use resistance::{Driven, Resistance, Shanks};
 pub use resistance_law::ResistanceLaw;
 pub use table::{ForceTable, TableError};
 pub use tables::{FitQuality, NAILS, NailSize, Shank, WOODS, WoodKind};
+pub use wood::Wood;
 
 /// Slowest penetration speed of the tests behind the laws, 20 mm/min \[m/s\].
 pub const LOWEST_SPEED: f64 = 20e-3 / 60.0;

@@ -39,13 +39,13 @@ pub struct Resisting {
 
 impl FittedLaw {
     /// The law for a nail in a wood, driven by a mass \[kg\].
-    pub fn of(&self, specimen: &crate::prf::Specimen, mass: f64) -> LawOfDrive {
+    pub fn of(&self, specimen: &crate::Specimen, mass: f64) -> LawOfDrive {
         LawOfDrive::new(self, specimen, mass)
     }
 }
 
 impl LawOfDrive {
-    fn new(law: &FittedLaw, specimen: &crate::prf::Specimen, mass: f64) -> Self {
+    fn new(law: &FittedLaw, specimen: &crate::Specimen, mass: f64) -> Self {
         let inertia = specimen.length * specimen.density / specimen.hardness_modulus;
         let energy = mass / (specimen.hardness_modulus * specimen.length * specimen.length);
         let dynamic = law.dynamic();

@@ -8,7 +8,7 @@
 use std::ops::{Add, Mul, Neg, Sub};
 
 /// Arithmetic the model needs.
-pub(crate) trait Real:
+pub trait Real:
     Copy
     + Add<Output = Self>
     + Sub<Output = Self>
@@ -79,11 +79,11 @@ impl Real for f64 {
 
 /// A number with its derivatives along `N` directions.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Dual<const N: usize> {
+pub struct Dual<const N: usize> {
     /// The number.
-    pub(crate) value: f64,
+    pub value: f64,
     /// Its derivatives.
-    pub(crate) slope: [f64; N],
+    pub slope: [f64; N],
 }
 
 impl<const N: usize> Dual<N> {

@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::form::{Values, Variable};
-use crate::prf::Specimen;
+use crate::Specimen;
 
 /// How a nail was driven.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]

@@ -8,8 +8,8 @@
 
 use thiserror::Error;
 
+use super::RangeError;
 use super::{FitQuality, ForceTable, NAILS, NailSize, PenetrationLaw, Shank, Specimen, WoodKind};
-use crate::CycleError;
 
 /// Intervals of Simpson's rule over a nail's length: its error is below 1e-9 of the work.
 const INTERVALS: u32 = 2000;
@@ -38,7 +38,7 @@ pub enum CurveError {
         /// The nail.
         nail: &'static str,
         /// What is outside.
-        source: CycleError,
+        source: RangeError,
     },
     /// A constant force that is negative or not finite.
     #[error("a constant resistance of {force} N is no force of the wood")]

@@ -1,11 +1,10 @@
 //! Check values of the published penetration laws.
 
-use nailnoise_dynamics::CycleError;
-use nailnoise_dynamics::prf::{
-    HIGHEST_SPEED, LOWEST_SPEED, NAILS, PenetrationLaw, REFERENCE_SPEED, Shank, Specimen, WOODS,
+use nailnoise_penetration::{
+    HIGHEST_SPEED, LOWEST_SPEED, NAILS, PenetrationLaw, REFERENCE_SPEED, RangeError, Shank, Specimen, WOODS,
 };
 
-pub(crate) fn specimen(wood: &str, nail: &str, shank: Shank) -> Specimen {
+fn specimen(wood: &str, nail: &str, shank: Shank) -> Specimen {
     let wood = WOODS.iter().find(|w| w.name == wood).unwrap();
     let nail = NAILS.iter().find(|n| n.name == nail).unwrap();
     Specimen {
@@ -144,7 +143,7 @@ fn a_speed_outside_the_tests_is_refused() {
     let law = PenetrationLaw::SolidWood;
     for speed in [25.0, 0.0, -1e-3, f64::NAN, 1.01 * HIGHEST_SPEED, 0.99 * LOWEST_SPEED] {
         assert!(
-            matches!(law.force(&s, 0.01, speed), Err(CycleError::PenetrationSpeed { .. })),
+            matches!(law.force(&s, 0.01, speed), Err(RangeError::PenetrationSpeed { .. })),
             "{speed}"
         );
     }
@@ -156,7 +155,7 @@ fn a_depth_beyond_the_nail_is_refused() {
     let s = specimen("pine", "12d", Shank::Smooth);
     for depth in [1.1 * s.length, f64::NAN] {
         let found = PenetrationLaw::SolidWood.force(&s, depth, 1e-3);
-        assert!(matches!(found, Err(CycleError::PenetrationDepth { .. })), "{depth}");
+        assert!(matches!(found, Err(RangeError::PenetrationDepth { .. })), "{depth}");
     }
 }
 

@@ -1,14 +1,20 @@
 //! The envelope of the penetration resistance of a design.
 
 use nailnoise_dynamics::Form;
-use nailnoise_dynamics::prf::{PenetrationLaw, REFERENCE_SPEED, Shank};
+use nailnoise_penetration::{NAILS, PenetrationLaw, REFERENCE_SPEED, Shank, Specimen, WOODS};
 
 use crate::common::n80cb;
-use crate::law::specimen;
 
 #[test]
 fn within_the_nail_the_envelope_is_the_scaled_law() {
-    let s = specimen("pine", "12d", Shank::Smooth);
+    let pine = WOODS.iter().find(|wood| wood.name == "pine").unwrap();
+    let nail = NAILS.iter().find(|nail| nail.name == "12d").unwrap();
+    let s = Specimen {
+        length: nail.length,
+        diameter: nail.shank_diameter(Shank::Smooth).unwrap(),
+        hardness_modulus: pine.hardness_modulus,
+        density: pine.density,
+    };
     let mut p = n80cb();
     p.wood.resistance_scale = 0.7;
     for law in PenetrationLaw::ALL {

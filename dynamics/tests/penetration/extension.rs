@@ -3,7 +3,7 @@
 use std::f64::consts::FRAC_PI_4;
 
 use nailnoise_dynamics::Parameters;
-use nailnoise_dynamics::prf::{LENGTH_FACTOR, NAILS, PenetrationLaw, REFERENCE_SPEED, Specimen};
+use nailnoise_penetration::{LENGTH_FACTOR, NAILS, PenetrationLaw, REFERENCE_SPEED, Specimen};
 
 use crate::common::n80cb;
 

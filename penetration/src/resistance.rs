@@ -1,33 +1,49 @@
 //! The law a cycle is driven against: a published one, a constant force, a fitted law, or a table.
 
+use super::dual::Real;
 use super::extension::extended;
 use super::fit::{FittedLaw, LawOfDrive};
 use super::law::Curve;
-use super::{ForceTable, PenetrationLaw, REFERENCE_SPEED, ResistanceLaw, Specimen};
-use crate::cycle::Real;
-use crate::{Parameters, Wood};
+use super::{ForceTable, PenetrationLaw, REFERENCE_SPEED, ResistanceLaw, Specimen, Wood};
 
 /// The fastener's contribution to the resistance beyond the dimensions of one shank.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Shanks {
+pub struct Shanks {
     /// Number of shanks: 1, or 2 for a staple. Each meets the wood like a single nail.
-    pub(crate) legs: u32,
+    pub legs: u32,
     /// Friction along the shank as a share of the force at full depth.
-    pub(crate) friction_share: f64,
+    pub friction_share: f64,
 }
 
 impl Shanks {
     /// One shank, with the share of a smooth nail (Nili Ahmadabadi 2016, sec. 2.4.3: 81 % of a 6d nail in poplar
     /// plywood).
-    pub(crate) const SMOOTH: Self = Self {
+    pub const SMOOTH: Self = Self {
         legs: 1,
         friction_share: 0.81,
     };
 }
 
+/// A fastener that a mass drives into a wood.
+#[derive(Debug, Clone, Copy)]
+pub struct Driven<'a> {
+    /// The wood.
+    pub wood: &'a Wood,
+    /// Resistance by points, in place of the law of the wood.
+    pub table: Option<&'a ForceTable>,
+    /// The law of the word `fitted`.
+    pub fit: Option<&'a FittedLaw>,
+    /// The nail in the wood.
+    pub specimen: &'a Specimen,
+    /// The mass \[kg\].
+    pub mass: f64,
+    /// The fastener's shanks.
+    pub shanks: Shanks,
+}
+
 /// F_r over depth, times a factor.
 #[derive(Debug, Clone)]
-pub(crate) struct Resistance {
+pub struct Resistance {
     law: Law,
     scale: f64,
 }
@@ -41,24 +57,17 @@ enum Law {
 }
 
 impl Resistance {
-    /// The law of a cycle for the nail in its wood.
-    pub(crate) fn new(p: &Parameters, specimen: &Specimen) -> Self {
-        let own = (p.penetration_table.as_ref(), p.penetration_fit.as_ref());
-        let shank = Shanks {
-            legs: p.nail.legs,
-            friction_share: p.friction_share,
-        };
-        Self::of(&p.wood, own, specimen, (p.piston.mass, shank))
-    }
-
-    /// The law of a wood, or a table or fit in its place, for a nail that is driven by a mass \[kg\]. A published law
-    /// is that of one shank, times their number; own laws are those of the fastener.
-    pub(crate) fn of(
-        wood: &Wood,
-        (table, fit): (Option<&ForceTable>, Option<&FittedLaw>),
-        specimen: &Specimen,
-        (mass, shanks): (f64, Shanks),
-    ) -> Self {
+    /// The law of a wood, or a table or fit in its place. A published law is that of one shank, times their number; own
+    /// laws are those of the fastener.
+    pub fn new(driven: &Driven<'_>) -> Self {
+        let Driven {
+            wood,
+            table,
+            fit,
+            specimen,
+            mass,
+            shanks,
+        } = *driven;
         let mut scale = wood.resistance_scale;
         let law = match (table, wood.penetration_law) {
             (Some(table), _) => Law::Tabulated(table.clone()),
@@ -88,7 +97,7 @@ impl Resistance {
     /// Force at `z` and the nail's speed `v` in the wood after an impact of the rod at `impact` \[m/s\], with its
     /// derivatives, continued smoothly above the surface.
     #[inline]
-    pub(crate) fn evaluate<S: Real>(&self, z: S, v: S, impact: f64) -> S {
+    pub fn evaluate<S: Real>(&self, z: S, v: S, impact: f64) -> S {
         let force = match &self.law {
             Law::Published(curve) => curve.evaluate(z),
             Law::Constant(force) => S::constant(*force),
@@ -106,7 +115,7 @@ impl Resistance {
 
     /// Force at `depth` with the nail at rest, 0 at or above the surface \[N\].
     #[inline]
-    pub(crate) fn force(&self, depth: f64, impact: f64) -> f64 {
+    pub fn force(&self, depth: f64, impact: f64) -> f64 {
         if depth <= 0.0 {
             0.0
         } else {
@@ -115,7 +124,7 @@ impl Resistance {
     }
 
     /// The fitted law, if it is one.
-    pub(crate) fn fitted(&self) -> Option<&LawOfDrive> {
+    pub fn fitted(&self) -> Option<&LawOfDrive> {
         match &self.law {
             Law::Fitted(law) => Some(law),
             _ => None,

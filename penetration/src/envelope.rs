@@ -1,9 +1,7 @@
 //! Resistance of the wood to a nail as a function of its deepest penetration.
 
-use super::Specimen;
-use super::resistance::Resistance;
-use crate::cycle::Real;
-use crate::{Form, Parameters};
+use super::dual::Real;
+use super::resistance::{Driven, Resistance};
 
 /// Envelope E(z) of the penetration resistance of one design, z the deepest depth of the nail's tip.
 ///
@@ -24,20 +22,16 @@ pub struct Envelope {
 }
 
 impl Envelope {
-    pub(crate) fn new(p: &Parameters) -> Self {
-        let specimen = Specimen {
-            length: p.nail.length,
-            diameter: p.nail.diameter,
-            hardness_modulus: p.wood.hardness_modulus,
-            density: p.wood.density,
-        };
-        let law = Resistance::new(p, &specimen);
+    /// The envelope of a fastener. `seated`: the force along the shank stays where the head meets the wood, unlike in
+    /// the published form of the nail.
+    pub fn new(driven: &Driven<'_>, seated: bool) -> Self {
+        let law = Resistance::new(driven);
         Self {
-            seated: p.model.nail == Form::Corrected,
+            seated,
             usual_impact: law.fitted().map_or(0.0, |fitted| fitted.usual_impact()),
             law,
-            length: p.nail.length,
-            head_stiffness: p.wood.head_stiffness_scale * p.wood.hardness_modulus,
+            length: driven.specimen.length,
+            head_stiffness: driven.wood.head_stiffness_scale * driven.wood.hardness_modulus,
         }
     }
 
@@ -70,46 +64,32 @@ impl Envelope {
     }
 
     /// E(z) of a nail at rest after an impact at `impact` \[m/s\]: where unloading begins \[N\].
-    pub(crate) fn at_rest(&self, depth: f64, impact: f64) -> f64 {
+    pub fn at_rest(&self, depth: f64, impact: f64) -> f64 {
         self.shank_after(depth, impact) + self.head(depth)
     }
 
     /// Speed of impact where none is known \[m/s\].
-    pub(crate) fn usual_impact(&self) -> f64 {
+    pub fn usual_impact(&self) -> f64 {
         self.usual_impact
     }
 
     /// The law F_r as it is evaluated within the nail's length.
-    pub(crate) fn law(&self) -> &Resistance {
+    pub fn law(&self) -> &Resistance {
         &self.law
     }
 
     /// k_w \[N/m\].
-    pub(crate) fn head_stiffness(&self) -> f64 {
+    pub fn head_stiffness(&self) -> f64 {
         self.head_stiffness
     }
 
     /// Force along the shank beyond l_n \[N\].
     #[inline]
-    pub(crate) fn seated<S: Real>(&self, v: S, impact: f64) -> S {
+    pub fn seated<S: Real>(&self, v: S, impact: f64) -> S {
         if self.seated {
             self.law.evaluate(S::constant(self.length), v, impact)
         } else {
             S::constant(0.0)
         }
-    }
-}
-
-impl Parameters {
-    /// The envelope of the penetration resistance.
-    pub fn penetration_envelope(&self) -> Envelope {
-        Envelope::new(self)
-    }
-
-    /// Envelope of the penetration resistance \[N\] for the nail's tip at its deepest `depth` \[m\].
-    ///
-    /// [`penetration_envelope`](Self::penetration_envelope) serves many depths of one design faster.
-    pub fn penetration_resistance(&self, depth: f64) -> f64 {
-        self.penetration_envelope().force(depth)
     }
 }

@@ -13,7 +13,7 @@ pub enum ResistanceLaw {
     Published(PenetrationLaw),
     /// The same force at every depth, `wood.penetration_force`.
     Constant,
-    /// A law fitted to own tests, [`Parameters::penetration_fit`](crate::Parameters::penetration_fit).
+    /// A law fitted to own tests, a [`FittedLaw`](super::fit::FittedLaw).
     Fitted,
 }
 

@@ -1,11 +1,9 @@
-//! Tests of the penetration resistance laws.
+//! The penetration resistance in the nailing cycle.
 #![allow(clippy::unwrap_used)]
 
 #[path = "../common/mod.rs"]
 mod common;
 mod envelope;
 mod extension;
-mod fit;
-mod law;
 mod resistance;
 mod table;

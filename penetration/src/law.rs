@@ -3,9 +3,9 @@
 use nailnoise_quantities::choice;
 use serde::{Deserialize, Serialize};
 
+use super::RangeError;
+use super::dual::Real;
 use super::{HIGHEST_SPEED, LOWEST_SPEED};
-use crate::CycleError;
-use crate::cycle::Real;
 
 choice! {
     /// A published law of the penetration resistance force.
@@ -54,19 +54,19 @@ impl PenetrationLaw {
     /// surface.
     ///
     /// # Errors
-    /// [`CycleError::PenetrationSpeed`] outside the quasi-static range of the laws, 3.33e-4 to 8.4e-3 m/s, and
-    /// [`CycleError::PenetrationDepth`] beyond the nail's length.
-    pub fn force(self, specimen: &Specimen, depth: f64, speed: f64) -> Result<f64, CycleError> {
+    /// [`RangeError::PenetrationSpeed`] outside the quasi-static range of the laws, 3.33e-4 to 8.4e-3 m/s, and
+    /// [`RangeError::PenetrationDepth`] beyond the nail's length.
+    pub fn force(self, specimen: &Specimen, depth: f64, speed: f64) -> Result<f64, RangeError> {
         // The bounds are given to three digits in the source, so 20 mm/min itself must pass.
         if !(LOWEST_SPEED * (1.0 - 1e-12)..=HIGHEST_SPEED).contains(&speed) {
-            return Err(CycleError::PenetrationSpeed {
+            return Err(RangeError::PenetrationSpeed {
                 speed,
                 lowest: LOWEST_SPEED,
                 highest: HIGHEST_SPEED,
             });
         }
         if depth.is_nan() || depth > specimen.length * (1.0 + 1e-12) {
-            return Err(CycleError::PenetrationDepth {
+            return Err(RangeError::PenetrationDepth {
                 depth,
                 length: specimen.length,
             });
@@ -75,14 +75,14 @@ impl PenetrationLaw {
     }
 
     /// The law as a function of depth only, at a fixed speed.
-    pub(crate) fn curve(self, specimen: &Specimen, speed: f64) -> Curve {
+    pub fn curve(self, specimen: &Specimen, speed: f64) -> Curve {
         Curve::new(&self.coefficients(), specimen, speed)
     }
 }
 
 /// F_r(y) = scale max(0, root(y/NL))^2.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Curve {
+pub struct Curve {
     root: [f64; 8],
     length: f64,
     scale: f64,
@@ -90,7 +90,7 @@ pub(crate) struct Curve {
 
 impl Curve {
     /// Eq. 2.2 with coefficients C0..C9 at a fixed speed.
-    pub(crate) fn new(c: &[f64; 10], specimen: &Specimen, speed: f64) -> Self {
+    pub fn new(c: &[f64; 10], specimen: &Specimen, speed: f64) -> Self {
         let pi3 = specimen.length * specimen.density * speed * speed / specimen.hardness_modulus;
         let pi4 = specimen.diameter / specimen.length;
         let mut root = [0.0; 8];
@@ -110,7 +110,7 @@ impl Curve {
 
     /// Force at `z` with its derivative, continued smoothly above the surface.
     #[inline]
-    pub(crate) fn evaluate<S: Real>(&self, z: S) -> S {
+    pub fn evaluate<S: Real>(&self, z: S) -> S {
         let root = (z * (1.0 / self.length)).polynomial(&self.root);
         if root.value() > 0.0 {
             root * root * self.scale
@@ -121,7 +121,7 @@ impl Curve {
 
     /// Force at `depth`, 0 above the surface \[N\].
     #[inline]
-    pub(crate) fn force(&self, depth: f64) -> f64 {
+    pub fn force(&self, depth: f64) -> f64 {
         if depth <= 0.0 {
             return 0.0;
         }

@@ -1,0 +1,5 @@
+//! The published laws, and laws fitted to driving tests.
+#![allow(clippy::unwrap_used)]
+
+mod fit;
+mod law;
