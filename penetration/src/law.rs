@@ -104,7 +104,7 @@ impl Curve {
     }
 
     /// scale max(0, root(y/NL))^2 from its coefficients, the nail's length \[m\] and the scale \[N\].
-    pub(crate) fn of(root: [f64; 8], length: f64, scale: f64) -> Self {
+    pub fn of(root: [f64; 8], length: f64, scale: f64) -> Self {
         Self { root, length, scale }
     }
 
