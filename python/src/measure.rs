@@ -10,7 +10,6 @@ use nailnoise::measurement::Manifest;
 use nailnoise::measurement::arrangement::Arrangement;
 use nailnoise::measurement::processing::process_recordings;
 use nailnoise::measurement::result::Processing;
-use nailnoise::measurement::subtraction::Reading;
 use nailnoise::measurement::wrapping::Wrapping;
 use nailnoise::stages::Progress;
 use nailnoise::virtual_test::exact::exact;

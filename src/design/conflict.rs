@@ -325,8 +325,8 @@ impl Conflict {
                 "give `supply.pressure` as absolute pressure, or with a gauge unit such as psig or barg".to_owned()
             }
             Self::NotPlaneWaves { key, highest, .. } => format!(
-                "narrow `{key}`, lower `analysis.exhaust_max_frequency` to {:.0} Hz and `analysis.range_high` with it, or give \
-                 the measured insertion loss: `exhaust.muffler.kind = \"insertion_loss\"`",
+                "narrow `{key}`, lower `analysis.exhaust_max_frequency` to {:.0} Hz and `analysis.range_high` with it, \
+                 or give the measured insertion loss: `exhaust.muffler.kind = \"insertion_loss\"`",
                 highest.floor()
             ),
             Self::InsertionLossRange { key, value, range } => {

@@ -317,8 +317,8 @@ group! {
     /// Worktable: a plate on four square legs, clamped at the floor or on springs. A preset sets its build, all but
     /// length, width and height.
     Worktable {
-        /// Build of the table by name; results are stated with it. A name replaces the values of these keys from bases; a
-        /// key given with it wins.
+        /// Build of the table by name; results are stated with it. A name replaces the values of these keys from bases;
+        /// a key given with it wins.
         preset: WorktablePreset = WorktablePreset::KIND, "";
         /// How it stands on the floor.
         foot: TableFoot = TableFoot::KIND, "";

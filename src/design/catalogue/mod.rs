@@ -1,9 +1,10 @@
 //! Woods, nails and worktables by name: which keys `wood.species`, `nail.kind` and `support.worktable.preset` set.
 //!
 //! The values are pieces of design files inside the program (`woods.toml`, `nails.toml`, `worktables.toml`), each with
-//! range and provenance. An entry may take the values of another (`like`) and give only those that differ. A name replaces the values of these keys from the bases of its file. A key given with the name, in the
-//! same file or on the same command line, wins over it. Wood and shank together choose the penetration law and its
-//! share of friction (`pairs.toml`).
+//! range and provenance. An entry may take the values of another (`like`) and give only those that differ. A name
+//! replaces the values of these keys from the bases of its file. A key given with the name, in the same file or on the
+//! same command line, wins over it. Wood and shank together choose the penetration law and its share of friction
+//! (`pairs.toml`).
 
 mod names;
 
