@@ -258,7 +258,7 @@ impl Events {
         let mut candidates = begins.into_iter().chain(rising).filter(fits);
         let found = match event.pick {
             Pick::First => candidates.next(),
-            Pick::Last => candidates.last(),
+            Pick::Last => candidates.next_back(),
         };
         found.map(|(time, _)| time)
     }

@@ -11,7 +11,7 @@ use crate::design::inputs::assembly::AssembledTool;
 use crate::error::Error;
 use crate::figures;
 use crate::output;
-use crate::staging::Staging;
+use crate::atomic_write::AtomicWrite;
 use crate::tables::{self, fixed};
 
 /// The last file to be written, so that a folder with it has all the rest.
@@ -92,7 +92,7 @@ pub(in crate::commands) fn execute(tool: &AssembledTool, asked: &Asked<'_>) -> R
 
 /// Writes the tables and, on request, the charts; returns the files of the charts.
 fn write(folder: &Path, tool: &AssembledTool, record: &Record, with_figures: bool) -> Result<Vec<PathBuf>, Error> {
-    let staging = Staging::within(folder)?;
+    let staging = AtomicWrite::within(folder)?;
     for file in output::of_network(record)? {
         staging.write(&file.path, &file.content)?;
     }

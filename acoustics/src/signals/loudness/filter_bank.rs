@@ -306,8 +306,8 @@ fn level(squared: f64) -> f64 {
 pub(super) fn levels_over_time(pressure: &[f64]) -> Result<Vec<[f64; BANDS]>, LoudnessError> {
     finite("pressure", pressure)?;
     let mut levels = vec![[0.0; BANDS]; pressure.len().div_ceil(DECIMATION)];
-    for band in 0..BANDS {
-        let hz = 1000.0 * 10f64.powf(0.1 * f64::from(band as i32 - INDEX_1_KHZ));
+    for (band, index) in (0..).enumerate().take(BANDS) {
+        let hz = 1000.0 * 10f64.powf(0.1 * f64::from(index - INDEX_1_KHZ));
         let time_constant = 2.0 / (3.0 * hz.min(1000.0));
         let retained = (-1.0 / (SAMPLE_RATE * time_constant)).exp();
         let mut states = [0.0; 3];

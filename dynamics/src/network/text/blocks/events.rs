@@ -52,11 +52,11 @@ pub(super) fn sensors(resolver: &Resolver<'_>) -> Result<Vec<Measured>, Assembly
             dimension,
         });
     }
-    for start in 0..sensors.len() {
+    for (start, (_, own)) in fields.iter().enumerate() {
         let mut path = vec![start];
         if reaches(&sensors, start, start, &mut path, &mut vec![false; sensors.len()]) {
             let names = path.iter().map(|index| sensors[*index].sensor.name.clone()).collect();
-            return Err(fields[start].1.error("is", Fault::Circle { names }));
+            return Err(own.error("is", Fault::Circle { names }));
         }
     }
     Ok(sensors)
