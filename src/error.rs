@@ -34,7 +34,7 @@ pub enum Error {
     Cycle(#[from] CycleError),
     /// The cycle of an assembly could not be computed.
     #[error("the cycle of this assembly cannot be computed")]
-    Network(#[from] RunError),
+    Network(#[source] Box<RunError>),
     /// An option for the tool of a design, given with an assembly.
     #[error("{option} is an option for a design without `[cycle]`")]
     #[diagnostic(help("leave it out: an assembly is computed as its file describes it"))]
@@ -771,6 +771,12 @@ from_modules_of_acoustics!(
     nailnoise_acoustics::radiation::RadiationError,
 );
 
+impl From<RunError> for Error {
+    fn from(error: RunError) -> Self {
+        Self::Network(Box::new(error))
+    }
+}
+
 impl StageError for Error {
     fn is_cause(&self) -> bool {
         !matches!(self, Self::Pipeline(cause) if !cause.is_cause())
@@ -828,12 +834,13 @@ impl Error {
             Self::Unusable { problems, .. } => problems.iter().map(Self::exit_status).min().unwrap_or(2),
             Self::Fem(_) | Self::Transient(_) | Self::Acoustics(_) | Self::Json(_) | Self::NoLevels { .. } => 3,
             Self::PythonEnded { .. } => 3,
-            Self::Network(
+            Self::Network(error) => match **error {
                 RunError::Integration { .. }
                 | RunError::Collapse { .. }
                 | RunError::Chatter { .. }
-                | RunError::Switching { .. },
-            ) => 3,
+                | RunError::Switching { .. } => 3,
+                _ => 2,
+            },
             Self::Cycle(CycleError::Integration { .. } | CycleError::Collapse { .. } | CycleError::Chatter { .. }) => 3,
             _ => 2,
         }

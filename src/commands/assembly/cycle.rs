@@ -6,12 +6,12 @@ use nailnoise_dynamics::network::{Effort, EventTime, LedgerEntry, Peak, Record, 
 use nailnoise_quantities::Check;
 use serde::Serialize;
 
+use crate::atomic_write::AtomicWrite;
 use crate::commands::{Status, folder_of, print, print_json, progress, status_of, table};
 use crate::design::inputs::assembly::AssembledTool;
 use crate::error::Error;
 use crate::figures;
 use crate::output;
-use crate::atomic_write::AtomicWrite;
 use crate::tables::{self, fixed};
 
 /// The last file to be written, so that a folder with it has all the rest.
