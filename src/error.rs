@@ -248,7 +248,7 @@ pub enum Error {
     /// A design cannot be calibrated.
     #[error(transparent)]
     #[diagnostic(transparent)]
-    Calibration(#[from] crate::calibration::CalibrationError),
+    Calibration(Box<crate::calibration::CalibrationError>),
     /// A penetration law cannot be evaluated.
     #[error(transparent)]
     #[diagnostic(help("{}", _0.remedy()))]
@@ -774,6 +774,12 @@ from_modules_of_acoustics!(
 impl From<RunError> for Error {
     fn from(error: RunError) -> Self {
         Self::Network(Box::new(error))
+    }
+}
+
+impl From<crate::calibration::CalibrationError> for Error {
+    fn from(error: crate::calibration::CalibrationError) -> Self {
+        Self::Calibration(Box::new(error))
     }
 }
 
