@@ -11,7 +11,7 @@ use super::source::File;
 /// The error of an assembly as one of its design.
 pub(crate) fn refused(error: AssemblyError) -> DesignError {
     let at = error.at.clone();
-    Problem::Assembly(error).at(at)
+    Problem::Assembly(Box::new(error)).at(at)
 }
 
 /// The assembly of a chain of files, the nearest first; none if no file has a table `[cycle]`.

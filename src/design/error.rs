@@ -97,7 +97,7 @@ pub enum Problem {
     },
     /// A fault of the assembly.
     #[error(transparent)]
-    Assembly(AssemblyError),
+    Assembly(Box<AssemblyError>),
     /// A design with its own assembly, where only the tool of the keys can be computed.
     #[error("`[cycle]` describes the tool as the assembly \"{name}\", whose sound is not computed yet")]
     OwnAssembly {
