@@ -7,7 +7,7 @@ use std::time::Instant;
 
 use nailnoise::Design;
 use nailnoise::stages::levels::{Levels, SourceLevels};
-use nailnoise::study::{Draw, Draws, Request, Shot, StudyResult, variables};
+use nailnoise::study::{Draw, Draws, Request, ShotFigures, StudyResult, variables};
 use nailnoise_acoustics::random::uniform;
 
 /// Bands of a source, and intervals between the events of a shot.
@@ -46,7 +46,7 @@ fn main() -> Result<(), Box<dyn Error>> {
             structure: 0,
             candidate: number as u64,
             shares: (0..count).map(|place| at(place).clamp(1e-6, 1.0 - 1e-6)).collect(),
-            shot: Shot {
+            shot: ShotFigures {
                 outcome: "drives".to_owned(),
                 mean_drive_speed: Some(20.0),
                 penetration: 0.08,

@@ -180,7 +180,7 @@ impl Calibration<'_> {
             self.progress,
             |start| {
                 blocks.set(blocks.get() + 1);
-                if blocks.get() % BLOCKS == 0 || start.accepted.len() == want {
+                if blocks.get().is_multiple_of(BLOCKS) || start.accepted.len() == want {
                     self.store.save::<_, Postcard>(START, &key, start);
                 }
             },

@@ -195,7 +195,10 @@ impl Design {
             return Ok(None);
         }
         if has_base {
-            return Ok(Some(LoadedAssembly::OfDesign(Self::load_with(path, assignments)?)));
+            return Ok(Some(LoadedAssembly::OfDesign(Box::new(Self::load_with(
+                path,
+                assignments,
+            )?))));
         }
         let text = AssemblyText::open_files(&assembly::documents(&chain)).map_err(assembly::refused)?;
         Ok(Some(LoadedAssembly::Alone(text)))
@@ -402,7 +405,7 @@ impl Design {
 #[derive(Debug)]
 pub(crate) enum LoadedAssembly {
     /// One that uses the keys of a design.
-    OfDesign(Design),
+    OfDesign(Box<Design>),
     /// One whose files give all values.
     Alone(AssemblyText),
 }

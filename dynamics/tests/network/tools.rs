@@ -70,8 +70,8 @@ fn a_gas_spring_nailer_strikes_and_is_lifted_at_the_times_of_an_independent_inte
     close("strike", record.strikes[0].before, 21.837_577_734_834_568, 1e-7);
     close("driver", record.strikes[0].after, 21.642_792_601_421_77, 1e-7);
     // Peaks of the other integration are those of its steps.
-    close("bumper", record.peak("bumper").unwrap(), 5245.151_823_667_247, 1e-3);
-    close("nail", record.peak("nail").unwrap(), 1355.295_418_903_701, 1e-3);
+    close("bumper", record.peak("bumper").unwrap(), 5_245.151_823_667_247, 1e-3);
+    close("nail", record.peak("nail").unwrap(), 1_355.295_418_903_701, 1e-3);
     let peak = |name: &str| record.get(name).unwrap().iter().copied().fold(0.0, f64::max);
     close("breather", peak("breather.mass_flow"), 0.021_181_327_836_486_328, 1e-4);
     close("below", peak("below.pressure"), 114_182.722_830_110_52, 1e-5);

@@ -124,7 +124,7 @@ fn bodies(assembly: &Assembly) -> Table {
     let row = |body: &nailnoise_dynamics::network::assembly::Body| {
         let start = match body.start {
             Start::RestOn(on) => format!("at rest on {}", block(assembly, on)),
-            Start::At { travel, speed } if speed == 0.0 => format!("at {}", mm(travel)),
+            Start::At { travel, speed: 0.0 } => format!("at {}", mm(travel)),
             Start::At { travel, speed } => format!("at {} with {speed} m/s", mm(travel)),
         };
         vec![

@@ -217,7 +217,11 @@ pub enum Fault {
         differences: Vec<String>,
     },
     /// A spring compressed beyond its law.
-    #[error("is compressed by {:.3} mm at the stop \"{stop}\", its law is valid to {:.3} mm", compression * 1e3, limit * 1e3)]
+    #[error(
+        "is compressed by {:.3} mm at the stop \"{stop}\", its law is valid to {:.3} mm",
+        compression * 1e3,
+        limit * 1e3
+    )]
     SpringLimit {
         /// Contact.
         stop: String,
