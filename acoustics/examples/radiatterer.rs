@@ -1,5 +1,6 @@
 //! The Radiatterer, a benchmark case of the European Acoustics Association: a box with slots and cavities whose whole
-//! surface moves by 1 mm/s. `cargo run --release -p nailnoise-acoustics --example radiatterer -- [--divide N] [HZ ...]`.
+//! surface moves by 1 mm/s.
+//! `cargo run --release -p nailnoise-acoustics --example radiatterer -- [--divide N] [HZ ...]`.
 //!
 //! Panels are 0.1 m / N wide. Without frequencies, all of the reference are computed. The rows are comma-separated: the
 //! power, the levels at three points, and their differences from the reference where it has the frequency.

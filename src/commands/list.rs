@@ -311,7 +311,8 @@ fn of_tables(tables: &[Named]) -> String {
     let headings = ["preset", "material", "top mm", "legs mm", "wall mm", "loss factor -"];
     let what = tables.iter().map(|own| format!("  {}: {}\n", own.name, own.sort));
     format!(
-        "{}\n{}\n{MARK}\n  a wall of 0 is a solid leg\n  `nailnoise list tables NAME` prints every key with its source\n",
+        "{}\n{}\n{MARK}\n  a wall of 0 is a solid leg\n  `nailnoise list tables NAME` prints every key with its \
+         source\n",
         what.collect::<String>(),
         table(&headings, &rows.collect::<Vec<_>>())
     )

@@ -17,7 +17,8 @@ fn of_surrogates(surrogates: &[Surrogate]) -> String {
         return String::new();
     };
     format!(
-        "\n  polynomial in all inputs, degree {degree}; Q2: part of the variance of draws left out that it predicts\n{}",
+        "\n  polynomial in all inputs, degree {degree}; Q2: part of the variance of draws left out that it \
+         predicts\n{}",
         table::text(&tables::surrogates(surrogates, PRINTED))
     )
 }

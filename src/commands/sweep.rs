@@ -171,7 +171,8 @@ fn text(name: &str, axes: &[Axis], points: &[SweptPoint]) -> String {
     let levels = table::text(&tables::points(axes, points));
     let drawn = tables::over_draws(axes, points).map_or_else(String::new, |drawn| {
         format!(
-            "\n  90 % of common draws that count at all points, structures as in the design, dB; changes from the first \
+            "\n  90 % of common draws that count at all points, structures as in the design, dB; changes from the \
+             first \
              point\n\n{}",
             table::text(&drawn)
         )

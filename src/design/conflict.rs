@@ -338,7 +338,8 @@ impl Conflict {
                 format!("{change} `{key}` to {limit:.0} Hz")
             }
             Self::LiningRange { resistivity, .. } => format!(
-                "raise `exhaust.muffler.lining_resistivity`, lower `analysis.exhaust_max_frequency` to {:.0} Hz, or set \
+                "raise `exhaust.muffler.lining_resistivity`, lower `analysis.exhaust_max_frequency` to {:.0} Hz, or \
+                 set \
                  `exhaust.muffler.lining_thickness` to 0 for a bare pipe",
                 resistivity.floor()
             ),

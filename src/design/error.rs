@@ -459,8 +459,10 @@ impl Problem {
             Self::Replaced { successors, .. } => format!("give {successors}"),
             Self::UnknownGroup { nearest, known, .. } => meant(nearest.as_deref(), known, "the groups here are"),
             Self::Assembly(error) => error.help(),
-            Self::OwnAssembly { .. } => "`nailnoise check` lists its network, and `nailnoise cycle` computes its motion, \
-                                         pressures, forces, flows and events; without `[cycle]` the sound of the tool of \
+            Self::OwnAssembly { .. } => "`nailnoise check` lists its network, and `nailnoise cycle` computes its \
+                motion, \
+                                         pressures, forces, flows and events; without `[cycle]` the sound of the tool \
+                                         of \
                                          the keys is computed"
                 .to_owned(),
             Self::BadName { .. } => "use letters, digits, `_` and `-` alone: [sensors.block_top]".to_owned(),
@@ -651,7 +653,8 @@ pub enum Warning {
     },
     /// The exhaust is computed up to a frequency below the end of the range in which the sources are compared.
     #[error(
-        "the exhaust is computed up to `analysis.exhaust_max_frequency` = {top} Hz only: its sound in the bands from {} to {} \
+        "the exhaust is computed up to `analysis.exhaust_max_frequency` = {top} Hz only: its sound in the bands from \
+         {} to {} \
          Hz is \
          missing from its level and from the total, which reach to `analysis.range_high` = {high} Hz",
         bands[0],
@@ -725,7 +728,8 @@ impl Diagnostic for Warning {
                  {key} = {{ value = ..., range = \"+-10 %\" }}"
             ),
             Self::ExhaustTop { top, .. } => format!(
-                "raise `analysis.exhaust_max_frequency` to `analysis.range_high`, or lower `analysis.range_high` to {top} Hz so \
+                "raise `analysis.exhaust_max_frequency` to `analysis.range_high`, or lower `analysis.range_high` to \
+                 {top} Hz so \
                  that all \
                  sources are compared in one range"
             ),

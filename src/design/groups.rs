@@ -530,8 +530,8 @@ group! {
         /// Highest single frequency of the boundary elements in air of 20 degrees Celsius, in other air higher as its
         /// speed of sound is; above it they are solved in the mean over frequency, up to `bem_mean_max_frequency`.
         bem_max_frequency: f64 = positive(FREQUENCY).within(20.0, 1e5), "";
-        /// Upper end of the boundary elements in the mean over bands of at most a sixth of an octave, for workpiece
-        /// and tool, in the same air as `bem_max_frequency`; 0 for half an octave above the highest single frequency, which
+        /// Upper end of the boundary elements in the mean over bands of at most a sixth of an octave, for workpiece and
+        /// tool, in the same air as `bem_max_frequency`; 0 for half an octave above the highest single frequency, which
         /// needs no finer mesh. At least one band is solved. Above it the high-frequency limit applies.
         bem_mean_max_frequency: f64 = nonnegative(FREQUENCY).within(0.0, 1e5), "";
         /// How the equations of boundary elements are stored and solved.

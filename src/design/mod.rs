@@ -178,8 +178,8 @@ impl Design {
         })
     }
 
-    /// The assembly of a file and those it inherits from: with the design whose keys it uses, or alone if the files give
-    /// no base. None if no file has a table `[cycle]`.
+    /// The assembly of a file and those it inherits from: with the design whose keys it uses, or alone if the files
+    /// give no base. None if no file has a table `[cycle]`.
     ///
     /// # Errors
     /// As [`load`](Self::load).

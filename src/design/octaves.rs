@@ -45,7 +45,8 @@ impl Group for Octaves {
         doc: &[
             "Measured insertion loss \\[dB\\] by octave bands, the muffler's own flow noise included (ISO 11820, ISO ",
             "7235). A list gives all bands: `octaves = [0, 0, 0, 0, 5, 10, 15, 15, 15]`, or with range and provenance ",
-            "`octaves = { value = [...], range = \"+-3\", provenance = \"...\" }`. A single band is a key of this group.",
+            "`octaves = { value = [...], range = \"+-3\", provenance = \"...\" }`. A single band is a key of this \
+             group.",
         ],
         keys: &[KEYS],
         groups: &[],

@@ -1,6 +1,6 @@
 //! Charts of a run: [`cycle`] shows a nailing cycle, [`sound`] the levels of a run, [`penetration()`] compares
-//! penetration laws. Curves, bars and ticks are the same on a page and in a file: [`Chart::svg`] sets them in millimetres for
-//! print, the report in its page.
+//! penetration laws. Curves, bars and ticks are the same on a page and in a file: [`Chart::svg`] sets them in
+//! millimetres for print, the report in its page.
 //!
 //! Time runs in ms from the trigger on; the events t0 to t18 appear over each chart of time.
 

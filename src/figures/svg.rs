@@ -128,7 +128,8 @@ impl Place {
                 (text(left + x, self.axes - SYMBOLS * (*row as f64 + 0.6), Anchor::Middle, QUIET, &event.symbol))
             }
             svg x=(left) y=(axes) width=(wide) height=(high) viewBox={ "0 0 " (wide) " " (high) } fill="none" {
-                @if of_rows { path stroke=(FAINT) stroke-width="3" d=(upright(xs.iter().map(|tick| tick.at), self.frame)) {} }
+                @if of_rows { path stroke=(FAINT) stroke-width="3"
+                    d=(upright(xs.iter().map(|tick| tick.at), self.frame)) {} }
                 @else {
                     path stroke=(FAINT) stroke-width="3"
                         d=(ticks(panel).iter().map(|tick| level(tick, self.frame)).collect::<String>()) {}
@@ -138,11 +139,13 @@ impl Place {
                 }
                 @if of_rows { (self.rows(panel)) }
                 @else { @for (place, own) in panel.series.iter().enumerate().rev() {
-                    @for (class, d) in self.frame.paths(panel, place, own) { (stroke(class, &hexadecimal(own.colour), &d)) }
+                    @for (class, d) in self.frame.paths(panel, place,
+                        own) { (stroke(class, &hexadecimal(own.colour), &d)) }
                 } }
             }
             @if of_rows { (self.notes(panel)) }
-            path fill="none" stroke=(QUIET) stroke-width="4" d={ "M" (left) " " (axes) "V" (bottom) "H" (left + wide) } {}
+            path fill="none" stroke=(QUIET) stroke-width="4"
+                d={ "M" (left) " " (axes) "V" (bottom) "H" (left + wide) } {}
             @if of_rows {
                 @let pitch = high / panel.y.categories.len().max(1) as f64;
                 @for (row, name) in panel.y.categories.iter().enumerate() {
@@ -153,7 +156,8 @@ impl Place {
                     (text(left - MM, bottom - tick.at * high, Anchor::End, INK, &tick.label))
                 }
             }
-            @for tick in &xs { (text(left + tick.at * wide, bottom + 0.55 * NUMBERS, Anchor::Middle, INK, &tick.label)) }
+            @for tick in &xs { (text(left + tick.at * wide,
+                bottom + 0.55 * NUMBERS, Anchor::Middle, INK, &tick.label)) }
             @if self.titled {
                 (text(left + 0.5 * wide, bottom + NUMBERS + 1.5 * MM, Anchor::Middle, INK, &panel.x.title()))
             }

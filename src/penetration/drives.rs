@@ -312,7 +312,8 @@ impl Fields<'_> {
             self.error(
                 format!("{what} of drive \"{id}\" is missing"),
                 format!(
-                    "give {column}, or name a published nail (6d) or wood (pine); `nailnoise penetration law --list` shows them"
+                    "give {column}, or name a published nail (6d) or wood (pine); `nailnoise penetration law --list` \
+                     shows them"
                 ),
             )
         };

@@ -100,7 +100,8 @@ pub enum PenetrationError {
     #[error("{}: {variable} is {value:.6}, beyond the range of the fit, {:.6} to \
         {:.6}", path.display(), range[0], range[1])]
     #[diagnostic(help(
-        "drive nails under conditions that include this one, or fit again with `nailnoise penetration fit --extrapolate` to \
+        "drive nails under conditions that include this one, or fit again with `nailnoise penetration fit \
+         --extrapolate` to \
          allow it"
     ))]
     Beyond {
@@ -214,7 +215,8 @@ pub fn file_of(law: &FittedLaw) -> Result<String, PenetrationError> {
         problem: error.to_string(),
     })?;
     Ok(format!(
-        "# Penetration law fitted by nailnoise penetration fit: F_r = H_M NL max(0, s)^2, s = sum of coefficient x term.\n\
+        "# Penetration law fitted by nailnoise penetration fit: F_r = H_M NL max(0, s)^2, s = sum of coefficient x \
+         term.\n\
          # In a design: wood.penetration_law = \"fitted\" and wood.penetration_fit = \"fit.toml\".\n\
          # Covariance and standard errors allow for deviations common to a drive; sigma_* are of s.\n\n{text}"
     ))

@@ -15,7 +15,8 @@ pub(super) fn page(result: &MeasurementResult, charts: &[Chart]) -> Page {
         Section::new(
             "levels",
             "Levels",
-            html! { @if let Some(c) = chart("measured-levels") { (c) } (sources(result)) (table::markup(&tables::configurations(result))) },
+            html! { @if let Some(c) = chart("measured-levels") { (c) } (sources(result))
+            (table::markup(&tables::configurations(result))) },
         ),
         Section::new(
             "bands",

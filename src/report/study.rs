@@ -19,7 +19,8 @@ pub(super) fn page(result: &StudyResult, charts: &[Chart], scatter: &[Chart]) ->
             html! { @if let Some(c) = chart("study-levels") { (c) }
                 (table::markup(&tables::levels(result)))
                 p.quiet { "A-weighted single-event sound power levels, dB re 1 pW s. Perfect knowledge of all inputs \
-                    would be worth " (table::content(&tables::level(&result.perfect_information_db))) " dB to the choice of the source \
+                    would be worth " (table::content(&tables::level(&result.perfect_information_db))) " dB to the \
+                        choice of the source \
                     to silence." }
             },
         ),

@@ -59,7 +59,8 @@ impl PairedStudy {
             keys => keys.join(", "),
         };
         format!(
-            "{} against {} over {} common draws (seed {}), {}; not drawn, because the designs differ in them: {decided}",
+            "{} against {} over {} common draws (seed {}), {}; not drawn, because the designs differ in them: \
+             {decided}",
             self.design,
             self.reference,
             self.draws,

@@ -1,4 +1,5 @@
-//! A vessel that discharges without heat and at constant temperature, in closed form and by the procedure of ISO 6358-2.
+//! A vessel that discharges without heat and at constant temperature, in closed form and by the procedure of ISO
+//! 6358-2.
 
 use nailnoise_dynamics::{CycleRecord, Geometry, Parameters, Settings, simulate};
 
@@ -32,8 +33,8 @@ const INTERVAL: f64 = 2e-5;
 const REFERENCE_TEMPERATURE: f64 = 293.15;
 const REFERENCE_DENSITY: f64 = 1.185;
 
-/// Heat transfer \[W/(m² K)\] to a wall \[m²\], as of a vessel filled with metal wool, that holds the temperature within
-/// a tenth of a kelvin.
+/// Heat transfer \[W/(m² K)\] to a wall \[m²\], as of a vessel filled with metal wool, that holds the temperature
+/// within a tenth of a kelvin.
 const HEAT_TRANSFER: f64 = 1e5;
 const WALL: f64 = 5.0;
 

@@ -16,7 +16,8 @@ const BONDED: Case = Case {
     name: "GARTEUR SM-AG19, layer bonded to the wing",
     source: SOURCE,
 };
-const SOURCE: &str = "measured (participant C), Balmes and Wright, DETC 1997, and TP-115 (1999); geometry and masses by \
+const SOURCE: &str = "measured (participant C), Balmes and Wright, DETC 1997, and TP-115 (1999); geometry and masses \
+    by \
                       P. Krysl, FinEtoolsFlexStructuresTutorials.jl";
 
 /// Differences \[Hz\] of the models with the loose and with the bonded layer, see `docs/limits.md`.

@@ -17,7 +17,8 @@ const SPECTRUM: Case = Case {
 };
 const STEADY: Case = Case {
     name: "ISO 532-1, annex B.3",
-    source: "ISO 532-1:2017, electronic attachment, as transcribed in jmrplens/phonometry; tones made from their titles",
+    source: "ISO 532-1:2017, electronic attachment, as transcribed in jmrplens/phonometry; tones made from their \
+        titles",
 };
 const VARYING: Case = Case {
     name: "ISO 532-1, annex B.4",

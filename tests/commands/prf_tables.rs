@@ -1,4 +1,5 @@
-//! `nailnoise penetration`: its tables are read in each encoding, separator and unit, and a law is the same in all of them.
+//! `nailnoise penetration`: its tables are read in each encoding, separator and unit, and a law is the same in all of
+//! them.
 
 use std::path::Path;
 

@@ -1,4 +1,5 @@
-//! Woods, nails and worktables by name: the settings of a name, the keys that win over it, and the keys that it replaces.
+//! Woods, nails and worktables by name: the settings of a name, the keys that win over it, and the keys that it
+//! replaces.
 
 use nailnoise::Design;
 use nailnoise::design::{Assignment, DesignError, Entry, NailKind, Problem, Species, Value, nails, woods, worktables};

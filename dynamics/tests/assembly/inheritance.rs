@@ -90,7 +90,8 @@ fn a_literal_is_a_key_that_can_be_set_and_used_in_formulas() {
     };
     let set = [("cycle.volume.silencer.dead", value)];
     let text = format!(
-        "{CHAMBER}[cycle.volume.foot_volume]\ndead = \"=2*cycle.volume.silencer.dead\"\npressure = \"1 bar\"\n[cycle.passage.extra]\nbetween = [\"foot_volume\", \"return_volume\"]\narea = \"1 mm2\"\n"
+        "{CHAMBER}[cycle.volume.foot_volume]\ndead = \"=2*cycle.volume.silencer.dead\"\npressure = \"1 \
+         bar\"\n[cycle.passage.extra]\nbetween = [\"foot_volume\", \"return_volume\"]\narea = \"1 mm2\"\n"
     );
     let assembly = read(&[&text], &set).assembly;
     assert_eq!((assembly.volumes[5].dead, assembly.volumes[6].dead), (80e-6, 160e-6));

@@ -122,7 +122,8 @@ pub(crate) fn random_assembly(random: &mut Random) -> String {
             2 => format!("ramp = {{ area = \"{area:.3} mm2\", time = \"1 ms\" }}"),
             3 => "pipe = { length = \"100 mm\", diameter = \"6 mm\" }".to_owned(),
             4 => format!(
-                "series = [{{ name = \"first\", area = \"{area:.3} mm2\" }}, {{ name = \"last\", area = \"=disc(bore/4)\" }}]"
+                "series = [{{ name = \"first\", area = \"{area:.3} mm2\" }}, {{ name = \"last\", area \
+                 = \"=disc(bore/4)\" }}]"
             ),
             _ => format!("area = \"{area:.3} mm2\""),
         };

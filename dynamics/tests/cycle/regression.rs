@@ -1,4 +1,5 @@
-//! Results of the base design as this program computes them: they are no laws, and a change of the model may change them.
+//! Results of the base design as this program computes them: they are no laws, and a change of the model may change
+//! them.
 
 use nailnoise_dynamics::{Settings, simulate};
 

@@ -16,8 +16,8 @@ const TIP: f64 = 0.09;
 const START: [f64; 2] = [0.02, 0.10];
 /// Speed of longitudinal waves along a steel nail, sqrt(E/rho) with E = 205 GPa and rho = 7850 kg/m3 \[m/s\].
 const WAVE_SPEED: f64 = 5110.0;
-/// Passes of a wave after which the nail counts as rigid. Chosen: four to and fro; fewer leave the ringing of the impact
-/// in the first bins.
+/// Passes of a wave after which the nail counts as rigid. Chosen: four to and fro; fewer leave the ringing of the
+/// impact in the first bins.
 const WAVE_PASSES: f64 = 8.0;
 /// Samples of a sliding mean that shows whether the depth goes back.
 const SLIDING: usize = 5;

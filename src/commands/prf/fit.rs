@@ -29,7 +29,8 @@ const FIT: &str = "fit.toml";
 #[derive(Args)]
 #[command(after_help = examples!(
     "nailnoise penetration fit drives.csv --form \"poly(x,7) + rate + slender\"" => "a law fitted to measured drives",
-    "nailnoise penetration fit drives.csv --reduce --leave group" => "terms that carry nothing left out; cross-validation by \
+    "nailnoise penetration fit drives.csv --reduce --leave group" => "terms that carry nothing left out; \
+        cross-validation by \
         group",
 ))]
 pub(super) struct Arguments {

@@ -312,10 +312,10 @@ fn nail_place(design: &Design) -> NailPlace {
 
 /// Length of the shank on each side of a joint that resists slip, in diameters.
 ///
-/// The decay length of a dowel in wood, (4 E I/k)^(1/4), is 3.4 to 4.5 diameters for steel and a foundation modulus k of
-/// 0.3 to 0.1 kN/mm2 (beam on an elastic foundation: E. W. Kuenzi 1955, "Theoretical design of a nailed or bolted joint
-/// under lateral load", Forest Products Laboratory report 1951). Chosen: 5, so that the tail is included. The total
-/// stiffness is an input of its own; the length only decides over which depth it acts.
+/// The decay length of a dowel in wood, (4 E I/k)^(1/4), is 3.4 to 4.5 diameters for steel and a foundation modulus k
+/// of 0.3 to 0.1 kN/mm2 (beam on an elastic foundation: E. W. Kuenzi 1955, "Theoretical design of a nailed or bolted
+/// joint under lateral load", Forest Products Laboratory report 1951). Chosen: 5, so that the tail is included. The
+/// total stiffness is an input of its own; the length only decides over which depth it acts.
 const DOWEL: f64 = 5.0;
 
 /// Joint of the board on the block, if there is a board.

@@ -43,7 +43,8 @@ const SHARP: f64 = 0.866;
 
 /// Error of the mass of the air in a gap over w P/A: three times the change of the end correction over the width of
 /// panels, 0.04, which makes 0.12. Chosen: 0.15, a quarter more, because the study has rectangular blocks and one
-/// cylinder only. The errors found there are 4.8 and 6.2 % of 7.5 %; the constant widens an uncertainty and changes no level.
+/// cylinder only. The errors found there are 4.8 and 6.2 % of 7.5 %; the constant widens an uncertainty and changes no
+/// level.
 const MASS_ERROR: f64 = 0.15;
 
 /// Error of the power in third octaves over w P/A: for panels at the rim that are narrower than the gap is high, and

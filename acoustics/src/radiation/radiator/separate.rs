@@ -9,10 +9,10 @@ use crate::signals::SourceSpectrum;
 
 /// Radiation efficiency of a plate near coincidence, for the upper end of the uncertainty.
 ///
-/// Chosen: that of baffled modes with three half waves along each side, whose peaks by Wallace's integral (C. E. Wallace
-/// 1972, "Radiation resistance of a rectangular panel", J. Acoust. Soc. Am. 51, 946-952) are 1.83 for a square plate and
-/// 1.72 for one twice as long as wide. Modes with five half waves peak at 2.2. One such mode at coincidence alone would
-/// exceed the upper end by 1 dB. The choice has no effect on levels, and the interval has no lower end.
+/// Chosen: that of baffled modes with three half waves along each side, whose peaks by Wallace's integral (C. E.
+/// Wallace 1972, "Radiation resistance of a rectangular panel", J. Acoust. Soc. Am. 51, 946-952) are 1.83 for a square
+/// plate and 1.72 for one twice as long as wide. Modes with five half waves peak at 2.2. One such mode at coincidence
+/// alone would exceed the upper end by 1 dB. The choice has no effect on levels, and the interval has no lower end.
 const HIGHEST_EFFICIENCY: f64 = 1.76;
 
 /// Bodies whose equivalent radiated powers are added. They have no directivity and no radiation damping: at low

@@ -16,7 +16,8 @@ const EQUAL: f64 = 1e-5;
 
 /// The circuit of two capacitors behind a diode that lets excitation rise at once and decay slowly.
 struct Decay {
-    /// Weights of the two voltages over one step while both capacitors discharge: \[memory, output\] x \[output, memory\].
+    /// Weights of the two voltages over one step while both capacitors discharge: \[memory, output\] x \[output,
+    /// memory\].
     memory: [f64; 2],
     output: [f64; 2],
     /// Factors of a step when only the long decay or only the memory acts.
