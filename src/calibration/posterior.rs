@@ -170,7 +170,7 @@ impl Calibration<'_> {
         let likelihood = likelihood(&self.tool, self.measured, held_out, &BTreeMap::new())?;
         let key = self.key.clone().with(held_out).with(START).digest();
         let mut start: Start = self.store.load::<Start, Postcard>(START, &key).unwrap_or_default();
-        let blocks = std::cell::Cell::new(0);
+        let blocks = std::cell::Cell::new(0_u64);
         let want = self.request.draws;
         start.complete(
             &self.tool,
