@@ -19,7 +19,8 @@ use crate::study::{self, ProvidedStudy, Request};
 /// Draws of a provided study at least: the pages and the intervals of `run` rest on them.
 const FEWEST: usize = 128;
 
-/// Draws that are computed again where only the code has changed. Each passes through all of it.
+/// Draws that are computed again where the code has changed, or values that the study does not draw. Each passes through
+/// all of it.
 const REPEATED: usize = 8;
 
 #[derive(Args)]
@@ -139,14 +140,14 @@ impl Studies<'_> {
             _ => None,
         };
         if let Some(there) = there
-            && there.is_of(design, request.draws, request.seed)?
+            && there.has_draws(request.draws, request.seed)
         {
-            if there.is_of_this_code() {
+            if there.is_of_this_code() && there.is_of(design, request.draws, request.seed)? {
                 return Ok(Current::Unchanged);
             }
             let few = Request::new(REPEATED.min(request.draws), request.seed);
-            let (_, made) = study::study(&self.store, design, &few, &self.progress)?;
-            if let Some(renewed) = there.renewed(&made) {
+            let (few, made) = study::study(&self.store, design, &few, &self.progress)?;
+            if let Some(renewed) = there.renewed(design, &few, &made)? {
                 atomic_write::write(&file, renewed.file()?.as_bytes())?;
                 return Ok(Current::Renewed);
             }

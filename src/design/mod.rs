@@ -90,6 +90,7 @@ use resolve::{Record, Records, Resolved};
 
 pub(crate) use assembly::refused as refused_assembly;
 pub(crate) use nailnoise_documents::nearest as nearest_word;
+pub(crate) use renamed::renames;
 pub(crate) use show::{mm as length_in_words, show as quantity_in_words};
 pub(crate) use source::File;
 

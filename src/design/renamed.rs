@@ -71,6 +71,11 @@ const REPLACED: &[Replaced] = &[
     },
 ];
 
+/// All renamed keys: the earlier name, and that of today.
+pub(crate) fn renames() -> impl Iterator<Item = (&'static str, &'static str)> {
+    RENAMED.iter().map(|rename| (rename.old, rename.new))
+}
+
 /// The name of today of a key, if it is one of an earlier version.
 pub(crate) fn successor(key: &str) -> Option<&'static str> {
     RENAMED.iter().find(|rename| rename.old == key).map(|rename| rename.new)

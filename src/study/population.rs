@@ -147,6 +147,16 @@ impl Population {
         })
     }
 
+    /// Whether the same quantities have the same distributions in both, in the same order. Values that are not drawn may
+    /// differ.
+    pub(super) fn has_distributions_of(&self, other: &Self) -> bool {
+        let pairs = self.drawn.iter().zip(&other.drawn);
+        self.drawn.len() == other.drawn.len()
+            && pairs
+                .into_iter()
+                .all(|(own, other)| own.key == other.key && own.is_same(other))
+    }
+
     /// How the population of a design differs from this one.
     ///
     /// # Errors

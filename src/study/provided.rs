@@ -9,7 +9,7 @@ use super::draws::Draws;
 use super::kept::{Found, code};
 use super::population::{Difference, Population};
 use super::result::StudyResult;
-use crate::design::Design;
+use crate::design::{Design, renames};
 use crate::error::Error;
 use crate::shipped;
 
@@ -122,7 +122,8 @@ impl ProvidedStudy {
         Ok(largest)
     }
 
-    /// Reads the text of a file; nothing from one of another layout.
+    /// Reads the text of a file, with the names of today of keys that have been renamed; nothing from one of another
+    /// layout.
     ///
     /// # Errors
     /// A file of this layout that does not follow it.
@@ -130,7 +131,14 @@ impl ProvidedStudy {
         if !text.contains(&layout()) {
             return Ok(None);
         }
-        serde_json::from_str(text).map(Some).map_err(Error::Json)
+        let rename = |text: String, (old, new)| text.replace(&format!("\"{old}\""), &format!("\"{new}\""));
+        let text = renames().fold(text.to_owned(), rename);
+        serde_json::from_str(&text).map(Some).map_err(Error::Json)
+    }
+
+    /// Whether it has so many draws of this seed.
+    pub fn has_draws(&self, draws: usize, seed: u64) -> bool {
+        (self.result.draws, self.result.seed) == (draws, seed) && self.draws.len() == draws
     }
 
     /// Whether it has so many draws of this seed from the ranges of today's design.
@@ -138,19 +146,27 @@ impl ProvidedStudy {
     /// # Errors
     /// A design that cannot be digested.
     pub fn is_of(&self, design: &Design, draws: usize, seed: u64) -> Result<bool, Error> {
-        let same = (self.result.draws, self.result.seed) == (draws, seed);
-        Ok(same && self.draws.len() == draws && self.population.difference(design)? == Difference::None)
+        Ok(self.has_draws(draws, seed) && self.population.difference(design)? == Difference::None)
     }
 
-    /// The same study of today's code, if its first draws are equal to these, which today's code made.
-    pub fn renewed(mut self, made: &Draws) -> Option<Self> {
+    /// The same study of today's code and design, if the quantities that it draws have the distributions of a study with
+    /// few draws that today's code made of the design, and its first draws are equal to those. Values that are not drawn,
+    /// and names, may have changed: the equal draws show that the levels do not depend on it.
+    ///
+    /// # Errors
+    /// A design that cannot be digested.
+    pub fn renewed(mut self, design: &Design, few: &StudyResult, made: &Draws) -> Result<Option<Self>, Error> {
+        let population = Population::of(design, few)?;
         let repeated = DrawTable::of(made);
-        self.draws.begins_with(&repeated).then(|| {
-            code().clone_into(&mut self.code);
-            env!("CARGO_PKG_VERSION").clone_into(&mut self.version);
-            self.repeated = Some(repeated.len());
-            self
-        })
+        if !self.population.has_distributions_of(&population) || !self.draws.begins_with(&repeated) {
+            return Ok(None);
+        }
+        self.population = population;
+        self.result.design = few.design.clone();
+        code().clone_into(&mut self.code);
+        env!("CARGO_PKG_VERSION").clone_into(&mut self.version);
+        self.repeated = Some(repeated.len());
+        Ok(Some(self))
     }
 
     /// Whether the code of the levels is that of today.
