@@ -19,8 +19,8 @@ use crate::study::{self, ProvidedStudy, Request};
 /// Draws of a provided study at least: the pages and the intervals of `run` rest on them.
 const FEWEST: usize = 128;
 
-/// Draws that are computed again where the code has changed, or values that the study does not draw. Each passes through
-/// all of it.
+/// Draws that are computed again where the code has changed, or values that the study does not draw. Each passes
+/// through all of it.
 const REPEATED: usize = 8;
 
 #[derive(Args)]

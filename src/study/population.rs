@@ -147,8 +147,8 @@ impl Population {
         })
     }
 
-    /// Whether the same quantities have the same distributions in both, in the same order. Values that are not drawn may
-    /// differ.
+    /// Whether the same quantities have the same distributions in both, in the same order. Values that are not drawn
+    /// may differ.
     pub(super) fn has_distributions_of(&self, other: &Self) -> bool {
         let pairs = self.drawn.iter().zip(&other.drawn);
         self.drawn.len() == other.drawn.len()

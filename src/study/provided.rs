@@ -149,9 +149,9 @@ impl ProvidedStudy {
         Ok(self.has_draws(draws, seed) && self.population.difference(design)? == Difference::None)
     }
 
-    /// The same study of today's code and design, if the quantities that it draws have the distributions of a study with
-    /// few draws that today's code made of the design, and its first draws are equal to those. Values that are not drawn,
-    /// and names, may have changed: the equal draws show that the levels do not depend on it.
+    /// The same study of today's code and design, if the quantities that it draws have the distributions of a study
+    /// with few draws that today's code made of the design, and its first draws are equal to those. Values that are not
+    /// drawn, and names, may have changed: the equal draws show that the levels do not depend on it.
     ///
     /// # Errors
     /// A design that cannot be digested.
