@@ -153,7 +153,6 @@ mod tests {
             footprint: [[-0.2, 0.2], [-0.1, 0.1]],
             sand: [[-0.3, 0.3], [-0.3, 0.3]],
             shear_speed: 112.0,
-            poisson_ratio: 0.3,
             loss_factor: 0.1,
             to_hz: 800.0,
         };
