@@ -37,7 +37,7 @@ pub(super) fn markup(table: &Table) -> Markup {
 fn cell(place: usize, column: &Column, cell: &Cell) -> Markup {
     let key = column.content == Content::Keys;
     html! {
-        @if place == 0 { th.key-name[key] scope="row" { (content(cell)) } }
+        @if place == 0 { th.key-name[key].source[cell.dot.is_some()] scope="row" { (content(cell)) } }
         @else if column.content == Content::Numbers { td.n { (content(cell)) } }
         @else { td.key-name[key] { (content(cell)) } }
     }
