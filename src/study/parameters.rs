@@ -271,10 +271,10 @@ mod tests {
             (free[0] - 2.0).abs() < 1e-4 && (free[1] / 0.25 - 0.973_336_9).abs() < 1e-4,
             "{free:?}"
         );
-        // Cut at its mean, the half normal distribution below it: mean -sqrt(2/pi) standard deviations.
+        // Cut at its mean and three deviations below: mean -(phi(0) - phi(3))/(Phi(3) - 1/2) standard deviations.
         let half = of([-9.0, 2.0]);
         assert!(
-            (moments(&half)[0] - (2.0 - 0.5 * 0.796_8)).abs() < 1e-3,
+            (moments(&half)[0] - (2.0 - 0.5 * 0.791_16)).abs() < 1e-3,
             "{:?}",
             moments(&half)
         );
