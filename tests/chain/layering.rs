@@ -14,7 +14,21 @@ fn library(source: &str) -> Crate {
 }
 
 fn assert_no_circle(source: &str) {
-    let found = circles(&library(source).arrows());
+    assert_no_circle_but(source, &[]);
+}
+
+/// No files of `source` use each other, but for these groups, which are to be resolved. A group that is resolved fails.
+fn assert_no_circle_but(source: &str, known: &[&[&str]]) {
+    let mut found = circles(&library(source).arrows());
+    for group in known {
+        let files: BTreeSet<PathBuf> = group.iter().map(PathBuf::from).collect();
+        let before = found.len();
+        found.retain(|arrows| arrows.iter().flatten().cloned().collect::<BTreeSet<_>>() != files);
+        assert!(
+            found.len() < before,
+            "{source}: the files {group:?} no longer use each other"
+        );
+    }
     let lines = found.iter().enumerate().flat_map(|(number, group)| {
         let line = move |[from, to]: &[PathBuf; 2]| format!("{number}: {} uses {}", from.display(), to.display());
         group.iter().map(line)
@@ -29,7 +43,7 @@ fn assert_no_circle(source: &str) {
 
 #[test]
 fn files_of_quantities_form_no_circle() {
-    assert_no_circle("quantities/src");
+    assert_no_circle_but("quantities/src", &[&["dimension.rs", "units.rs"]]);
 }
 
 #[test]
@@ -59,7 +73,7 @@ fn files_of_penetration_form_no_circle() {
 
 #[test]
 fn files_of_dynamics_form_no_circle() {
-    assert_no_circle("dynamics/src");
+    assert_no_circle_but("dynamics/src", &[&["network/integrate.rs", "network/mod.rs"]]);
 }
 
 #[test]
@@ -74,7 +88,9 @@ fn files_of_fem_form_no_circle() {
 
 #[test]
 fn files_of_acoustics_form_no_circle() {
-    assert_no_circle("acoustics/src");
+    // `SoundField` belongs in a file of its own.
+    let loudness = ["core.rs", "mod.rs", "pattern.rs", "temporal.rs"].map(|file| format!("signals/loudness/{file}"));
+    assert_no_circle_but("acoustics/src", &[&loudness.each_ref().map(String::as_str)]);
 }
 
 #[test]
@@ -180,6 +196,8 @@ fn stages_use_neither_store_nor_graph_nor_commands() {
 /// Names of sources in quotes that are not names of sources, by file and name: keys of designs, bodies, headings,
 /// labels.
 const OTHER_NAMES: &[(&str, &[&str], &str)] = &[
+    ("src/calibration/reader.rs", &["body"], "a key of a measurement"),
+    ("src/commands/assembly/check.rs", &["body"], "a heading"),
     ("src/commands/check.rs", &["body"], "an argument"),
     ("src/commands/explain.rs", &["body"], "a heading"),
     (
