@@ -18,7 +18,7 @@ fn a_file_is_rewritten_once_and_then_has_no_old_key() {
     };
     let listed = run(&[]);
     assert_eq!(listed.status.code(), Some(1), "{}", messages(&listed));
-    let listed = json(&listed);
+    let listed: serde_json::Value = serde_json::from_slice(&listed.stdout).unwrap();
     assert_eq!(listed["renamed"][0]["new"], "analysis.body_max_frequency");
     assert_eq!(
         (&listed["renamed"][0]["line"], &listed["written"]),
