@@ -42,7 +42,7 @@ fn main() -> Result<(), Box<dyn Error>> {
                 digest.update(known);
             }
         }
-        // A published package has no other crates beside it; the lock file then holds their versions.
+        // A published package does not contain the other crates; the lock file then fixes their versions.
         digest_code(&root, &root.join(name).join("src"), &mut digest)?;
         crates.insert(name, emit(name, digest));
     }
@@ -103,7 +103,7 @@ fn studies(root: &Path) -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// What `--version` says of the build. It is part of no key: the digests above are those of the sources alone.
+/// Build information for `--version`. No key contains it: the digests above cover the sources only.
 fn describe(root: &Path) {
     let set = |name: &str| std::env::var(name).unwrap_or_default();
     let features = std::env::vars_os().filter_map(|(name, _)| name.into_string().ok());
@@ -211,7 +211,7 @@ fn included_files(tokens: TokenStream) -> Vec<String> {
     names
 }
 
-/// Tokens without documentation and without what is compiled for tests alone.
+/// Tokens without documentation and without code that only tests compile.
 fn significant(tokens: TokenStream) -> TokenStream {
     let tokens: Vec<TokenTree> = tokens.into_iter().collect();
     let mut kept = Vec::new();

@@ -47,7 +47,7 @@ pub enum AcousticsError {
     /// A muffler.
     #[error(transparent)]
     Muffler(#[from] MufflerError),
-    /// A mesh has no such patch or quadrature.
+    /// The mesh does not have this patch or quadrature.
     #[error(transparent)]
     Mesh(#[from] nailnoise_meshes::MeshError),
 }

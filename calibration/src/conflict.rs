@@ -21,7 +21,7 @@ pub const CONFLICT: f64 = 0.01;
 /// readings agree.
 const SURPRISING: f64 = 0.05;
 
-/// Scales beyond the predictions of all candidates from which a reading is not reached.
+/// A reading further than this many scales from the predictions of all candidates is not reached.
 const OUT_OF_REACH: f64 = 3.0;
 
 /// Part of a distribution next to each end, and the share of the draws in it that means pressure on the end.

@@ -149,7 +149,7 @@ pub enum LikelihoodError {
         /// Names of the readings.
         names: String,
     },
-    /// A censored reading has no residual.
+    /// Censored readings do not have a residual.
     #[error("`{name}` is censored: its error cannot be correlated with others")]
     Censored {
         /// Name of the reading.
@@ -210,7 +210,7 @@ impl Likelihood {
         self.law
     }
 
-    /// Conditions, that of most readings first: the order in which a candidate is refused soonest.
+    /// Conditions, the one with the most readings first, so that most candidates are refused early.
     pub fn order(&self) -> &[usize] {
         &self.order
     }

@@ -58,7 +58,7 @@ pub struct Request {
 pub(super) struct Found {
     pub(super) datum: usize,
     pub(super) partner: Option<usize>,
-    /// Predictive probability by the other readings; 0 of a reading that is not reached.
+    /// Predictive probability of the reading, given the other readings; 0 if no candidate reaches it.
     pub(super) probability: f64,
     /// The nearest candidate of a reading that is not reached.
     pub(super) unreached: Option<Unreached>,

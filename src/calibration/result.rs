@@ -57,7 +57,7 @@ pub struct CalibrationResult {
     pub candidates: u64,
     /// Log evidence of the readings, among all candidates and without the constants of their densities.
     pub log_evidence: f64,
-    /// Difference of the log evidence between the halves of the draws.
+    /// Difference in log evidence between the two halves of the draws.
     pub halves_apart: f64,
     /// Candidates from which the draws descend.
     pub ancestors: usize,

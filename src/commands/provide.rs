@@ -142,7 +142,7 @@ impl Studies<'_> {
         if let Some(there) = there
             && there.has_draws(request.draws, request.seed)
         {
-            if there.is_of_this_code() && there.is_of(design, request.draws, request.seed)? {
+            if there.is_of_this_code() && there.is_of(design)? {
                 return Ok(Current::Unchanged);
             }
             let few = Request::new(REPEATED.min(request.draws), request.seed);

@@ -459,12 +459,11 @@ impl Problem {
             Self::Replaced { successors, .. } => format!("give {successors}"),
             Self::UnknownGroup { nearest, known, .. } => meant(nearest.as_deref(), known, "the groups here are"),
             Self::Assembly(error) => error.help(),
-            Self::OwnAssembly { .. } => "`nailnoise check` lists its network, and `nailnoise cycle` computes its \
-                motion, \
-                                         pressures, forces, flows and events; without `[cycle]` the sound of the tool \
-                                         of \
-                                         the keys is computed"
-                .to_owned(),
+            Self::OwnAssembly { .. } => {
+                "`nailnoise check` lists its network, and `nailnoise cycle` computes its motion, pressures, forces, \
+                 flows and events; without `[cycle]` the sound of the tool of the keys is computed"
+                    .to_owned()
+            }
             Self::BadName { .. } => "use letters, digits, `_` and `-` alone: [sensors.block_top]".to_owned(),
             Self::Sensor { problem, .. } => problem.remedy(),
             Self::TooCostly { keys, .. } => {

@@ -48,9 +48,8 @@ const RENAMED: &[Rename] = renames! {
 const REPLACED: &[Replaced] = &[
     Replaced {
         old: "acoustics.radiation_damping",
-        successors: "`acoustics.fluid_loading`, \"damping\" where it was true and \"none\" where it was \
-            false; \"full\" \
-            adds the mass of air that moves along",
+        successors: "`acoustics.fluid_loading`, \"damping\" where it was true and \"none\" where it was false; \
+            \"full\" adds the mass of air that moves along",
     },
     Replaced {
         old: "nail.head_gap",

@@ -139,8 +139,9 @@ impl Place {
                 }
                 @if of_rows { (self.rows(panel)) }
                 @else { @for (place, own) in panel.series.iter().enumerate().rev() {
-                    @for (class, d) in self.frame.paths(panel, place,
-                        own) { (stroke(class, &hexadecimal(own.colour), &d)) }
+                    @for (class, d) in self.frame.paths(panel, place, own) {
+                        (stroke(class, &hexadecimal(own.colour), &d))
+                    }
                 } }
             }
             @if of_rows { (self.notes(panel)) }
@@ -156,8 +157,9 @@ impl Place {
                     (text(left - MM, bottom - tick.at * high, Anchor::End, INK, &tick.label))
                 }
             }
-            @for tick in &xs { (text(left + tick.at * wide,
-                bottom + 0.55 * NUMBERS, Anchor::Middle, INK, &tick.label)) }
+            @for tick in &xs {
+                (text(left + tick.at * wide, bottom + 0.55 * NUMBERS, Anchor::Middle, INK, &tick.label))
+            }
             @if self.titled {
                 (text(left + 0.5 * wide, bottom + NUMBERS + 1.5 * MM, Anchor::Middle, INK, &panel.x.title()))
             }

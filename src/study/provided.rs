@@ -141,12 +141,12 @@ impl ProvidedStudy {
         (self.result.draws, self.result.seed) == (draws, seed) && self.draws.len() == draws
     }
 
-    /// Whether it has so many draws of this seed from the ranges of today's design.
+    /// Whether its population is that of today's design.
     ///
     /// # Errors
     /// A design that cannot be digested.
-    pub fn is_of(&self, design: &Design, draws: usize, seed: u64) -> Result<bool, Error> {
-        Ok(self.has_draws(draws, seed) && self.population.difference(design)? == Difference::None)
+    pub fn is_of(&self, design: &Design) -> Result<bool, Error> {
+        Ok(self.population.difference(design)? == Difference::None)
     }
 
     /// The same study of today's code and design, if the quantities that it draws have the distributions of a study

@@ -1,4 +1,4 @@
-//! `nailnoise migrate`: a file of an earlier version is listed, rewritten, and then current.
+//! `nailnoise migrate` lists the old keys of a file and renames them; a second run finds none.
 
 use std::fs;
 

@@ -1,4 +1,4 @@
-//! Laws of the blocks, generic over numbers with and without derivatives.
+//! Constitutive laws of the blocks, generic over `f64` and dual numbers.
 
 use std::f64::consts::PI;
 

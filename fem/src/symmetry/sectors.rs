@@ -35,7 +35,7 @@ const ASYMMETRY: f64 = 1e-11;
 pub(crate) struct Sector<'a> {
     /// None where the sector is the whole: K is then that of the body, or as large in another order.
     stiffness: Option<CscMatrix<f64>>,
-    /// K of the whole in its own order, from the analysis of its pattern to the first factorisation.
+    /// Stiffness matrix of the whole body in the order of its analysis; taken by the first factorisation.
     whole: Mutex<Option<CscMatrix<f64>>>,
     pub(crate) mass: Cow<'a, CscMatrix<f64>>,
     /// For each unknown of the whole its row of T_c, which has one entry at most: column and value. None where T_c is
@@ -197,7 +197,7 @@ fn divided<'a>(system: &'a System, mirrors: &[&Mirror]) -> Result<Vec<Sector<'a>
     sectors.collect()
 }
 
-/// The mirrors under which K and M do not change: A S x = S A x for a random x.
+/// Mirrors S that leave K and M unchanged: A S x = S A x for a random x.
 fn respected(system: &System) -> Vec<&Mirror> {
     let mirrors = system.equations.mirrors();
     let mut random = Random::new(2);

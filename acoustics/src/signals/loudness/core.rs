@@ -1,4 +1,4 @@
-//! Core loudness: what each critical band excites by itself.
+//! Core loudness: the loudness of each critical band without the slopes of its neighbours.
 
 use super::SoundField;
 use super::error::LoudnessError;

@@ -22,7 +22,7 @@ use self::core::core_loudness;
 use filter_bank::{LEVEL_RATE, levels_over_time};
 use pattern::total_loudness;
 
-/// The sound field in which the levels were taken, without the listener.
+/// Sound field of the levels, which are those without the listener.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum SoundField {
     /// A plane wave from the front.

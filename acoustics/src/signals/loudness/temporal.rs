@@ -76,7 +76,7 @@ impl Decay {
     }
 }
 
-/// Replaces core loudness at this rate \[1/s\] by what remains of it with the decay of hearing (6.3).
+/// Applies the temporal decay of hearing to core loudness sampled at this rate \[1/s\] (6.3).
 pub(super) fn decay(cores: &mut [[f64; CRITICAL_BANDS]], rate: f64) {
     let circuit = Decay::new(1.0 / (rate * STEPS as f64));
     for band in 0..CRITICAL_BANDS {
