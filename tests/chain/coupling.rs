@@ -47,7 +47,6 @@ fn coupled(design: &Design, parameters: &Parameters, points: usize) -> Coupled {
     };
     couple(
         parameters,
-        design.wood.friction_share,
         &cycle_settings(design),
         &[body],
         &supports,

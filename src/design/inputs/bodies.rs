@@ -305,6 +305,7 @@ fn nail_place(design: &Design) -> NailPlace {
     NailPlace {
         at: [design.nail.offset_along, design.nail.offset_across],
         top: design.workpiece.thickness,
+        entry: design.workpiece.thickness - design.workpiece.groove,
         length: design.nail.length,
         nose: [design.body.nose_width, design.body.nose_depth],
     }

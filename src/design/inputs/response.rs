@@ -20,7 +20,6 @@ pub(crate) fn shot(design: &Design) -> Result<ShotInputs, Error> {
     Ok(ShotInputs {
         added_sand,
         parameters: parameters(design)?,
-        friction_share: design.wood.friction_share,
         supports: springs(design)?,
         step: design.analysis.time_step,
         duration: design.analysis.duration,

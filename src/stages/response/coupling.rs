@@ -57,14 +57,12 @@ pub struct Coupled {
 
 /// Computes cycle and response together, the workpiece being the first body.
 ///
-/// Each body's load participations have [`COUPLED_LOADS`] columns, down positive. `friction_share` is the share of the
-/// penetration resistance at full depth that is friction along the shank.
+/// Each body's load participations have [`COUPLED_LOADS`] columns, down positive.
 ///
 /// # Errors
 /// Those of cycle and response, and that they do not agree.
 pub fn couple(
     parameters: &Parameters,
-    friction_share: f64,
     settings: &CycleSettings,
     bodies: &[ModalBody],
     supports: &[Support],
@@ -76,7 +74,6 @@ pub fn couple(
         transient,
         envelope: parameters.penetration_envelope(),
         length: parameters.nail.length,
-        friction_share,
         carrying: carrying(&bodies[0], parameters.ambient.gravity),
         // Under its own weight, until the cycle puts the tool on it.
         run: Driven::new(bodies, supports, &WEIGHT, &WEIGHT, transient)?,
@@ -126,7 +123,6 @@ struct Wood<'a> {
     transient: &'a Settings,
     envelope: Envelope,
     length: f64,
-    friction_share: f64,
     /// Part of each support's force that carries the workpiece.
     carrying: Vec<f64>,
     run: Driven<'a>,
@@ -140,7 +136,7 @@ struct Wood<'a> {
 
 impl Wood<'_> {
     fn shares(&self, depth: f64) -> [f64; STATIONS] {
-        nail_force::shares(&self.envelope, self.length, self.friction_share, depth)
+        nail_force::shares(&self.envelope, self.length, depth)
     }
 
     fn loads(&self, forces: &WoodForces) -> [f64; COUPLED_LOADS] {

@@ -11,56 +11,116 @@
 //! S is linear in depth and reaches the share phi of F_r at full depth: the published second drive into the same hole
 //! (Nili Ahmadabadi 2016, sec. 2.4.3: 81 % for a smooth 6d nail in poplar plywood). While the nail is unloaded
 //! (F_pen < E) all parts shrink in proportion.
+//!
+//! Where the resistance depends on speed, the parts are those at the nail's speed. An elastic blow replaces the
+//! frequencies of F_pen above 2 kHz.
 
-use nailnoise_dynamics::{CycleRecord, Parameters};
-use nailnoise_penetration::Envelope;
+use nailnoise_acoustics::signals::fourier::RealTransform;
+use nailnoise_dynamics::blow::elastic_blow;
+use nailnoise_dynamics::{BlowModel, CycleRecord, Parameters};
+use nailnoise_penetration::{Envelope, RateLaw};
 use nalgebra::DMatrix;
 
+use crate::result::Check;
 use crate::stages::bodies::STATIONS;
 
-/// Downward force on the wood at each station: stations x samples \[N\]. Each column sums to F_pen.
-pub(super) fn forces(parameters: &Parameters, friction_share: f64, record: &CycleRecord) -> DMatrix<f64> {
-    let length = parameters.nail.length;
-    let envelope = parameters.penetration_envelope();
-    let full_friction = friction_share * envelope.shank(length);
-    let mut forces = DMatrix::zeros(STATIONS, record.len());
-    for (sample, mut column) in forces.column_iter_mut().enumerate() {
-        let force = record.forces.penetration[sample];
-        let depth = record.motion.nail_depth[sample];
-        if force > 0.0 && depth > 0.0 {
-            spread(&envelope, length, full_friction, (force, depth), column.as_mut_slice());
-        }
-    }
-    forces
+/// Frequencies between which the force of an elastic blow replaces that of the cycle \[Hz\].
+const CROSSOVER: [f64; 2] = [1000.0, 2000.0];
+
+/// Forces of the nail on the wood.
+#[derive(Debug)]
+pub(super) struct NailForces {
+    /// Downward force at each station: stations x samples \[N\]. Each column sums to F_pen.
+    pub(super) stations: DMatrix<f64>,
+    /// Checks of an elastic blow.
+    pub(super) checks: Vec<Check>,
 }
 
-/// Shares of the stations in F_pen with the tip at a depth; all of it acts at the surface before it is in.
-pub(super) fn shares(envelope: &Envelope, length: f64, friction_share: f64, depth: f64) -> [f64; STATIONS] {
+/// Forces of the nail of a cycle on the wood.
+pub(super) fn forces(parameters: &Parameters, record: &CycleRecord) -> NailForces {
+    let length = parameters.nail.length;
+    let envelope = parameters.penetration_envelope();
+    let (force, checks) = penetration(parameters, record);
+    let mut stations = DMatrix::zeros(STATIONS, record.len());
+    for (sample, mut column) in stations.column_iter_mut().enumerate() {
+        let depth = record.motion.nail_depth[sample];
+        if force[sample] != 0.0 && depth > 0.0 {
+            let speed = match parameters.wood.rate {
+                RateLaw::None => 0.0,
+                RateLaw::Speed => (record.piston.velocity[sample] - record.workpiece.velocity[sample]).max(0.0),
+            };
+            let parts = envelope.parts(depth, speed, envelope.usual_impact());
+            spread(parts, length, (force[sample], depth), column.as_mut_slice());
+        }
+    }
+    NailForces { stations, checks }
+}
+
+/// F_pen at the samples of a cycle.
+fn penetration(parameters: &Parameters, record: &CycleRecord) -> (Vec<f64>, Vec<Check>) {
+    let rigid = &record.forces.penetration;
+    let blow = match parameters.model.blow {
+        BlowModel::Rigid => None,
+        BlowModel::Elastic => elastic_blow(parameters, record),
+    };
+    let Some(blow) = blow else {
+        return (rigid.clone(), Vec::new());
+    };
+    let mut difference: Vec<f64> = blow
+        .on_wood
+        .iter()
+        .zip(rigid)
+        .map(|(elastic, rigid)| elastic - rigid)
+        .collect();
+    high_pass(&mut difference, record.sample_interval);
+    let force = rigid
+        .iter()
+        .zip(&difference)
+        .map(|(rigid, more)| rigid + more)
+        .collect();
+    (force, blow.checks)
+}
+
+/// Removes what lies below [`CROSSOVER`] without a shift in time; the pass band begins as a raised cosine over the
+/// logarithm of the frequency.
+fn high_pass(signal: &mut [f64], interval: f64) {
+    let transform = RealTransform::new(2 * signal.len().next_power_of_two());
+    let df = 1.0 / (interval * transform.length() as f64);
+    let mut lines = transform.lines(signal);
+    for (k, line) in lines.iter_mut().enumerate() {
+        let octave = (k as f64 * df / CROSSOVER[0]).log2() / (CROSSOVER[1] / CROSSOVER[0]).log2();
+        *line *= (0.5 * std::f64::consts::PI * octave.clamp(0.0, 1.0)).sin().powi(2);
+    }
+    let filtered = transform.signal(lines);
+    signal.copy_from_slice(&filtered[..signal.len()]);
+}
+
+/// Shares of the stations in F_pen with the tip of a resting nail at a depth; all of it acts at the surface before it
+/// is in.
+pub(super) fn shares(envelope: &Envelope, length: f64, depth: f64) -> [f64; STATIONS] {
     let mut shares = [0.0; STATIONS];
-    if depth > 0.0 && envelope.shank(depth) + envelope.head(depth) > 0.0 {
-        let full_friction = friction_share * envelope.shank(length);
-        spread(envelope, length, full_friction, (1.0, depth), &mut shares);
+    let parts = envelope.parts(depth, 0.0, envelope.usual_impact());
+    if parts.iter().sum::<f64>() > 0.0 {
+        spread(parts, length, (1.0, depth), &mut shares);
     } else {
         shares[0] = 1.0;
     }
     shares
 }
 
-/// Adds a force with the tip at a depth to the stations.
-fn spread(envelope: &Envelope, length: f64, full_friction: f64, (force, depth): (f64, f64), stations: &mut [f64]) {
-    let embedded = depth.min(length);
-    let (law, head) = (envelope.shank(depth), envelope.head(depth));
-    let shank = (full_friction * embedded / length).min(law);
-    let scale = force / (law + head);
+/// Adds a force with the tip at a depth to the stations. The forces of shank, tip and head have the ratios of `parts`.
+fn spread(parts: [f64; 3], length: f64, (force, depth): (f64, f64), stations: &mut [f64]) {
+    let [shank, tip, head] = parts;
+    let scale = force / (shank + tip + head);
     stations[0] += scale * head;
-    let position = embedded / length * (STATIONS - 1) as f64;
+    let position = depth.min(length) / length * (STATIONS - 1) as f64;
     for (k, weight) in uniform(position) {
         stations[k] += scale * shank * weight;
     }
     let below = (position.floor() as usize).min(STATIONS - 2);
     let upper = position - below as f64;
-    stations[below] += scale * (law - shank) * (1.0 - upper);
-    stations[below + 1] += scale * (law - shank) * upper;
+    stations[below] += scale * tip * (1.0 - upper);
+    stations[below + 1] += scale * tip * upper;
 }
 
 /// A uniform load from station 0 to `position` (in stations) of total 1, lumped by linear interpolation.
@@ -81,6 +141,27 @@ fn uniform(position: f64) -> impl Iterator<Item = (usize, f64)> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn the_crossover_passes_5_khz_and_removes_500_hz() {
+        let interval = 4e-6;
+        let tone = |hz: f64| -> Vec<f64> {
+            (0..8192)
+                .map(|n| {
+                    let t = f64::from(n) * interval;
+                    let window = (std::f64::consts::PI * t / (8192.0 * interval)).sin().powi(2);
+                    window * (2.0 * std::f64::consts::PI * hz * t).sin()
+                })
+                .collect()
+        };
+        let energy = |signal: &[f64]| signal.iter().map(|x| x * x).sum::<f64>();
+        for (hz, expected) in [(500.0, 0.0), (5000.0, 1.0)] {
+            let mut signal = tone(hz);
+            let before = energy(&signal);
+            high_pass(&mut signal, interval);
+            assert!((energy(&signal) / before - expected).abs() < 1e-4, "{hz} Hz");
+        }
+    }
 
     #[test]
     fn a_uniform_load_keeps_its_total_and_its_centre() {

@@ -8,10 +8,20 @@ use serde::Serialize;
 use super::coupling::{self, COUPLED_LOADS, Coupled, couple};
 use super::nail_force;
 use crate::error::Error;
+use crate::result::Check;
 use crate::stages::bodies::{Body, ContactCells, STATIONS};
 
 /// Largest gap that [`open_gaps`] opens \[m\].
 const GAP: f64 = 1e-6;
+
+/// Response to the forces of a cycle.
+#[derive(Debug)]
+pub struct OneWay {
+    /// Motion of the bodies.
+    pub response: ModalResponse,
+    /// Checks of the nail's force.
+    pub checks: Vec<Check>,
+}
 
 /// Inputs of a response, except the bodies and the cycle.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -19,8 +29,6 @@ pub struct ShotInputs {
     /// Parameters of the cycle. One way, they give gravity, the nail's length and the penetration resistance over
     /// depth.
     pub parameters: Parameters,
-    /// Share of the penetration resistance at full depth that is friction along the shank.
-    pub friction_share: f64,
     /// Springs and dashpots, in the order of the columns of [`Body::contacts`].
     pub supports: Vec<Support>,
     /// Mass of sand \[kg\] that moves with the base of the workpiece, and the contact cells that carry its weight.
@@ -64,14 +72,13 @@ impl ShotInputs {
     ///
     /// # Errors
     /// Those of the transient solver.
-    pub fn one_way(
-        &self,
-        bodies: &[ModalBody],
-        record: &CycleRecord,
-        force_scale: f64,
-    ) -> Result<ModalResponse, Error> {
-        let loads = self.loads(record, force_scale);
-        Ok(respond(bodies, &self.opened(), &loads, &self.settings())?)
+    pub fn one_way(&self, bodies: &[ModalBody], record: &CycleRecord, force_scale: f64) -> Result<OneWay, Error> {
+        let nail = nail_force::forces(&self.parameters, record);
+        let loads = self.loads(record, &nail.stations, force_scale);
+        Ok(OneWay {
+            response: respond(bodies, &self.opened(), &loads, &self.settings())?,
+            checks: nail.checks,
+        })
     }
 
     /// Cycle and response together, each acting on the other.
@@ -80,14 +87,7 @@ impl ShotInputs {
     /// Those of the cycle and of the transient solver, and that the two do not agree.
     pub fn two_way(&self, bodies: &[ModalBody], cycle: &CycleSettings) -> Result<Coupled, Error> {
         let transient = self.settings();
-        couple(
-            &self.parameters,
-            self.friction_share,
-            cycle,
-            bodies,
-            &self.opened(),
-            &transient,
-        )
+        couple(&self.parameters, cycle, bodies, &self.opened(), &transient)
     }
 
     /// A body with its loss factor as the transient solver takes it. Loads of the shot act only on the workpiece,
@@ -130,10 +130,9 @@ impl ShotInputs {
     ///
     /// After the record the tool is off the wood and the nail at rest: the forces of the shot go to zero, gravity
     /// stays.
-    fn loads(&self, record: &CycleRecord, force_scale: f64) -> Loads {
-        let nail = nail_force::forces(&self.parameters, self.friction_share, record);
+    fn loads(&self, record: &CycleRecord, nail: &DMatrix<f64>, force_scale: f64) -> Loads {
         let mut history = DMatrix::zeros(COUPLED_LOADS, record.len());
-        history.rows_mut(0, STATIONS).copy_from(&nail);
+        history.rows_mut(0, STATIONS).copy_from(nail);
         for sample in 0..record.len() {
             history[(coupling::NOSE, sample)] = record.forces.nose[sample] + record.forces.guard[sample];
         }

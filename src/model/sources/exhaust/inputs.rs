@@ -23,7 +23,7 @@ pub(super) fn openings(design: &Design) -> Result<Openings, Error> {
     let holes = Opening {
         count: own.holes as usize,
         diameter: own.hole_diameter,
-        discharge_coefficient: design.chambers.discharge_coefficient,
+        discharge_coefficient: own.discharge_coefficient,
         pitch: Some(own.pitch),
     };
     holes.check_area(own.area())?;

@@ -43,14 +43,16 @@ pub(super) fn methods(
             1e3 * jet.diameter
         ));
     }
-    if let Some(fitting) = &openings.fitting {
+    let temperature = exhaust.openings.first().map(|holes| holes.outflow_temperature);
+    if let (Some(fitting), Some(temperature)) = (&openings.fitting, temperature) {
+        let limit = fitting
+            .filled(temperature, &openings.air)
+            .map_or(f64::NAN, |filled| filled.plane_wave_limit());
         notes.push(format!(
-            "exhaust fitting: plane waves up to {:.0} Hz in air at rest, between choked holes and an open end that \
-             its jet \
-             damps; above, the outflow radiates as if there were no fitting. The jets of the holes are not filtered; \
-             the uncertainty of the \
-             level holds the case that they are",
-            fitting.plane_wave_limit(&openings.air)
+            "exhaust fitting: plane waves up to {limit:.0} Hz in the outflow's gas at {temperature:.0} K, between \
+             choked holes and an open end that its jet damps; above, the outflow radiates as if there were no \
+             fitting. The jets of the holes are not filtered; the uncertainty of the level holds the case that they \
+             are"
         ));
     }
     match openings.muffler {
