@@ -18,6 +18,7 @@ pub const DESIGNS: &[(&str, &str)] = files![
     "n80cb-as-tested.toml",
     "n80cb-as-tested-sandbox.toml",
     "n80cb-as-tested-sandbox-floor.toml",
+    "n80cb-as-filmed.toml",
     "site/held-board.toml",
     "site/joists.toml",
     "site/sawhorses.toml",

@@ -45,14 +45,7 @@ fn coupled(design: &Design, parameters: &Parameters, points: usize) -> Coupled {
         duration: design.analysis.duration,
         ..Settings::default()
     };
-    couple(
-        parameters,
-        &cycle_settings(design),
-        &[body],
-        &supports,
-        &settings,
-    )
-    .unwrap()
+    couple(parameters, &cycle_settings(design), &[body], &supports, &settings).unwrap()
 }
 
 #[test]

@@ -95,6 +95,15 @@ impl Bar {
         0.5 * (kinetic + self.stiffness * springs)
     }
 
+    /// Adds the forces of a dashpot \[N s/m\] along every element to the loads.
+    pub fn damp(&mut self, dashpot: f64) {
+        for i in 0..self.last() {
+            let force = dashpot * (self.velocity[i + 1] - self.velocity[i]);
+            self.load[i] += force;
+            self.load[i + 1] -= force;
+        }
+    }
+
     /// Moves the velocities on by `dt` \[s\] under springs and loads.
     fn kick(&mut self, dt: f64) {
         let mut tension = 0.0;

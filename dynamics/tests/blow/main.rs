@@ -139,41 +139,44 @@ fn rigid_bars_give_the_impulse_of_the_cycle() {
         ..bars
     };
     let [elastic, cycle] = with_bars(&rigid, &p, &BASE).unwrap().impulses;
-    assert!((elastic / cycle - 1.0).abs() < 0.01, "{elastic} N s for {cycle} N s");
+    assert!((elastic / cycle - 1.0).abs() < 0.02, "{elastic} N s for {cycle} N s");
 }
 
 #[test]
 fn elastic_bars_keep_the_impulse_on_the_wood() {
     let [elastic, cycle] = elastic_blow(&n80cb(), &BASE).unwrap().impulses;
-    assert!((elastic / cycle - 1.0).abs() < 0.02, "{elastic} N s for {cycle} N s");
-}
-
-/// Energy of the force above 2 kHz, as the integral of the square of its rate.
-fn roughness(force: &[f64]) -> f64 {
-    force
-        .windows(2)
-        .map(|pair| (pair[1] - pair[0]).powi(2))
-        .sum::<f64>()
-        .sqrt()
+    assert!((elastic / cycle - 1.0).abs() < 0.03, "{elastic} N s for {cycle} N s");
 }
 
 #[test]
-fn the_force_on_the_wood_converges_with_the_elements() {
+fn the_first_strike_converges_with_the_elements() {
     let p = n80cb();
     let bars = Bars::new(&p);
-    let force = |elements: usize| with_bars(&Bars { elements, ..bars }, &p, &BASE).unwrap().on_wood;
-    let [coarse, shipped, fine] = [16, 32, 128].map(force);
-    let distance = |a: &[f64], b: &[f64]| {
-        let difference: Vec<f64> = a.iter().zip(b).map(|(a, b)| a - b).collect();
-        difference.iter().map(|d| d * d).sum::<f64>().sqrt() / b.iter().map(|d| d * d).sum::<f64>().sqrt()
+    let force = |elements: usize| {
+        let blow = with_bars(&Bars { elements, ..bars }, &p, &BASE).unwrap();
+        let first = blow.samples[0];
+        blow.on_wood[first..first + 200].to_vec()
     };
-    let [far, near] = [distance(&coarse, &fine), distance(&shipped, &fine)];
-    assert!(near < 0.05 && near < far, "{far} {near}");
-    assert!((roughness(&shipped) / roughness(&fine) - 1.0).abs() < 0.2);
+    let [coarse, shipped, fine] = [16, 64, 128].map(force);
+    let distance = |a: &[f64]| {
+        let square = |x: f64, y: f64| (x - y).powi(2);
+        let apart: f64 = a.iter().zip(&fine).map(|(x, y)| square(*x, *y)).sum();
+        (apart / fine.iter().map(|y| y * y).sum::<f64>()).sqrt()
+    };
+    let [far, near] = [distance(&coarse), distance(&shipped)];
+    assert!(near < 0.02 && near < far, "{far} {near}");
 }
 
 #[test]
-fn an_elastic_blow_is_rougher_than_a_rigid_one() {
+fn strikes_add_high_frequencies_to_the_force_on_the_wood() {
     let blow = elastic_blow(&n80cb(), &BASE).unwrap();
-    assert!(roughness(&blow.on_wood) > roughness(&BASE.forces.penetration));
+    let [first, last] = blow.samples;
+    // The square of the second difference weighs the highest frequencies.
+    let roughness = |force: &[f64]| {
+        force[first..last]
+            .windows(3)
+            .map(|w| (w[0] - 2.0 * w[1] + w[2]).powi(2))
+            .sum::<f64>()
+    };
+    assert!(roughness(&blow.on_wood) > 2.0 * roughness(&BASE.forces.penetration));
 }

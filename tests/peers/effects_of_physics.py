@@ -1,0 +1,115 @@
+"""Writes the table of docs/validation.md of what each option of the shot's physics changes, switched on alone.
+
+    effects_of_physics.py NAILNOISE PAGE           compares the table of the page with the program, to the digit
+    effects_of_physics.py NAILNOISE PAGE --update  writes it
+    effects_of_physics.py NAILNOISE --levels FILE  writes sensors, levels and third octaves of all sources as CSV
+
+A row has the events, the speed of the rod at the nail, the mean speed of the nail, the kinetic energy left at full depth,
+the depth of the head, the peak force on the wood and that on the bumper. It needs the cycle alone, some seconds. Levels
+need runs, minutes each.
+"""
+
+import csv
+import json
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+DESIGN = "designs/n80cb-as-tested.toml"
+BEGIN = "<!-- effects of the options: written by tests/peers/effects_of_physics.py --update -->"
+END = "<!-- end of the effects -->"
+SPEED, HEAD = "wood.rate=speed", "wood.head_law=yields"
+OPTIONS = [
+    ("as tested, all options off", []),
+    ("groove of 6.35 mm", ["workpiece.groove=6.35mm"]),
+    ("resistance depends on speed", [SPEED]),
+    ("head yields", [HEAD]),
+    ("both", [SPEED, HEAD]),
+    ("coated nail, friction x 0.6", ["nail.coating=0.6"]),
+    ("blow as waves", ["model.blow=elastic"]),
+    ("discharge of the exhaust 0.7", ["exhaust.discharge_coefficient=0.7"]),
+    ("trigger fills through 28 mm2", ["trigger.fill_area=28mm2"]),
+]
+COLUMNS = ["option", *(f"t{n} [ms]" for n in (5, 6, 9, 12, 13, 14)), "rod at nail [m/s]", "mean of nail [m/s]"]
+COLUMNS += ["left at full depth [J]", "head below [mm]", "peak force [N]", "bumper [N]"]
+
+
+def compute(command, program, settings, folder):
+    arguments = [program, command, DESIGN, "--json", "--quiet", "--out", folder]
+    for setting in settings:
+        arguments += ["--set", setting]
+    done = subprocess.run(arguments, capture_output=True, text=True)
+    if done.returncode not in (0, 3):
+        raise SystemExit(done.stderr)
+    return json.loads(done.stdout)
+
+
+def cycle(program, settings):
+    with tempfile.TemporaryDirectory() as folder:
+        result = compute("cycle", program, settings, folder)
+        with open(Path(folder) / "histories.csv", newline="") as file:
+            return result, list(csv.DictReader(file))
+
+
+def left_at_full_depth(result, histories):
+    """M v^2/2 of piston and nail when the head meets the wood; none if it does not."""
+    at = result["summary"]["full_penetration"]
+    if at is None:
+        return None
+    row = min(histories, key=lambda row: abs(float(row["time [s]"]) - at))
+    return 0.5 * float(row["moving_mass [kg]"]) * float(row["piston_velocity [m/s]"]) ** 2
+
+
+def cells(name, result, histories):
+    events, shot = result["events"], result["summary"]
+
+    def text(value, factor=1.0, digits=2):
+        return "" if value is None else f"{factor * value:.{digits}f}"
+
+    row = [name, *(text(events[f"t{n}"], 1e3) for n in (5, 6, 9, 12, 13, 14))]
+    row += [text(shot["speed_before_impact"]), text(shot["mean_drive_speed"])]
+    row += [text(left_at_full_depth(result, histories)), text(shot["head_depth"], 1e3)]
+    return row + [text(shot[f"peak_{name}_force"], digits=0) for name in ("penetration", "bumper")]
+
+
+def table(program):
+    lines = [COLUMNS, ["---"] + ["--:"] * (len(COLUMNS) - 1)]
+    for name, settings in OPTIONS:
+        lines.append(cells(name, *cycle(program, settings)))
+    return "".join("| " + " | ".join(line) + " |\n" for line in lines)
+
+
+def levels(program, path):
+    with open(path, "w", newline="") as file:
+        writer = csv.writer(file)
+        writer.writerow(["option", "quantity", "band [Hz]", "value"])
+        for name, settings in OPTIONS:
+            with tempfile.TemporaryDirectory() as folder:
+                result = compute("run", program, settings, folder)
+            for sensor in result["sensors"]:
+                writer.writerow([name, f"{sensor['name']} RMS [g]", "", f"{sensor['rms_g']:.3f}"])
+            for source in result["ranking"]:
+                writer.writerow([name, f"{source['source']} L_WA [dB(A)]", "", f"{source['lwa_db']:.2f}"])
+                for band in source["bands"]:
+                    if band["lw_db"] is not None:
+                        writer.writerow([name, f"{source['source']} L_W [dB]", f"{band['hz']:g}", f"{band['lw_db']:.2f}"])
+            file.flush()
+
+
+def main():
+    program = sys.argv[1]
+    if sys.argv[2] == "--levels":
+        return levels(program, sys.argv[3])
+    page = Path(sys.argv[2])
+    text = page.read_text()
+    start, end = text.index(BEGIN) + len(BEGIN) + 1, text.index(END)
+    found = table(program)
+    if "--update" in sys.argv:
+        page.write_text(text[:start] + found + text[end:])
+    elif text[start:end] != found:
+        raise SystemExit(f"{page}: the table differs from the program\n{found}")
+
+
+if __name__ == "__main__":
+    main()
