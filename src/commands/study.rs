@@ -18,6 +18,7 @@ use crate::graph::Graph;
 use crate::headline::{self, Headline};
 use crate::stages::Progress;
 use crate::store::Store;
+use crate::study::StudyError;
 use crate::study::{self, Draws, Estimate, ProvidedStudy, Request, StudyResult, Subset};
 use crate::{figures, report, shipped};
 
@@ -167,9 +168,10 @@ pub(super) fn execute(arguments: &Arguments) -> Result<Status, Error> {
         });
     }
     if arguments.groups && arguments.structures.is_some() {
-        return Err(Error::GroupsOfStructures {
+        return Err(StudyError::GroupsOfStructures {
             study: format!("nailnoise study {}", design.path().display()),
-        });
+        }
+        .into());
     }
     cost::refuse(&design, &cost::of_run(&design)?, common.memory.limit())?;
     let progress = progress();

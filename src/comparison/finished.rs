@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use serde::Deserialize;
 
 use super::consistency;
+use crate::comparison::ComparisonError;
 use crate::error::Error;
 use crate::result::{DesignId, RankedSource, RunStudy, SCHEMA, StudySummary, Total};
 use crate::stages::headline::Headline;
@@ -53,7 +54,7 @@ impl Finished {
     /// Reads a `result.json` whose numbers agree with each other.
     ///
     /// # Errors
-    /// [`Error::Unreadable`], [`Error::NotAResult`] or [`Error::Inconsistent`].
+    /// [`Error::Unreadable`], [`ComparisonError::NotAResult`] or [`ComparisonError::Inconsistent`].
     pub fn read(path: &Path) -> Result<Self, Error> {
         let text = std::fs::read_to_string(path).map_err(|source| Error::Unreadable {
             path: path.to_owned(),
@@ -62,11 +63,14 @@ impl Finished {
         let result = Self::parse(path, &text)?;
         let value = serde_json::from_str(&text).map_err(Error::Json)?;
         let consistent = consistency::numbers(&value).and_then(|()| consistency::sums(&result.ranking, &result.total));
-        consistent.map_err(|fault| Error::Inconsistent {
-            path: path.to_owned(),
-            at: fault.at,
-            found: fault.found,
-            expected: fault.expected,
+        consistent.map_err(|fault| {
+            ComparisonError::Inconsistent {
+                path: path.to_owned(),
+                at: fault.at,
+                found: fault.found,
+                expected: fault.expected,
+            }
+            .into()
         })?;
         Ok(result)
     }
@@ -74,11 +78,14 @@ impl Finished {
     /// Reads the content of a `result.json`; `path` is named in errors.
     ///
     /// # Errors
-    /// [`Error::NotAResult`].
+    /// [`ComparisonError::NotAResult`].
     pub fn parse(path: &Path, text: &str) -> Result<Self, Error> {
-        let wrong = |reason: String| Error::NotAResult {
-            path: path.to_owned(),
-            reason,
+        let wrong = |reason: String| {
+            ComparisonError::NotAResult {
+                path: path.to_owned(),
+                reason,
+            }
+            .into()
         };
         let value: serde_json::Value = serde_json::from_str(text).map_err(|error| wrong(error.to_string()))?;
         match value["schema"].as_str() {

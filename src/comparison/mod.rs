@@ -4,6 +4,7 @@
 //! first result is the reference: changes are those of the others from it.
 
 mod consistency;
+mod error;
 mod finished;
 mod ranges;
 
@@ -14,6 +15,7 @@ use crate::result::{RankedSource, StudySummary, TOTAL};
 use crate::stages::headline::{Headline, unlike};
 use crate::wording::{Placed, unit_of_figure};
 
+pub use error::ComparisonError;
 pub use finished::{Finished, Input};
 
 /// Version of the layout of [`Comparison`].

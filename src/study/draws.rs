@@ -22,6 +22,7 @@ use crate::graph::Graph;
 use crate::stages::Progress;
 use crate::stages::levels::Levels;
 use crate::stages::outcomes::{ShotFigures, ShotOutcome};
+use crate::study::StudyError;
 
 /// A draw.
 #[derive(Debug, Clone, PartialEq)]
@@ -78,7 +79,7 @@ pub(super) struct Planned {
 /// Makes the requested draws on a graph, and reports their number on `progress`.
 ///
 /// # Errors
-/// Those of the chain of the design itself; [`Error::NothingDrawn`] where no candidate is accepted; [`Error::NoLevels`]
+/// Those of the chain of the design itself; [`StudyError::NothingDrawn`] where no candidate is accepted; [`StudyError::NoLevels`]
 /// where those of no draw can be computed.
 pub fn draws(graph: &Graph, design: &Design, request: &Request, progress: &Progress) -> Result<Draws, Error> {
     let made = common_draws(graph, &[design], request, progress)?;
@@ -116,10 +117,11 @@ pub fn common_draws(
     if let (true, Some((_, reason))) = (draws.iter().all(Vec::is_empty), failures.first())
         && request.part != Subset::Kept
     {
-        return Err(Error::NoLevels {
+        return Err(StudyError::NoLevels {
             draws: failures.len(),
             reason: reason.clone(),
-        });
+        }
+        .into());
     }
     let of_design = |draws: Vec<Draw>| Draws {
         open_ends: open_ends(&sampler, &draws),
@@ -262,7 +264,7 @@ pub(super) fn levels(
 
 /// The design of a point.
 fn design_of(design: &Design, sampler: &Sampler, point: &Point) -> Result<Design, Error> {
-    drawn(design, sampler, design, point).map_err(|reason| Error::NoDesign { reason })
+    drawn(design, sampler, design, point).map_err(|reason| StudyError::NoDesign { reason }.into())
 }
 
 /// The shapes of a drawn structure that other structures may have too: those that depend only on its alternatives. A

@@ -21,6 +21,7 @@ use crate::graph::Graph;
 use crate::output;
 use crate::result::TOTAL;
 use crate::stages::Progress;
+use crate::study::StudyError;
 
 /// The random sequence of the partners, separate from those of all structures.
 const STREAM: u64 = u64::MAX;
@@ -151,7 +152,7 @@ pub fn group_study(
                 let found = screen(graph, (&designs, &sampler), frame, 1, Subset::All, |_| {});
                 let found = match found {
                     Ok((found, _)) => found,
-                    Err(Error::NothingDrawn { .. }) => Vec::new(),
+                    Err(Error::Study(StudyError::NothingDrawn { .. })) => Vec::new(),
                     Err(error) => return Err(error),
                 };
                 for candidate in found {

@@ -15,6 +15,7 @@ use crate::error::Error;
 use crate::graph::Graph;
 use crate::stages::cycle::Cycle;
 use crate::stages::outcomes::{Outcomes, ShotOutcome};
+use crate::study::StudyError;
 
 /// Candidates that are computed and stored at a time; for a partner of a point, which needs one, at first and then
 /// twice as many each time.
@@ -156,7 +157,7 @@ fn name(outcomes: &[ShotOutcome]) -> String {
 /// as there are tasks, each task computes one, and then reads those of the others that are stored by then.
 ///
 /// # Errors
-/// [`Error::NothingDrawn`] where no candidate is accepted.
+/// [`StudyError::NothingDrawn`] where no candidate is accepted.
 pub fn screen(
     graph: &Graph,
     (designs, sampler): (&[Design], &Sampler),
@@ -232,12 +233,13 @@ pub fn screen(
                 .map(|(name, count)| format!("{} ({count})", name.replace('_', space)));
             counts.collect::<Vec<_>>().join(", ")
         };
-        return Err(Error::NothingDrawn {
+        return Err(StudyError::NothingDrawn {
             candidates: tally.candidates,
             outcomes: counted(&tally.outcomes, " "),
             refused: counted(&tally.refused, "_"),
             require: designs[0].study().require.join(", "),
-        });
+        }
+        .into());
     }
     Ok((accepted, tally))
 }

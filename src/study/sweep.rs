@@ -21,6 +21,7 @@ use crate::graph::Graph;
 use crate::stages::Progress;
 use crate::stages::headline::Headline;
 use crate::stages::levels::Levels;
+use crate::study::StudyError;
 
 /// Points of a grid at most.
 const MOST: usize = 100_000;
@@ -148,23 +149,23 @@ fn assignments(axes: &[Axis], values: &[String]) -> Result<Vec<Assignment>, Assi
 /// # Errors
 /// Values that are impossible in any design, or that conflict.
 pub fn at_point((path, changes): (&Path, &[Assignment]), axes: &[Axis], values: &[String]) -> Result<Design, Error> {
-    let own = assignments(axes, values).map_err(|error| Error::NoAxis { error })?;
+    let own = assignments(axes, values).map_err(|error| StudyError::NoAxis { error })?;
     Ok(Design::load_with(path, &[changes, &own].concat())?)
 }
 
 /// Whether the axes are those of a grid.
 ///
 /// # Errors
-/// [`Error::NothingToVary`], and [`Error::VariedTwice`]: the later values of a key would replace the earlier ones in
+/// [`StudyError::NothingToVary`], and [`StudyError::VariedTwice`]: the later values of a key would replace the earlier ones in
 /// every point.
 pub fn distinct(axes: &[Axis]) -> Result<(), Error> {
     if axes.is_empty() {
-        return Err(Error::NothingToVary);
+        return Err(StudyError::NothingToVary.into());
     }
     let twice = (1..axes.len()).find(|&place| axes[..place].iter().any(|before| before.key == axes[place].key));
     twice.map_or(Ok(()), |place| {
         let key = axes[place].key.clone();
-        Err(Error::VariedTwice { key })
+        Err(StudyError::VariedTwice { key }.into())
     })
 }
 
@@ -188,7 +189,7 @@ pub fn sweep(
         .map(|axis| axis.values.len())
         .try_fold(1_usize, usize::checked_mul);
     if count.is_none_or(|count| count > MOST) {
-        return Err(Error::SweptTooMuch { most: MOST });
+        return Err(StudyError::SweptTooMuch { most: MOST }.into());
     }
     let points = grid(axes);
     let mut designs = Vec::with_capacity(points.len());

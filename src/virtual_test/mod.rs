@@ -31,6 +31,7 @@ use crate::stages::microphones::Heard;
 use crate::stages::microphones::noise::{normal, under_envelope};
 use crate::stages::sensors::SensorRecord;
 use crate::stages::transducers::PressureRecord;
+use crate::study::StudyError;
 use minimum_phase::MinimumPhase;
 use resampling::Resampling;
 use sources::Synthesis;
@@ -187,8 +188,11 @@ impl<'a> VirtualTest<'a> {
             .into_iter()
             .map(|(key, value)| (key, Value::Number(value)))
             .collect();
-        design.set(&changes).map_err(|error| Error::NoDesign {
-            reason: error.to_string(),
+        design.set(&changes).map_err(|error| {
+            StudyError::NoDesign {
+                reason: error.to_string(),
+            }
+            .into()
         })?;
         Ok(design)
     }

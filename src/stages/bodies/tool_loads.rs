@@ -6,6 +6,7 @@ use nalgebra::{Point3, Vector3};
 use serde::Serialize;
 
 use crate::error::Error;
+use crate::stages::bodies::BodyError;
 
 /// Largest relative deviation of the body's mass from the tool's in the cycle.
 pub(crate) const MASS_LIMIT: f64 = 1e-3;
@@ -52,7 +53,7 @@ type AxialLoad<'a> = (&'static str, &'static str, &'a dyn Fn(&Point3<f64>) -> bo
 /// volume for the pressures \[m2\].
 ///
 /// # Errors
-/// [`Error::NoLoadSurface`] for each surface that is not there, [`Error::NoneOfSurface`] for one that is not where the
+/// [`BodyError::NoLoadSurface`] for each surface that is not there, [`BodyError::NoneOfSurface`] for one that is not where the
 /// design has the force.
 pub(crate) fn load_vectors(places: &ToolPlaces, mesh: &Mesh) -> Result<Vec<LoadVector>, Error> {
     let surface = Surface::of(mesh);
@@ -62,12 +63,13 @@ pub(crate) fn load_vectors(places: &ToolPlaces, mesh: &Mesh) -> Result<Vec<LoadV
         let known = || surface.patches.join(", ");
         match LoadVector::traction(&surface, group, -Vector3::z(), inside) {
             Ok(Some(vector)) => Ok(vector),
-            Ok(None) => Err(Error::NoneOfSurface { group, what }),
-            Err(MeshError::UnknownGroup { .. }) => Err(Error::NoLoadSurface {
+            Ok(None) => Err(BodyError::NoneOfSurface { group, what }.into()),
+            Err(MeshError::UnknownGroup { .. }) => Err(BodyError::NoLoadSurface {
                 group,
                 what,
                 known: known(),
-            }),
+            }
+            .into()),
             Err(error) => Err(error.into()),
         }
     };
@@ -86,7 +88,8 @@ pub(crate) fn load_vectors(places: &ToolPlaces, mesh: &Mesh) -> Result<Vec<LoadV
         match down(load) {
             Ok(vector) => vectors.push(vector),
             // The cap takes two forces; its absence is one problem.
-            Err(Error::NoLoadSurface { group, .. }) if problems.iter().any(|other| other.lacks(group)) => {}
+            Err(Error::Body(BodyError::NoLoadSurface { group, .. }))
+                if problems.iter().any(|other| other.lacks(group)) => {}
             Err(error) => problems.push(error),
         }
     }

@@ -25,6 +25,7 @@ use super::surface_modes::SurfaceModes;
 use super::tool::{CapSurface, ToolRadiation};
 use super::workpiece::WorkpieceBoundaryElements;
 use crate::error::Error;
+use crate::stages::bodies::BodyError;
 use crate::stages::bodies::{Body, MovingSurface};
 use crate::stages::{Code, OnDemand, Postcard, Progress, Stage, Stored, Uncached, all};
 
@@ -188,7 +189,7 @@ impl Stage for MatrixWithMicrophones {
 
     fn compute(&self, _: &Progress) -> Result<ModalBem, Error> {
         let with = self.matrix.get()?.with_pressures(self.pressures.get()?);
-        with.ok_or(Error::OtherModes { body: "bodies" })
+        with.ok_or(BodyError::OtherModes { body: "bodies" }.into())
     }
 }
 

@@ -19,6 +19,7 @@ use super::surface_modes::SurfaceModes;
 use super::tool::{CapSurface, ToolRadiation};
 use super::workpiece::WorkpieceBoundaryElements;
 use crate::error::Error;
+use crate::stages::bodies::BodyError;
 use crate::stages::bodies::{Body, MovingSurface};
 use crate::stages::{Code, OnDemand, Postcard, Progress, Stage, Stored, Uncached, all};
 
@@ -240,9 +241,12 @@ impl Stage for ShapeMatrix {
             progress.note(&format!(
                 "radiation: taken from {name}, whose modes miss at most {lack}"
             ));
-            return known.get()?.of_modes(combinations).ok_or(Error::OtherModes {
-                body: "standard bodies",
-            });
+            return known.get()?.of_modes(combinations).ok_or(
+                BodyError::OtherModes {
+                    body: "standard bodies",
+                }
+                .into(),
+            );
         }
         progress.note("radiation: boundary elements solved for the design's own modes");
         Ok(ModalBem::clone(&*self.own.get()?))

@@ -20,6 +20,7 @@ use super::covered::{CoveredFaces, OpenFaces, WORKPIECE, WORKTABLE};
 use super::flush::{FlushTop, top_of};
 use crate::error::Error;
 use crate::stages::Progress;
+use crate::stages::bodies::BodyError;
 use crate::stages::bodies::MovingSurface;
 
 /// Tops of the ranges with separate meshes, over the top of all.
@@ -149,7 +150,7 @@ impl WorkpieceBoundaryElements {
     /// the meshes and their limiting wavelengths are those of the stored matrix.
     ///
     /// # Errors
-    /// [`Error::NotBoxes`] for a mesh on a table that has not the sides of the design; those of mesh and radiation.
+    /// [`BodyError::NotBoxes`] for a mesh on a table that has not the sides of the design; those of mesh and radiation.
     pub fn levels(&self, bodies: &[MovingSurface<'_>], air: &Air) -> Result<Vec<MeshRange>, Error> {
         self.of_bodies(bodies, air, &RANGES)
     }
@@ -169,7 +170,7 @@ impl WorkpieceBoundaryElements {
             Err(AcousticsError::Bem(BemError::Uncovered { .. })) if !self.on_table => {
                 Ok(vec![self.of_skin(&bodies[0], air, None)?])
             }
-            Err(cause @ AcousticsError::Bem(BemError::Uncovered { .. })) => Err(Error::NotBoxes { cause }),
+            Err(cause @ AcousticsError::Bem(BemError::Uncovered { .. })) => Err(BodyError::NotBoxes { cause }.into()),
             other => Ok(other?),
         }
     }
@@ -577,7 +578,10 @@ mod tests {
         };
         check(1.0).unwrap();
         let error = check(0.001).unwrap_err();
-        assert!(matches!(error, Error::MicrophoneNearSurface { .. }), "{error}");
+        assert!(
+            matches!(error, Error::Body(BodyError::MicrophoneNearSurface { .. })),
+            "{error}"
+        );
         assert_eq!(error.exit_status(), 2);
     }
 
@@ -648,7 +652,7 @@ mod tests {
         }
         let table = small("support.kind = \"worktable\"\nworkpiece.length = \"410 mm\"");
         let error = levels(&table, &block, &air).unwrap_err();
-        assert!(matches!(error, Error::NotBoxes { .. }), "{error}");
+        assert!(matches!(error, Error::Body(BodyError::NotBoxes { .. })), "{error}");
         assert_eq!(error.exit_status(), 2);
     }
 }
