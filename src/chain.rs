@@ -8,7 +8,7 @@ mod context;
 mod cycle;
 mod motion;
 mod radiation;
-mod shape;
+mod reference;
 mod shot;
 
 use std::time::Instant;
@@ -36,7 +36,7 @@ pub(crate) use cycle::cycle_stage;
 pub use cycle::{cycle, cycle_as_published};
 pub(crate) use motion::{Drive, Motions};
 use radiation::Radiators;
-pub use shape::SharedShapes;
+pub use reference::SharedShapes;
 pub(crate) use shot::ShotStages;
 
 /// Changes of the physics for a run of the same design; for studies and tests of laws.

@@ -63,14 +63,11 @@ impl Finished {
         let result = Self::parse(path, &text)?;
         let value = serde_json::from_str(&text).map_err(Error::Json)?;
         let consistent = consistency::numbers(&value).and_then(|()| consistency::sums(&result.ranking, &result.total));
-        consistent.map_err(|fault| {
-            ComparisonError::Inconsistent {
-                path: path.to_owned(),
-                at: fault.at,
-                found: fault.found,
-                expected: fault.expected,
-            }
-            .into()
+        consistent.map_err(|fault| ComparisonError::Inconsistent {
+            path: path.to_owned(),
+            at: fault.at,
+            found: fault.found,
+            expected: fault.expected,
         })?;
         Ok(result)
     }

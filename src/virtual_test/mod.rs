@@ -188,11 +188,8 @@ impl<'a> VirtualTest<'a> {
             .into_iter()
             .map(|(key, value)| (key, Value::Number(value)))
             .collect();
-        design.set(&changes).map_err(|error| {
-            StudyError::NoDesign {
-                reason: error.to_string(),
-            }
-            .into()
+        design.set(&changes).map_err(|error| StudyError::NoDesign {
+            reason: error.to_string(),
         })?;
         Ok(design)
     }

@@ -20,7 +20,7 @@ use serde::Serialize;
 use super::CODE;
 use super::boundary_elements::{Places, Solution};
 use super::flush::{sampled, sampling_to, top_of};
-use super::shape::RadiatingShape;
+use super::reference::RadiatingShape;
 use super::surface_modes::SurfaceModes;
 use super::tool::{CapSurface, ToolRadiation};
 use super::workpiece::WorkpieceBoundaryElements;
@@ -166,7 +166,7 @@ impl Stage for PressureAtMicrophones {
             modes,
             ..body.moving_surface()
         });
-        let levels = self.shape.levels(&surfaces.collect::<Vec<_>>())?;
+        let levels = self.shape.mesh_hierarchy(&surfaces.collect::<Vec<_>>())?;
         Ok(self.surface.get()?.at(&self.places.receivers(), &levels)?)
     }
 }

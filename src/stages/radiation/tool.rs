@@ -165,7 +165,7 @@ impl ToolRadiation {
             surface,
             modes: &modes,
         };
-        places.check(&self.levels(&[body], cap, &Air::default())?)
+        places.check(&self.mesh_hierarchy(&[body], cap, &Air::default())?)
     }
 
     /// The housing's own mesh, its nose closed, up to the frequency that it resolves.
@@ -309,7 +309,7 @@ impl ToolRadiation {
     ///
     /// # Errors
     /// As [`Self::finest`].
-    pub fn levels(
+    pub fn mesh_hierarchy(
         &self,
         bodies: &[MovingSurface<'_>],
         cap: Option<&CapSurface>,
@@ -381,7 +381,7 @@ fn refuse_open_cavities(outline: &BoundaryMesh) -> Result<(), Error> {
 
 /// Bodies whose surfaces differ have no common modes.
 const OTHER_SURFACE: Error = Error::Body(BodyError::OtherModes {
-    body: "standard bodies",
+    body: "reference bodies",
 });
 
 /// Appends the motions of another mesh of the same surface from number `first` on; false where the surfaces differ.
