@@ -1,4 +1,4 @@
-//! Radiation by shape: the matrix that boundary elements solve for reference bodies, carried over to the design's.
+//! Projection on reference structures: their radiation matrix, solved by boundary elements, serves other bodies.
 
 use nailnoise_acoustics::radiation::boundary_elements::{ModalBem, ModalPressures};
 use nailnoise_meshes::gmsh;
@@ -76,7 +76,8 @@ fn bodies(graph: &Graph, design: &Design, kinds: &[BodyKind]) -> Result<Vec<Stor
 /// Structures whose modes may represent the motion of a design's bodies, in the order of trial, with their names.
 pub(super) type ReferenceStructures = Vec<(SurfaceModes, &'static str)>;
 
-/// ReferenceResult structures in the shape of a design's tool, or of its workpiece and table; none if these have no standard.
+/// ReferenceResult structures in the shape of a design's tool, or of its workpiece and table; none if these have no
+/// standard.
 ///
 /// # Errors
 /// Those of the bodies' materials and mesh files.
@@ -299,8 +300,8 @@ mod tests {
     }
 
     /// Whether each of the references represents the motion of a design's workpiece and table. Also the largest
-    /// difference in power \[dB\] between the radiation by shape and boundary elements with the design's modes, under a
-    /// force of 1 N at the nail's head and 1 N on the middle of the table.
+    /// difference in power \[dB\] between the radiation from reference structures and boundary elements with the
+    /// design's modes, under a force of 1 N at the nail's head and 1 N on the middle of the table.
     fn carried_over(design: &Design) -> (Vec<bool>, f64) {
         let graph = Graph::default();
         let air = inputs::air(design).unwrap();

@@ -79,8 +79,8 @@ pub(super) struct Planned {
 /// Makes the requested draws on a graph, and reports their number on `progress`.
 ///
 /// # Errors
-/// Those of the chain of the design itself; [`StudyError::NothingDrawn`] where no candidate is accepted; [`StudyError::NoLevels`]
-/// where those of no draw can be computed.
+/// Those of the chain of the design itself; [`StudyError::NothingDrawn`] where no candidate is accepted;
+/// [`StudyError::NoLevels`] where those of no draw can be computed.
 pub fn draws(graph: &Graph, design: &Design, request: &Request, progress: &Progress) -> Result<Draws, Error> {
     let made = common_draws(graph, &[design], request, progress)?;
     Ok(made.into_iter().next().unwrap_or_default())

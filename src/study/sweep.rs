@@ -156,8 +156,8 @@ pub fn at_point((path, changes): (&Path, &[Assignment]), axes: &[Axis], values: 
 /// Whether the axes are those of a grid.
 ///
 /// # Errors
-/// [`StudyError::NothingToVary`], and [`StudyError::VariedTwice`]: the later values of a key would replace the earlier ones in
-/// every point.
+/// [`StudyError::NothingToVary`], and [`StudyError::VariedTwice`]: the later values of a key would replace the earlier
+/// ones in every point.
 pub fn distinct(axes: &[Axis]) -> Result<(), Error> {
     if axes.is_empty() {
         return Err(StudyError::NothingToVary.into());

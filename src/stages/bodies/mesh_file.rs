@@ -133,8 +133,9 @@ impl MeshFile {
     /// A file in a unit; a solid geometry is meshed with elements no longer than `element` \[m\].
     ///
     /// # Errors
-    /// [`MeshError::UnknownKind`] for another kind of file, [`MeshError::Read`], [`BodyError::NoSize`] for a solid geometry
-    /// without an element size, [`BodyError::StatedUnit`] where a unit is given for a file that states its own.
+    /// [`MeshError::UnknownKind`] for another kind of file, [`MeshError::Read`], [`BodyError::NoSize`] for a solid
+    /// geometry without an element size, [`BodyError::StatedUnit`] where a unit is given for a file that states its
+    /// own.
     pub fn new(path: &Path, unit: FileUnit, element: Option<f64>, expected: Option<Extent>) -> Result<Self, Error> {
         let element = if is_solid(path)? {
             Some(element.ok_or(BodyError::NoSize)?)

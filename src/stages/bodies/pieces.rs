@@ -13,8 +13,8 @@ impl Meshed {
     /// Checks that the pieces of the mesh are one body: joined by common nodes, ties or a joint, or fixed.
     ///
     /// # Errors
-    /// [`BodyError::LoosePiece`] with the place of the smallest loose piece; [`BodyError::NotTied`] for pieces that a tie does
-    /// not reach.
+    /// [`BodyError::LoosePiece`] with the place of the smallest loose piece; [`BodyError::NotTied`] for pieces that a
+    /// tie does not reach.
     pub fn check_pieces(&self, body: &'static str) -> Result<(), Error> {
         let mesh = &self.imported.mesh;
         let followers = self.attachments.followers(mesh, &self.constraints);

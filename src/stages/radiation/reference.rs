@@ -1,11 +1,11 @@
-//! Radiation stored by shape: the matrix of reference bodies, carried over to other bodies with the same outer surface.
+//! Radiation carried over from reference structures to other bodies with the same outer surface.
 //!
 //! The radiation matrix is solved for the modes of reference bodies, which have the shape of the design's bodies and
-//! fixed materials. The velocities of the design's own modes are fitted by theirs on the finest mesh ([`ReferenceProjection`]),
-//! and the matrix follows by products ([`ProjectedMatrix`]), the pressure at the microphones likewise ([`ProjectedPressures`]).
-//! Thus a body with another material, loss factor, nail or nail position needs no boundary elements, as long as the fit
-//! represents its motion. Otherwise the modes of further reference bodies are added. If these do not represent it
-//! either, the matrix is solved for the body's modes.
+//! fixed materials. The velocities of the design's own modes are fitted by theirs on the finest mesh
+//! ([`ReferenceProjection`]), and the matrix follows by products ([`ProjectedMatrix`]), the pressure at the microphones
+//! likewise ([`ProjectedPressures`]). Thus a body with another material, loss factor, nail or nail position needs no
+//! boundary elements, as long as the fit represents its motion. Otherwise the modes of further reference bodies are
+//! added. If these do not represent it either, the matrix is solved for the body's modes.
 
 use std::f64::consts::TAU;
 
@@ -205,7 +205,7 @@ pub struct ReferenceResult<T> {
 /// motion; if none do, it is solved for the design's modes.
 #[derive(Serialize)]
 pub struct ProjectedMatrix {
-    /// ReferenceResult bodies, in the order of trial.
+    /// Reference bodies, in the order of trial.
     pub references: OnDemand<Vec<ReferenceResult<ModalBem>>>,
     /// The matrix of the design's modes; read only if no fit is good enough.
     pub own: OnDemand<Stored<ModalBem>>,
@@ -215,7 +215,7 @@ impl Stage for ProjectedMatrix {
     type Output = ModalBem;
     type Error = Error;
     type Codec = Uncached;
-    const NAME: &'static str = "radiation by shape";
+    const NAME: &'static str = "radiation from reference structures";
     const CODE: Code = CODE;
 
     fn compute(&self, progress: &Progress) -> Result<ModalBem, Error> {
@@ -266,7 +266,7 @@ impl Stage for ProjectedPressures {
     type Output = ModalPressures;
     type Error = Error;
     type Codec = Uncached;
-    const NAME: &'static str = "pressure by shape";
+    const NAME: &'static str = "pressure from reference structures";
     const CODE: Code = CODE;
 
     fn compute(&self, _: &Progress) -> Result<ModalPressures, Error> {
