@@ -154,6 +154,7 @@ mod tests {
             footprint: [[-0.2, 0.2], [-0.1, 0.1]],
             sand: [[-0.3, 0.3], [-0.3, 0.3]],
             shear_speed: 112.0,
+            poisson_ratio: 0.3,
             loss_factor: 0.1,
             to_hz: 800.0,
         };
