@@ -35,7 +35,7 @@ mod mesh;
 mod migrate;
 mod modes;
 mod optimise;
-mod prf;
+mod penetration;
 mod progress;
 mod provide;
 mod python;
