@@ -6,8 +6,8 @@ use clap::{CommandFactory as _, Parser, Subcommand};
 
 use super::{
     Status, cache, calibrate, check, coloured, compare, compare_measured, completions, cycle, faults, init, list,
-    manual, measure, mesh, migrate, modes, optimise, prf, printed, progress, provide, report, run, schema, study,
-    sweep, test, verify, watch,
+    manual, measure, mesh, migrate, modes, optimise, penetration, printed, progress, provide, report, run, schema,
+    study, sweep, test, verify, watch,
 };
 use crate::error::Error;
 
