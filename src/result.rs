@@ -13,6 +13,7 @@ pub use nailnoise_acoustics::radiation::radiator::{
 };
 use nailnoise_acoustics::signals::level_energy;
 use nailnoise_dynamics::{CycleRecord, EnergyFlow, Events, LogEntry, Outcome, Summary};
+use crate::stages::cycle::{EventTimes, SummaryFigures};
 use nailnoise_pipeline::Timing;
 pub use nailnoise_quantities::Check;
 use schemars::generate::SchemaSettings;
@@ -49,16 +50,16 @@ pub struct RunResult {
     /// Intervals of the levels and P(first) from the draws of a study, or why they are not stated.
     pub study: RunStudy,
     /// What the shot did: `drives`, `strikes_bumper`, `underdriven`, `overdriven`, `does_not_open`, `does_not_release`
-    /// or `does_not_exhaust`.
-    pub outcome: Outcome,
+    /// or `does_not_exhaust`; for an assembly the name of its outcome, or `unnamed` if none applies.
+    pub outcome: String,
     /// Where the nail is not driven or the exhaust does not open: how the shot ended, its figure, and the inputs that
     /// would change that most. Absent for a shot that drives.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub headline: Option<Headline>,
     /// Figures of the shot.
-    pub cycle: Summary,
-    /// Event times t0..t18 \[s\]; null where one does not occur.
-    pub events: Events,
+    pub cycle: SummaryFigures,
+    /// Event times \[s\], t0..t18 or those that an assembly names; null where one does not occur.
+    pub events: EventTimes,
     /// What the structures do to the shot and its sound, against a lumped workpiece; absent from a one-way run.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub coupling: Option<Coupling>,

@@ -159,7 +159,7 @@ impl Until {
 
 pub(super) fn execute(arguments: &Arguments) -> Result<Status, Error> {
     let common = &arguments.common;
-    let design = common.begin()?;
+    let design = common.begin_with_any_tool()?;
     let folder = common.out(&design)?.join("study");
     let shipped = shipped::design(design.name()).map(|(path, _)| path);
     if arguments.provide.is_some() && shipped.is_none() {

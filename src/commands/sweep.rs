@@ -73,7 +73,7 @@ struct Layout<'a> {
 
 pub(super) fn execute(arguments: &Arguments) -> Result<Status, Error> {
     let common = &arguments.common;
-    let design = common.begin()?;
+    let design = common.begin_with_any_tool()?;
     let folder = common.out(&design)?.join("sweep");
     let progress = progress();
     progress.stage("levels over the grid");

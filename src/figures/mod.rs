@@ -22,8 +22,10 @@ pub(crate) mod ticks;
 use std::path::{Path, PathBuf};
 
 use crate::atomic_write::AtomicWrite;
+use crate::design::Values;
 use crate::error::Error;
 use crate::run::Run;
+use crate::stages::cycle::{EngineRecord, ShotRecord};
 
 pub use calibration::calibration;
 pub(crate) use chart::subscripts;
@@ -39,6 +41,14 @@ pub(crate) use palette::{BLACK, PALETTE, hexadecimal, of_design};
 pub(crate) use penetration::MOST as MOST_LAWS;
 pub use penetration::penetration;
 pub use study::{scatter, study, sweep};
+
+/// The charts of a shot's cycle; those of the tool of the keys end with [`energy()`].
+pub fn shot(subject: &str, design: &Values, shot: &ShotRecord) -> Vec<Chart> {
+    match &shot.record {
+        EngineRecord::Keys(record) => cycle(subject, design, record),
+        EngineRecord::Assembly(record) => network(subject, record),
+    }
+}
 
 /// The charts of a run: [`levels`] and [`power`]. `subject` names their subject.
 pub fn sound(subject: &str, run: &Run) -> Vec<Chart> {

@@ -157,8 +157,8 @@ pub fn run(design: &Design, run: &Run, pictures: &Pictures, recordings: &[Record
         chart.caption = format!("One-third-octave levels of each source, {weighting}, dB re 1 pW s.");
     }
     let of_parts = |chart: &figures::Chart| by_name(&chart.name).is_some();
-    let mut cycle = figures::cycle(subject, design, &run.record);
-    let energy = cycle.pop();
+    let mut cycle = figures::shot(subject, design, &run.record);
+    let energy = cycle.pop_if(|chart| chart.name == "energy");
     let power = figures::power(subject, &run.record, &run.powers);
     let mut sections = vec![
         Section::new("ranking", "Ranking", ranking(result)),
@@ -197,7 +197,7 @@ pub fn run(design: &Design, run: &Run, pictures: &Pictures, recordings: &[Record
             "Nailing cycle",
             html! {
                 @for chart in &cycle { (chart::markup(chart)) }
-                div.columns { (table::markup(&events(&run.record))) (tables::figures(&value["cycle"])) }
+                div.columns { (table::markup(&events(&run.record.events))) (tables::figures(&value["cycle"])) }
             },
         )
         .in_the_appendix(),

@@ -151,7 +151,7 @@ fn is_outside(spread: &LevelSpread, level: Option<f64>) -> bool {
 
 /// Why no draw of a study is a shot like that of a run: it has another outcome than the shots that count.
 fn contradicting_outcome(design: &Design, run: &RunResult) -> Option<NoStudy> {
-    let (require, outcome) = (&design.study().require, run.outcome.name());
+    let (require, outcome) = (&design.study().require, run.outcome.as_str());
     if require.is_empty() || require.contains(&outcome) {
         return None;
     }

@@ -258,6 +258,9 @@ pub fn sweep(
 
 /// The headline of a design's shot with its lumped workpiece.
 fn headline(design: &Design) -> Result<Option<Headline>, Error> {
+    if design.assembly().is_some() {
+        return Ok(None);
+    }
     Ok(Headline::of(&chain::cycle(design)?, &parameters(design)?))
 }
 

@@ -13,13 +13,13 @@ mod sources;
 
 use std::sync::Arc;
 
-use nailnoise_dynamics::CycleRecord;
 use rayon::prelude::*;
 
 use crate::chain::{Chain, Options};
 use crate::design::inputs::{self, located};
 use crate::design::{Design, Value};
 use crate::error::Error;
+use crate::stages::cycle::ShotRecord;
 use crate::graph::Graph;
 use crate::measurement::arrangement::Arrangement;
 use crate::measurement::lines::BEFORE;
@@ -112,7 +112,7 @@ fn add_signals(sum: &mut Vec<Vec<f64>>, signals: Vec<Vec<f64>>) {
 /// A shot of a virtual test before it is wrapped.
 pub struct BareShot {
     /// The cycle.
-    pub cycle: Arc<CycleRecord>,
+    pub cycle: Arc<ShotRecord>,
     /// Pressures of workpiece, exhaust and body at each microphone from the trigger on \[Pa\].
     pub sources: [Vec<Vec<f64>>; 3],
     /// Signals of the accelerometers.

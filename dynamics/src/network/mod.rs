@@ -10,7 +10,7 @@
 //! | physics | `kernels`, `rates` (right-hand side), `jacobian` |
 //! | modes | `mode`, `switching`, `signals` (triggers and gates), `events`, `watch` (changes only noted) |
 //! | integration | `integrate`, `equations`, `linear`, `tolerances` |
-//! | results | `record`, `audit` (conservation) |
+//! | results | `record`, `resistance` (of the work to a fastener), `audit` (conservation) |
 
 pub mod assembly;
 mod audit;
@@ -26,6 +26,7 @@ pub(crate) mod plan;
 mod probe;
 pub(crate) mod rates;
 mod record;
+mod resistance;
 mod signals;
 mod start;
 mod switching;
@@ -38,12 +39,15 @@ pub use error::RunError;
 pub use record::{
     Channel, Effort, EventTime, FlowHistory, LedgerEntry, LoadHistory, LogEntry, Peak, PressureHistory, Record, Strike,
 };
+pub use resistance::FastenerResistance;
 pub use text::{AssemblyError, AssemblyText, BUILT_IN, DeclaredKey, Fault, KeyValue, Keys, Literal, Resolved};
+
+use serde::Serialize;
 
 use crate::Method;
 
 /// How an assembly is integrated and sampled.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Numerics {
     /// Integration method.
     pub method: Method,

@@ -14,16 +14,15 @@ pub(crate) const MASS_LIMIT: f64 = 1e-3;
 /// Rings of the bore where the pressure changes as the piston passes.
 pub(crate) const RINGS: usize = 12;
 
-/// Loads along the axis, unit forces \[N\]; their places in the list of all loads.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Axial {
-    Roof,
-    Cap,
-    Rim,
-    Floor,
-    Bore,
-    Nose,
-    Handle,
+/// Names in a shot of the surfaces of the loads along the axis, unit forces \[N\]: their places in the list of all loads.
+pub(crate) const AXIAL_SURFACES: [&str; AXIAL] = ["roof", "cap", "rim", "floor", "bore", "nose", "handle"];
+
+/// Place of the load on the handle.
+pub(crate) const HANDLE: usize = AXIAL - 1;
+
+/// The axial load of a surface of the housing by its name in a shot.
+pub(crate) fn axial(surface: &str) -> Option<usize> {
+    AXIAL_SURFACES.iter().position(|own| *own == surface)
 }
 
 /// Number of loads along the axis.

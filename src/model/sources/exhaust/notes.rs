@@ -1,14 +1,14 @@
 //! What a reader of the levels of the exhaust should know.
 
 use nailnoise_acoustics::jets::ValveNoise;
-use nailnoise_dynamics::CycleRecord;
 
+use crate::stages::cycle::ShotRecord;
 use super::sound::{ExhaustDetails, Muffler, Openings};
 
 /// Notes on the methods of the exhaust, whose levels end at `range_high` \[Hz\].
 pub(super) fn methods(
     range_high: f64,
-    record: &CycleRecord,
+    record: &ShotRecord,
     openings: &Openings,
     exhaust: &ExhaustDetails,
 ) -> Vec<String> {
@@ -38,12 +38,13 @@ pub(super) fn methods(
     if let Some(jet) = exhaust.merged {
         notes.push(format!(
             "exhaust: {} holes {:.1} mm apart, at most 3 diameters: their jets merge and sound as one of {:.1} mm",
-            openings.holes.count,
-            1e3 * openings.holes.pitch.unwrap_or_default(),
+            openings.exhaust().map_or(0, |(own, _)| own.holes.count),
+            1e3 * openings.exhaust().and_then(|(own, _)| own.holes.pitch).unwrap_or_default(),
             1e3 * jet.diameter
         ));
     }
-    if let Some(fitting) = &openings.fitting {
+    let outlet = openings.exhaust().map(|(_, outlet)| outlet);
+    if let Some(fitting) = outlet.and_then(|own| own.fitting.as_ref()) {
         notes.push(format!(
             "exhaust fitting: plane waves up to {:.0} Hz in air at rest, between choked holes and an open end that \
              its jet \
@@ -53,7 +54,7 @@ pub(super) fn methods(
             fitting.plane_wave_limit(&openings.air)
         ));
     }
-    match openings.muffler {
+    match outlet.and_then(|own| own.muffler.as_ref()) {
         None => {}
         Some(Muffler::InsertionLoss(_)) => notes.push(
             "muffler: its measured insertion loss is subtracted from the sound of the same shot without it; its back \
