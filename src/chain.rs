@@ -20,6 +20,7 @@ use crate::error::Error;
 use crate::graph::Graph;
 use crate::model::sources::{self, SourceStages};
 use crate::stages::bodies::BodyKind;
+use crate::stages::cycle::Cycle;
 use crate::stages::levels::{Levels, ShotLevels};
 use crate::stages::requirements::Preflight;
 use crate::stages::response::{CouplingReport, Reported, ResponseChecks, ResponseReport, Vibration};
@@ -114,6 +115,15 @@ impl Chain {
     /// # Errors
     /// Values of the design that do not yield inputs.
     pub fn new(graph: &Graph, design: &Design, options: Options) -> Result<Self, Error> {
+        Self::with_cycle(graph, design, cycle_stage(design)?, options)
+    }
+
+    /// The same with the nailing cycle of another design, whose modes and radiation matrices need not be computed. The
+    /// cycle drives the bodies one way.
+    ///
+    /// # Errors
+    /// As [`new`](Self::new).
+    pub(crate) fn with_cycle(graph: &Graph, design: &Design, cycle: Cycle, options: Options) -> Result<Self, Error> {
         let begin = Instant::now();
         let context = Context {
             graph,
@@ -124,7 +134,7 @@ impl Chain {
         let bodies = Bodies::add(graph, design)?;
         let radiators = Radiators::add(context, &bodies)?;
         let drive = Drive {
-            lumped: graph.add(cycle_stage(design)?),
+            lumped: graph.add(cycle),
             force_scale: options.workpiece_force_scale,
         };
         let motions = Motions::new(context, &bodies, &radiators, drive)?;
