@@ -116,8 +116,21 @@ impl Chain {
     /// # Errors
     /// Values of the design that do not yield inputs.
     pub fn new(graph: &Graph, design: &Design, options: Options) -> Result<Self, Error> {
+        Self::with_engine(graph, design, cycle::engine(design)?, options)
+    }
+
+    /// The same with the nailing cycle of another design, whose modes and radiation matrices need not be computed. The
+    /// cycle drives the bodies one way.
+    ///
+    /// # Errors
+    /// As [`new`](Self::new).
+    pub(crate) fn with_engine(
+        graph: &Graph,
+        design: &Design,
+        engine: Engine,
+        options: Options,
+    ) -> Result<Self, Error> {
         let begin = Instant::now();
-        let engine = cycle::engine(design)?;
         let context = Context {
             graph,
             design,

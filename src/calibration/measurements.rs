@@ -6,7 +6,7 @@ use super::quantities::Quantity;
 use crate::design::Design;
 
 /// What a user measured.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default)]
 pub(super) struct Measurements {
     /// Keys whose values were measured.
     pub(super) direct: Vec<Direct>,

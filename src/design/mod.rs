@@ -26,6 +26,7 @@ mod error;
 mod facts;
 mod groups;
 pub mod inputs;
+mod joint_draws;
 mod json_schema;
 mod lists;
 mod merged;
@@ -69,6 +70,7 @@ pub use entry::Entry;
 pub use error::{DesignError, Problem, Warning};
 pub use facts::{KeyFacts, Measurement, OutsideValue, facts};
 pub use groups::*;
+pub use joint_draws::JointDraws;
 pub use json_schema::json_schema;
 pub use migration::{Migration, RenamedKey, ReplacedKey};
 pub use nailnoise_documents::Place;
@@ -310,6 +312,13 @@ impl Design {
     /// Settings of a study other than the ranges, and the definition of shots that count.
     pub fn study(&self) -> &StudySettings {
         &self.study
+    }
+
+    /// The design with joint draws of keys in place of those that its file names.
+    pub(crate) fn with_joint_draws(&self, draws: std::sync::Arc<JointDraws>) -> Self {
+        let mut design = self.clone();
+        design.study.draws = Some(draws);
+        design
     }
 
     /// Texts in the head of the report other than the design. No result depends on it.

@@ -91,6 +91,15 @@ pub enum StudyError {
     #[error("the sweep has no key to vary")]
     #[diagnostic(help("give a key of the design and its values, as in supply.pressure=80psig..110psig:7"))]
     NothingToVary,
+    /// Joint draws that do not serve what was asked for.
+    #[error("the joint draws of `study.draws` {problem}")]
+    #[diagnostic(help("{help}"))]
+    JointDraws {
+        /// Why not.
+        problem: &'static str,
+        /// Remedy.
+        help: &'static str,
+    },
     /// Values of a draw conflict.
     #[error("the values drawn are no design: {reason}")]
     NoDesign {

@@ -129,6 +129,13 @@ pub fn group_study(
     made: &Draws,
     progress: &Progress,
 ) -> Result<(GroupStudy, Vec<u8>), Error> {
+    if design.study().draws.is_some() {
+        return Err(StudyError::JointDraws {
+            problem: "tie the inputs of different groups together",
+            help: "leave out --groups: contributions of joint draws are not separate",
+        }
+        .into());
+    }
     let designs = [without_sensors(design)];
     let sampler = Sampler::new(&designs[0], made.variables.clone(), request.seed);
     let groups = groups(&sampler);

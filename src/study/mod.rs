@@ -45,6 +45,7 @@ use nailnoise_calibration::normal;
 pub use condition::{Condition, ConditionInput};
 pub use contributions::{Contribution, Contributions};
 pub use draw_table::DrawTable;
+pub(crate) use draws::code_of_joint_draws;
 pub use draws::{Draw, Draws, common_draws, draws, nominal};
 pub use error::StudyError;
 pub use groups::{Group, GroupContribution, GroupContributions, GroupStudy, group_study};

@@ -6,14 +6,17 @@
 //! Some values conflict, for example a seat wider than the valve. The variables of such rules form connected
 //! components. Values are rejected and drawn anew *within a component*, which gives the same distribution as rejecting
 //! entire designs, and leaves all other variables their low-discrepancy points.
+//!
+//! Variables with joint draws, those of a calibration, have the values of a row of these in place of the sequence.
 
 use std::collections::{BTreeMap, BTreeSet};
+use std::sync::Arc;
 
 use nailnoise_acoustics::random::uniform;
 
 use super::normal;
-use super::variables::{Drawn, Variable};
-use crate::design::{Correlation, Design, Value, Values};
+use super::variables::{Drawn, Variable, VariableKind};
+use crate::design::{Correlation, Design, JointDraws, Value, Values};
 
 /// Dimensions and length of the sequence: beyond them it continues with another scramble.
 const DIMENSIONS: usize = 256;
@@ -38,6 +41,15 @@ pub struct Sampler {
     literals: BTreeSet<String>,
     /// Keys that an assembly leaves without effect.
     idle: BTreeSet<String>,
+    /// Values that take the place of the sequence.
+    joint: Option<JointShares>,
+}
+
+/// Joint draws of variables.
+struct JointShares {
+    draws: Arc<JointDraws>,
+    /// Place of each variable in its distribution in each draw; NaN for one that is not in the draws.
+    shares: Vec<Vec<f64>>,
 }
 
 /// Variables that are drawn together.
@@ -113,13 +125,24 @@ impl Sampler {
         let rules = rules(design, &variables);
         let components = components(&variables, &rules, &design.study().correlations);
         let literal = |variable: &&Variable| design.is_literal(&variable.name);
+        let joint = design.study().draws.as_ref().map(|own| JointShares {
+            draws: Arc::clone(own),
+            shares: joint_shares(own, &variables),
+        });
         Self {
             literals: variables.iter().filter(literal).map(|own| own.name.clone()).collect(),
             idle: design.idle_keys(),
+            joint,
             variables,
             components,
             seed,
         }
+    }
+
+    /// Whether a variable has the values of joint draws.
+    pub(super) fn is_joint(&self, variable: usize) -> bool {
+        let first = self.joint.as_ref().and_then(|joint| joint.shares.first());
+        first.is_some_and(|row| !row[variable].is_nan())
     }
 
     /// The variables, in the order of the sequence's dimensions.
@@ -194,11 +217,21 @@ impl Sampler {
         });
         // Each further candidate for a partner comes from another scramble.
         let index = frame.partner_of.map_or(index, |number| index * LENGTH + number);
+        if let Some(joint) = &self.joint {
+            let row = &joint.shares[joint.draws.row_of(index, self.seed)];
+            let places = point.shares.iter_mut().zip(row);
+            let places = places.filter(|(_, share)| !share.is_nan());
+            places.for_each(|(place, share)| *place = *share);
+        }
         for component in &self.components {
-            let members: Vec<usize> = component.members.iter().copied().filter(|&m| frame.active[m]).collect();
+            let of = |wanted: &dyn Fn(usize) -> bool| -> Vec<usize> {
+                component.members.iter().copied().filter(|&m| wanted(m)).collect()
+            };
+            let members = of(&|m| frame.active[m] && !self.is_joint(m));
             if members.is_empty() {
                 continue;
             }
+            let set = of(&|m| frame.active[m] || self.is_joint(m));
             let bases = match component.conflicts {
                 true => self.bases_around(component, frame),
                 false => Vec::new(),
@@ -206,7 +239,7 @@ impl Sampler {
             let mut broken = None;
             for attempt in 0..MOST_ATTEMPTS {
                 self.draw(component, &members, (frame.stream, index, attempt), &mut point);
-                broken = bases.iter().find_map(|base| self.broken_rule(base, &members, &point));
+                broken = bases.iter().find_map(|base| self.broken_rule(base, &set, &point));
                 if broken.is_none() {
                     break;
                 }
@@ -302,6 +335,26 @@ impl Sampler {
         let all: Vec<usize> = (0..self.variables.len()).collect();
         self.changes_of(&all, point)
     }
+}
+
+/// Places of variables in their distributions, by the values of joint draws.
+fn joint_shares(draws: &JointDraws, variables: &[Variable]) -> Vec<Vec<f64>> {
+    let column = |variable: &Variable| draws.names.iter().position(|name| *name == variable.name);
+    let columns: Vec<Option<usize>> = variables.iter().map(column).collect();
+    let share = |(variable, column): (&Variable, &Option<usize>), row: &[f64]| {
+        let value = row[(*column)?];
+        let share = match &variable.kind {
+            VariableKind::Quantity(parameter) => parameter.share_below(value),
+            VariableKind::LawScore => normal::cumulative(value),
+            VariableKind::Alternatives(_) | VariableKind::Method(_) => return None,
+        };
+        Some(share.clamp(HALF_STEP, 1.0 - HALF_STEP))
+    };
+    let shares = |row: &Vec<f64>| {
+        let places = variables.iter().zip(&columns);
+        places.map(|own| share(own, row).unwrap_or(f64::NAN)).collect()
+    };
+    draws.rows.iter().map(shares).collect()
 }
 
 /// Gives independent standard normal numbers one common correlation `r`: multiplies them by the Cholesky factor of

@@ -6,6 +6,7 @@ mod common;
 
 mod assembly;
 mod cache;
+mod calibrate;
 mod compare;
 mod cycle;
 mod documented_designs;
