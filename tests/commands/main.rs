@@ -16,6 +16,7 @@ mod installed;
 mod measure;
 mod mesh;
 mod migrate;
+mod optimise;
 mod outcomes;
 mod prf;
 mod prf_fit;
