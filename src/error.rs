@@ -70,12 +70,15 @@ pub enum Error {
     #[error(transparent)]
     #[diagnostic(transparent)]
     Study(#[from] StudyError),
+    /// An optimisation cannot begin.
+    #[error(transparent)]
+    #[diagnostic(transparent)]
+    Optimisation(#[from] crate::optimisation::OptimisationError),
     /// The Python package cannot be called.
     #[error("{python} cannot import nailnoise and {needed}: {reason}")]
     #[diagnostic(help(
-        "install it in the repository, pip install './python[{}]', or name an interpreter that has it in \
-         NAILNOISE_PYTHON",
-        if *needed == "optuna" { "optimise" } else { "cluster" }
+        "install it in the repository, pip install './python[cluster]', or name an interpreter that has it in \
+         NAILNOISE_PYTHON"
     ))]
     NoPython {
         /// The interpreter.

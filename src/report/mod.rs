@@ -17,6 +17,7 @@ mod legend;
 mod measured;
 mod measurement;
 mod modes;
+mod optimised;
 mod page;
 mod picture;
 mod raster;
@@ -25,6 +26,7 @@ mod scene;
 mod sound;
 mod study;
 mod surface;
+mod swept;
 mod table;
 mod tables;
 
@@ -43,7 +45,8 @@ use crate::result::RunResult;
 use crate::run::Run;
 use crate::stages::spectra::{BodyInMotion, MovingBody};
 use crate::stages::{Code, Postcard, Progress, Stage, code};
-use crate::study::{PairedStudy, StudyResult};
+use crate::optimisation::Optimisation;
+use crate::study::{Axis, PairedStudy, StudyResult, SweptPoint};
 use crate::tables::cycle::events;
 use crate::tables::run as run_tables;
 use crate::virtual_test::comparison::MeasuredComparison;
@@ -272,6 +275,16 @@ pub fn study(result: &StudyResult, charts: &[figures::Chart], scatter: &[figures
 /// The page of a calibration with these charts.
 pub fn calibration(result: &CalibrationResult, charts: &[figures::Chart]) -> String {
     calibration::page(result, charts).html()
+}
+
+/// The page of an optimisation with these charts; `reports` are the files of the designs of its front, if any.
+pub fn optimised(found: &Optimisation, charts: &[figures::Chart], reports: &[Option<String>]) -> String {
+    optimised::page(found, charts, reports).html()
+}
+
+/// The page of a sweep with its chart.
+pub fn swept(design: &str, axes: &[Axis], points: &[SweptPoint], chart: &figures::Chart) -> String {
+    swept::page(design, axes, points, chart).html()
 }
 
 /// The page of predictions next to measurements.

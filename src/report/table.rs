@@ -54,6 +54,7 @@ pub(super) fn content(cell: &Cell) -> Markup {
                     style={ "width:" (format!("{:.1}%", 100.0 * bar.length.clamp(0.0, 1.0))) } {}
                 @if !text.is_empty() { span { (text) } }
             }
+        } @else if let Some(file) = &cell.opens { a href=(file) { (text) }
         } @else if cell.strong { b { (text) } } @else { (text) }
         @if !cell.spread.is_empty() { " " span.quiet { (typeset(&cell.spread)) } }
     }

@@ -113,7 +113,7 @@ fn range(low: &str, rest: &str) -> Result<Vec<String>, String> {
 }
 
 /// A number and the unit that follows it.
-fn number(text: &str) -> Result<(f64, String), String> {
+pub(crate) fn number(text: &str) -> Result<(f64, String), String> {
     let text = text.trim();
     let ends = (1..=text.len()).rev().filter(|end| text.is_char_boundary(*end));
     let parsed = ends

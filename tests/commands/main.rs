@@ -17,6 +17,7 @@ mod installed;
 mod measure;
 mod mesh;
 mod migrate;
+mod optimise;
 mod outcomes;
 mod penetration;
 mod penetration_fit;
