@@ -8,12 +8,12 @@ mod study;
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 
+use crate::stages::cycle::{EventTimes, SummaryFigures};
 pub use nailnoise_acoustics::radiation::radiator::{
     FluidLoading, Loading, ModeShare, RadiationBand, RadiationReport, Uncertainty,
 };
 use nailnoise_acoustics::signals::level_energy;
 use nailnoise_dynamics::{CycleRecord, EnergyFlow, Events, LogEntry, Outcome, Summary};
-use crate::stages::cycle::{EventTimes, SummaryFigures};
 use nailnoise_pipeline::Timing;
 pub use nailnoise_quantities::Check;
 use schemars::generate::SchemaSettings;

@@ -205,7 +205,9 @@ mod tests {
 
     fn points(count: u32) -> Vec<Vec<f64>> {
         let number = |place, dimension| f64::from(sobol_burley::sample(place, dimension, 3));
-        (0..count).map(|place| vec![number(place, 0), number(place, 1)]).collect()
+        (0..count)
+            .map(|place| vec![number(place, 0), number(place, 1)])
+            .collect()
     }
 
     fn value(point: &[f64]) -> f64 {
@@ -260,8 +262,14 @@ mod tests {
         let (model, point) = (fitted(12), [0.95, 0.05]);
         let before = model.predict(&point);
         let value = before.mean + before.deviation;
-        let after = model.with(&point, value).unwrap_or_else(|| panic!("no model")).predict(&point);
-        assert!((after.mean - value).abs() < 0.2 * before.deviation, "{before:?} {after:?}");
+        let after = model
+            .with(&point, value)
+            .unwrap_or_else(|| panic!("no model"))
+            .predict(&point);
+        assert!(
+            (after.mean - value).abs() < 0.2 * before.deviation,
+            "{before:?} {after:?}"
+        );
         assert!(after.deviation < 0.3 * before.deviation, "{before:?} {after:?}");
     }
 }

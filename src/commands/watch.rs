@@ -1,7 +1,7 @@
 //! `nailnoise watch`: a design that runs again when it is saved, on a page that follows.
 
-use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 use std::net::{IpAddr, SocketAddr};
+use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::Mutex;

@@ -31,7 +31,12 @@ const OF_CYCLE: [&str; 10] = [
 ];
 
 /// Keys of the nail that place forces on the workpiece, whatever drives it.
-const OF_PLACE: [&str; 4] = ["nail.length", "nail.diameter", "nail.offset_along", "nail.offset_across"];
+const OF_PLACE: [&str; 4] = [
+    "nail.length",
+    "nail.diameter",
+    "nail.offset_along",
+    "nail.offset_across",
+];
 
 /// The assembly of a design, with the literals that a program set.
 #[derive(Debug, Clone)]

@@ -305,7 +305,10 @@ impl Rows<'_> {
             }
             if let Some(gate) = &passage.gate {
                 let trigger = &a.triggers[gate.trigger].name;
-                what.push(format!("open {}{trigger}", if gate.inverted { "unless " } else { "when " }));
+                what.push(format!(
+                    "open {}{trigger}",
+                    if gate.inverted { "unless " } else { "when " }
+                ));
             }
             if let Some(opening) = opening {
                 what.push(match opening.name == passage.name {
@@ -384,7 +387,12 @@ impl Rows<'_> {
         });
         let frictions = a.frictions.iter().map(|own| {
             let what = format!("{} N sliding", significant(own.sliding_force));
-            row(&own.name, what, [base(own.against), Column::Body(own.on)], Mark::Friction)
+            row(
+                &own.name,
+                what,
+                [base(own.against), Column::Body(own.on)],
+                Mark::Friction,
+            )
         });
         let forces = a.forces.iter().map(|own| {
             let what = match &own.law {
@@ -417,7 +425,12 @@ impl Rows<'_> {
                 Mark::Spring,
             )
         });
-        springs.chain(frictions).chain(forces).chain(motors).chain(holds).collect()
+        springs
+            .chain(frictions)
+            .chain(forces)
+            .chain(motors)
+            .chain(holds)
+            .collect()
     }
 
     fn fasteners(&self) -> Vec<Row> {
@@ -440,14 +453,16 @@ impl Rows<'_> {
     /// A trigger in words.
     fn trigger(&self, own: &Trigger) -> String {
         let words = |words: &[Word]| {
-            let word = |word: &Word| {
-                format!("{} {}", self.0.name_of(word.block), word.action.word())
-            };
+            let word = |word: &Word| format!("{} {}", self.0.name_of(word.block), word.action.word());
             words.iter().map(word).collect::<Vec<_>>().join(" or ")
         };
         let mut parts = vec![if own.starts { "starts on" } else { "starts off" }.to_owned()];
         for (time, on) in &own.schedule {
-            parts.push(format!("{} at {} ms", if *on { "on" } else { "off" }, significant(1e3 * time)));
+            parts.push(format!(
+                "{} at {} ms",
+                if *on { "on" } else { "off" },
+                significant(1e3 * time)
+            ));
         }
         if !own.set.is_empty() {
             parts.push(format!("on when {}", words(&own.set)));
@@ -562,8 +577,15 @@ fn zigzag(from: f64, to: f64, y: f64) -> String {
     let teeth: Vec<String> = (1..8)
         .map(|tooth| {
             let side = if tooth % 2 == 0 { -5.0 } else { 5.0 };
-            format!("L{:.1} {:.1}", first + (last - first) * f64::from(tooth) / 8.0, y + side)
+            format!(
+                "L{:.1} {:.1}",
+                first + (last - first) * f64::from(tooth) / 8.0,
+                y + side
+            )
         })
         .collect();
-    format!("M{from:.1} {y:.1}H{first:.1}{}L{last:.1} {y:.1}H{to:.1}", teeth.concat())
+    format!(
+        "M{from:.1} {y:.1}H{first:.1}{}L{last:.1} {y:.1}H{to:.1}",
+        teeth.concat()
+    )
 }

@@ -3,12 +3,12 @@
 
 use nailnoise_acoustics::signals::{energy_level, level_energy};
 
-use crate::stages::cycle::ShotRecord;
 use super::chart::{Axis, Chart, Panel, Series, Shape, events, symbol};
 use super::palette::BLACK;
 use crate::model::sources::{ALL, by_name};
 use crate::output::event_name;
 use crate::result::{BandLevel, IntervalLevel, RunResult};
+use crate::stages::cycle::ShotRecord;
 use crate::stages::ranking::SoundPower;
 
 /// Levels shown below the highest \[dB\].

@@ -70,7 +70,11 @@ impl FromStr for Constraint {
             (_, "==" | "=") => return Err(bad("a figure is held by >= or <=")),
             (_, sign) => {
                 let limit = limit(&figure, value).map_err(|problem| bad(&problem))?;
-                if sign == ">=" { Held::AtLeast(limit) } else { Held::AtMost(limit) }
+                if sign == ">=" {
+                    Held::AtLeast(limit)
+                } else {
+                    Held::AtMost(limit)
+                }
             }
         };
         Ok(Self {
@@ -86,7 +90,10 @@ fn limit(figure: &str, value: &str) -> Result<f64, String> {
     let unit = unit_of(figure);
     if unit == "dB" {
         let number = value.strip_suffix("dB").unwrap_or(value).trim().parse::<f64>();
-        return number.ok().filter(|number| number.is_finite()).ok_or_else(|| "expected a level in dB".to_owned());
+        return number
+            .ok()
+            .filter(|number| number.is_finite())
+            .ok_or_else(|| "expected a level in dB".to_owned());
     }
     let plain = value.parse::<f64>().is_ok();
     if plain && !unit.is_empty() {

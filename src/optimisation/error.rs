@@ -9,7 +9,9 @@ use thiserror::Error;
 pub enum OptimisationError {
     /// No key, or one without values.
     #[error("`{text}` does not vary a key")]
-    #[diagnostic(help("give a range or choices, as in supply.pressure=80psig..110psig or support.worktable.preset=A,B"))]
+    #[diagnostic(help(
+        "give a range or choices, as in supply.pressure=80psig..110psig or support.worktable.preset=A,B"
+    ))]
     NotVaried {
         /// The text given.
         text: String,

@@ -150,7 +150,8 @@ impl Candidate {
         }
         let mut trial = self.without_levels(constraints);
         let met = |excess: &Option<f64>| excess.is_some_and(|excess| excess <= 0.0);
-        trial.feasible = trial.shot.as_ref().is_some_and(|shot| shot.levels.is_some()) && trial.excesses.iter().all(met);
+        trial.feasible =
+            trial.shot.as_ref().is_some_and(|shot| shot.levels.is_some()) && trial.excesses.iter().all(met);
         trial
     }
 }

@@ -14,8 +14,8 @@ use super::spectra::{BodyMotion, SensorMotion};
 use super::{Code, Postcard, Progress, Stage, Stored, all, code};
 use crate::design::Carrier;
 use crate::error::Error;
-use crate::stages::cycle::ShotRecord;
 use crate::result::SensorLevel;
+use crate::stages::cycle::ShotRecord;
 
 /// Standard acceleration of gravity, the unit of accelerometer readings (ISO 80000-3) \[m/s2\].
 const STANDARD_GRAVITY: f64 = 9.80665;

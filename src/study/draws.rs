@@ -28,8 +28,8 @@ use crate::stages::levels::Levels;
 use crate::stages::outcomes::{ShotFigures, ShotOutcome};
 use crate::stages::{Progress, code};
 use crate::store::Key;
-use crate::wording::hexadecimal;
 use crate::study::StudyError;
+use crate::wording::hexadecimal;
 
 /// A draw.
 #[derive(Debug, Clone, PartialEq)]
@@ -232,9 +232,11 @@ pub(super) fn levels(
                 None => Chain::new(graph, &own, options),
                 Some(held) => {
                     let mut bodies = design.clone();
-                    bodies.set(&sampler.changes(&held)).map_err(|error| StudyError::NoDesign {
-                        reason: error.to_string(),
-                    })?;
+                    bodies
+                        .set(&sampler.changes(&held))
+                        .map_err(|error| StudyError::NoDesign {
+                            reason: error.to_string(),
+                        })?;
                     bodies.draw_law(drawn_scores(sampler.variables(), &point.shares));
                     Chain::with_engine(graph, &bodies, engine(&own)?, options)
                 }

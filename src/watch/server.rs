@@ -269,10 +269,12 @@ fn admitted(stream: &TcpStream, shared: &Shared, (method, path): (&str, &str)) -
             }
             reply(TEXT, OUTER, b"done\n").send(stream, false)
         }
-        ("POST", path) if path.starts_with("move?") => match moved(path).is_some_and(|(key, to)| board.move_to(key, to)) {
-            true => reply(TEXT, OUTER, b"done\n").send(stream, false),
-            false => Reply::text("400 Bad Request", b"no slider has this value\n").send(stream, false),
-        },
+        ("POST", path) if path.starts_with("move?") => {
+            match moved(path).is_some_and(|(key, to)| board.move_to(key, to)) {
+                true => reply(TEXT, OUTER, b"done\n").send(stream, false),
+                false => Reply::text("400 Bad Request", b"no slider has this value\n").send(stream, false),
+            }
+        }
         _ => Reply::text("404 Not Found", b"there is nothing here\n").send(stream, head_alone),
     }
 }

@@ -2,8 +2,8 @@
 
 use nailnoise_fem::vibration::Support;
 
-use super::bodies;
 use super::assembly::{body, tool_mass};
+use super::bodies;
 use crate::design::Design;
 use crate::error::Error;
 use crate::model::supports::{self, Contact};
