@@ -3,6 +3,7 @@
 //! The JSON Schema of `run --json` and of `result.json` is derived from these types.
 
 mod design_id;
+mod performance;
 mod study;
 
 use std::borrow::Cow;
@@ -25,6 +26,8 @@ use crate::design::Design;
 use crate::stages::headline::Headline;
 
 pub use design_id::DesignId;
+pub use performance::Performance;
+pub(crate) use performance::PerformanceFigure;
 pub use study::{DecidingInput, Ends, LevelSpread, NoStudy, OrderShare, Provided, RunStudy, StudySummary, Weighting};
 
 /// Version of the layout of [`RunResult`]; it changes when a reader of the old layout would misread the new one.
@@ -57,6 +60,8 @@ pub struct RunResult {
     pub headline: Option<Headline>,
     /// Figures of the shot.
     pub cycle: Summary,
+    /// Reserve of the drive, air a shot, and rate.
+    pub performance: Performance,
     /// Event times t0..t18 \[s\]; null where one does not occur.
     pub events: Events,
     /// What the structures do to the shot and its sound, against a lumped workpiece; absent from a one-way run.

@@ -13,7 +13,7 @@ use crate::error::Error;
 use crate::graph::Graph;
 use crate::headline::{headline, sentence};
 use crate::model::sources::{ImpedanceComparison, SourceStages};
-use crate::result::{Check, DesignId, FluidLoadingChange, RunResult, RunStudy, SCHEMA, Starts};
+use crate::result::{Check, DesignId, FluidLoadingChange, Performance, RunResult, RunStudy, SCHEMA, Starts};
 use crate::stages::apart::Apart;
 use crate::stages::bodies::{FoundSurface, Origin};
 use crate::stages::convention::{counted, received, spectra};
@@ -255,6 +255,7 @@ impl Chain {
             outcome: record.outcome,
             headline,
             cycle: record.summary.clone(),
+            performance: Performance::of(&record, &parameters),
             events: record.events,
             coupling,
             fluid_loading_changes,
