@@ -3,6 +3,7 @@
 //! The JSON Schema of `run --json` and of `result.json` is derived from these types.
 
 mod design_id;
+mod performance;
 mod study;
 
 use std::borrow::Cow;
@@ -26,6 +27,8 @@ use crate::design::Design;
 use crate::stages::headline::Headline;
 
 pub use design_id::DesignId;
+pub use performance::Performance;
+pub(crate) use performance::PerformanceFigure;
 pub use study::{DecidingInput, Ends, LevelSpread, NoStudy, OrderShare, Provided, RunStudy, StudySummary, Weighting};
 
 /// Version of the layout of [`RunResult`]; it changes when a reader of the old layout would misread the new one.
@@ -58,6 +61,9 @@ pub struct RunResult {
     pub headline: Option<Headline>,
     /// Figures of the shot.
     pub cycle: SummaryFigures,
+    /// Reserve of the drive, air a shot, and rate; absent for an assembly.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub performance: Option<Performance>,
     /// Event times \[s\], t0..t18 or those that an assembly names; null where one does not occur.
     pub events: EventTimes,
     /// What the structures do to the shot and its sound, against a lumped workpiece; absent from a one-way run.

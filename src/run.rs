@@ -12,7 +12,7 @@ use crate::error::Error;
 use crate::graph::Graph;
 use crate::headline::{headline, sentence};
 use crate::model::sources::{ImpedanceComparison, SourceStages};
-use crate::result::{Check, DesignId, FluidLoadingChange, RunResult, RunStudy, SCHEMA, Starts};
+use crate::result::{Check, DesignId, FluidLoadingChange, Performance, RunResult, RunStudy, SCHEMA, Starts};
 use crate::stages::apart::Apart;
 use crate::stages::bodies::{FoundSurface, Origin};
 use crate::stages::convention::{counted, received, spectra};
@@ -182,13 +182,17 @@ impl Chain {
             let report = sound.source().radiation.as_ref()?;
             Some((own.source.name(), report.fluid_loading.as_ref()?))
         });
-        let (headline, sentence) = match &record.record {
+        let (headline, sentence, performance) = match &record.record {
             EngineRecord::Keys(own) => {
-                let headline = headline(&self.graph, design, own)?;
-                let sentence = sentence(own, &inputs::cycle::parameters(design)?);
-                (headline, sentence)
+                let parameters = inputs::cycle::parameters(design)?;
+                let performance = Performance::of(own, &parameters);
+                (
+                    headline(&self.graph, design, own)?,
+                    sentence(own, &parameters),
+                    Some(performance),
+                )
             }
-            EngineRecord::Assembly(_) => (None, inputs::notes::outcome_of_assembly(&record)),
+            EngineRecord::Assembly(_) => (None, inputs::notes::outcome_of_assembly(&record), None),
         };
         let notes = notes::notes(
             &notes::NoteInputs {
@@ -264,6 +268,7 @@ impl Chain {
             outcome: record.outcome.clone(),
             headline,
             cycle: record.figures.clone(),
+            performance,
             events: EventTimes(record.events.clone()),
             coupling,
             fluid_loading_changes,

@@ -226,6 +226,9 @@ fn text(comparison: &Comparison, bands: bool, intervals: bool) -> String {
     }
     text.push_str("\nA-weighted single-event sound power levels, dB re 1 pW s; changes from the first\n\n");
     text.push_str(&table::text(&comparison.level_table()));
+    if let Some(performance) = comparison.performance_table() {
+        text.push_str(&format!("\n{}", table::text(&performance)));
+    }
     if let Some(intervals) = comparison.interval_table() {
         text.push_str(&format!("\nintervals of the levels\n\n{}", table::text(&intervals)));
     }

@@ -8,7 +8,7 @@ use serde::Deserialize;
 use super::consistency;
 use crate::comparison::ComparisonError;
 use crate::error::Error;
-use crate::result::{DesignId, RankedSource, RunStudy, SCHEMA, StudySummary, Total};
+use crate::result::{DesignId, Performance, RankedSource, RunStudy, SCHEMA, StudySummary, Total};
 use crate::stages::headline::Headline;
 
 /// A finished result.
@@ -22,6 +22,8 @@ pub struct Finished {
     pub(super) outcome: String,
     #[serde(default)]
     headline: Option<Headline>,
+    #[serde(default)]
+    pub(super) performance: Option<Performance>,
     #[serde(default)]
     study: Option<RunStudy>,
     pub(super) events: BTreeMap<String, Option<f64>>,

@@ -192,6 +192,7 @@ fn labelled(c: &Comparison, row: &SourceRow, kind: &str, own: &[Labelled]) -> Op
 fn levels(c: &Comparison, paired: &[PairedStudy]) -> Markup {
     html! {
         (table::markup(&c.level_table()))
+        @if let Some(performance) = c.performance_table() { h3 { "What it costs" } (table::markup(&performance)) }
         @if paired.is_empty() {
             p.quiet { "How sure a level is depends on the values of its design first: "
                 code { "nailnoise compare --draws" } " states the interval of each change." }

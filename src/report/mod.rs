@@ -60,7 +60,7 @@ use surface::ColouredSurface;
 pub use surface::Surroundings;
 
 /// Keys of a result with a dedicated form in the report.
-const SHOWN: [&str; 19] = [
+const SHOWN: [&str; 20] = [
     "schema",
     "design",
     "inputs",
@@ -70,6 +70,7 @@ const SHOWN: [&str; 19] = [
     "outcome",
     "headline",
     "cycle",
+    "performance",
     "events",
     "sensors",
     "transducers",

@@ -1,7 +1,10 @@
 //! The study that serves a design, and what it says about the levels of a run.
 
+use std::collections::BTreeMap;
+
 use serde::Serialize;
 
+use super::draw_table::DrawTable;
 use super::draws::{Draws, draws, nominal};
 use super::kept::{Found, keep, kept};
 use super::provided::ProvidedStudy;
@@ -33,6 +36,8 @@ pub struct Serving {
     pub weighting: Option<Weighting>,
     /// Origin of a study that comes with the program; none for a study of the user.
     pub provided: Option<Provided>,
+    /// Ends of the fall of the total where one source is silent, by source \[dB\]; empty for weighted draws.
+    pub silencing: BTreeMap<String, [f64; 2]>,
 }
 
 impl Serving {
@@ -46,6 +51,7 @@ impl Serving {
             result: found.result,
             weighting: found.weighting,
             provided: None,
+            silencing: found.silencing,
         };
         Ok(match (kept, provided) {
             (Some(kept), Some(provided)) if kept.size() >= provided.found.size() => Some(of_user(kept)),
@@ -83,6 +89,7 @@ impl Serving {
                 median_db,
                 high_db,
                 first,
+                silencing_db: self.silencing.get(name).copied(),
             }
         };
         let sources = study.sources.iter();
@@ -121,7 +128,9 @@ impl Serving {
             deciding: deciding.take(DECIDING).collect(),
         };
         if !summary.outside.is_empty() {
-            summary.sources.iter_mut().for_each(|own| own.first = None);
+            for own in &mut summary.sources {
+                (own.first, own.silencing_db) = (None, None);
+            }
             summary.orders.clear();
             summary.deciding.clear();
         }
@@ -219,10 +228,11 @@ impl StudySource {
             request.draws
         ));
         match study(store, design, &request, progress) {
-            Ok((result, _)) => Self::Known(Box::new(Serving {
+            Ok((result, made)) => Self::Known(Box::new(Serving {
                 result,
                 weighting: None,
                 provided: None,
+                silencing: DrawTable::of(&made).silencing(),
             })),
             Err(error) => Self::Absent(error.to_string()),
         }

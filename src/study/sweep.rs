@@ -18,6 +18,7 @@ use crate::design::inputs::cycle::parameters;
 use crate::design::{Assignment, AssignmentError, Design, DesignError, Problem};
 use crate::error::Error;
 use crate::graph::Graph;
+use crate::result::Performance;
 use crate::stages::Progress;
 use crate::stages::headline::Headline;
 use crate::stages::levels::Levels;
@@ -44,6 +45,8 @@ pub struct SweptPoint {
     pub levels: Option<Levels>,
     /// Level of all sources together \[dB re 1 pW s\].
     pub total_db: Option<f64>,
+    /// Reserve of the drive, air a shot, and rate, with the lumped workpiece; none without levels.
+    pub performance: Option<Performance>,
     /// Headline of its shot, if that does not drive.
     pub headline: Option<Headline>,
     /// Why levels are missing; empty otherwise.
@@ -237,31 +240,48 @@ pub fn sweep(
             (levels.cloned(), String::new())
         }
     });
-    let missed = |(design, (levels, _)): (&Result<Design, String>, &(Option<Levels>, String))| match (design, levels) {
-        (Ok(design), Some(levels)) if levels.outcome != Outcome::Drives.name() => headline(design),
+    let shot = |(design, (levels, _)): (&Result<Design, String>, &(Option<Levels>, String))| match (design, levels) {
+        (Ok(design), Some(levels)) => shot(design, levels).map(Some),
         _ => Ok(None),
     };
     let computed: Vec<_> = computed.collect();
-    let headlines = designs.iter().zip(&computed).map(missed);
-    let mut headlines = headlines.collect::<Result<Vec<_>, Error>>()?.into_iter();
-    let point = |(values, (levels, refused)): (Vec<String>, (Option<Levels>, String))| SweptPoint {
-        values,
-        headline: headlines.next().flatten(),
-        total_db: levels.as_ref().and_then(total_of),
-        levels,
-        refused,
-        folder: None,
-        drawn: drawn.next().flatten(),
+    let shots = designs.iter().zip(&computed).map(shot);
+    let mut shots = shots.collect::<Result<Vec<_>, Error>>()?.into_iter().flatten();
+    let point = |(values, (levels, refused)): (Vec<String>, (Option<Levels>, String))| {
+        let shot = levels.as_ref().and_then(|_| shots.next());
+        SweptPoint {
+            values,
+            performance: shot.as_ref().and_then(|shot| shot.performance),
+            headline: shot.and_then(|shot| shot.headline),
+            total_db: levels.as_ref().and_then(total_of),
+            levels,
+            refused,
+            folder: None,
+            drawn: drawn.next().flatten(),
+        }
     };
     Ok(points.into_iter().zip(computed).map(point).collect())
 }
 
-/// The headline of a design's shot with its lumped workpiece.
-fn headline(design: &Design) -> Result<Option<Headline>, Error> {
+/// A design's shot with its lumped workpiece.
+#[derive(Default)]
+struct Shot {
+    performance: Option<Performance>,
+    headline: Option<Headline>,
+}
+
+/// The shot of a design with these levels; a headline only if it does not drive with the coupling of the design. An
+/// assembly has neither.
+fn shot(design: &Design, levels: &Levels) -> Result<Shot, Error> {
     if design.assembly().is_some() {
-        return Ok(None);
+        return Ok(Shot::default());
     }
-    Ok(Headline::of(&chain::cycle(design)?, &parameters(design)?))
+    let (record, parameters) = (chain::cycle(design)?, parameters(design)?);
+    let missed = levels.outcome != Outcome::Drives.name();
+    Ok(Shot {
+        performance: Some(Performance::of(&record, &parameters)),
+        headline: missed.then(|| Headline::of(&record, &parameters)).flatten(),
+    })
 }
 
 /// Levels of each point that is a design over common draws, with the change from the first of them.
