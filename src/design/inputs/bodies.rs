@@ -306,6 +306,7 @@ fn nail_place(design: &Design) -> NailPlace {
     NailPlace {
         at: [design.nail.offset_along, design.nail.offset_across],
         top: design.workpiece.thickness,
+        entry: design.workpiece.thickness - design.workpiece.groove,
         length: super::assembly::fastener_length(design).unwrap_or(design.nail.length),
         nose: [design.body.nose_width, design.body.nose_depth],
     }

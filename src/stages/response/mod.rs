@@ -24,7 +24,7 @@ pub(in crate::stages) use fluid::in_air;
 pub use coupling::{COUPLED_LOADS, Coupled, couple};
 pub use linear::LinearResponse;
 pub use nail_force::{DrivenFastener, FastenerLaw};
-pub use shot::ShotInputs;
+pub use shot::{OneWay, ShotInputs};
 pub use two_way::{CoupledCycle, CoupledResponse, CoupledVibration, CouplingReport, Reported};
 
 use super::bodies::Body;
@@ -102,10 +102,13 @@ impl Stage for Response {
 
     fn compute(&self, _: &Progress) -> Result<Vibration, Error> {
         let (bodies, coordinates) = self.structure.modal_bodies(&self.shot)?;
-        let response = self.shot.one_way(&bodies, &*self.cycle.get()?, self.force_scale)?;
+        let shot = self.shot.one_way(&bodies, &*self.cycle.get()?, self.force_scale)?;
         Ok(Vibration {
-            checks: checks("response", &response),
-            response: Arc::new(response),
+            checks: checks("response", &shot.response)
+                .into_iter()
+                .chain(shot.checks)
+                .collect(),
+            response: Arc::new(shot.response),
             coordinates,
         })
     }

@@ -7,11 +7,21 @@ use serde::Serialize;
 use super::coupling::{self, COUPLED_LOADS, Coupled, couple};
 use super::nail_force::{self, DrivenFastener};
 use crate::error::Error;
+use crate::result::Check;
 use crate::stages::bodies::{Body, ContactCells, STATIONS};
 use crate::stages::cycle::{Cycle, ShotRecord};
 
 /// Largest gap that [`open_gaps`] opens \[m\].
 const GAP: f64 = 1e-6;
+
+/// Response to the forces of a cycle.
+#[derive(Debug)]
+pub struct OneWay {
+    /// Motion of the bodies.
+    pub response: ModalResponse,
+    /// Checks of the nail's force.
+    pub checks: Vec<Check>,
+}
 
 /// Inputs of a response, except the bodies and the cycle.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -63,9 +73,13 @@ impl ShotInputs {
     ///
     /// # Errors
     /// Those of the transient solver.
-    pub fn one_way(&self, bodies: &[ModalBody], shot: &ShotRecord, force_scale: f64) -> Result<ModalResponse, Error> {
-        let loads = self.loads(shot, force_scale);
-        Ok(respond(bodies, &self.opened(), &loads, &self.settings())?)
+    pub fn one_way(&self, bodies: &[ModalBody], shot: &ShotRecord, force_scale: f64) -> Result<OneWay, Error> {
+        let nail = self.fastener.as_ref().and_then(|own| nail_force::forces(own, shot));
+        let loads = self.loads(shot, nail.as_ref().map(|nail| &nail.stations), force_scale);
+        Ok(OneWay {
+            response: respond(bodies, &self.opened(), &loads, &self.settings())?,
+            checks: nail.map_or_else(Vec::new, |nail| nail.checks),
+        })
     }
 
     /// Cycle and response together, each acting on the other.
@@ -116,17 +130,13 @@ impl ShotInputs {
     ///
     /// After the record the tool is off the wood and the nail at rest: the forces of the shot go to zero, gravity
     /// stays.
-    fn loads(&self, shot: &ShotRecord, force_scale: f64) -> Loads {
+    fn loads(&self, shot: &ShotRecord, fastener: Option<&DMatrix<f64>>, force_scale: f64) -> Loads {
         let mut history = DMatrix::zeros(COUPLED_LOADS, shot.len());
-        if let Some(on) = &shot.workpiece {
-            if let Some(fastener) = &self.fastener {
-                history
-                    .rows_mut(0, STATIONS)
-                    .copy_from(&nail_force::forces(fastener, on));
-            }
-            for (sample, force) in on.seat.iter().enumerate() {
-                history[(coupling::NOSE, sample)] = *force;
-            }
+        if let Some(forces) = fastener {
+            history.rows_mut(0, STATIONS).copy_from(forces);
+        }
+        for (sample, force) in shot.workpiece.iter().flat_map(|on| on.seat.iter().enumerate()) {
+            history[(coupling::NOSE, sample)] = *force;
         }
         history *= force_scale;
         history.row_mut(coupling::GRAVITY).fill(1.0);
