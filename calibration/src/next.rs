@@ -15,8 +15,12 @@ const ENDS: [f64; 2] = [0.05, 0.95];
 /// Draws on which the measurement is made at most.
 const MOST: usize = 256;
 
-/// Effective number of draws after the measurement below which its value is a lower bound: it is too sharp for them.
+/// Least effective number of draws after a measurement. A sharper measurement is weighed with an error that leaves so
+/// many, and its gain is a lower bound.
 const FEW: f64 = 20.0;
+
+/// Most doublings of an error for that.
+const DOUBLINGS: u32 = 60;
 
 /// A measurement that could be made.
 #[derive(Debug, Clone, Copy)]
@@ -57,33 +61,79 @@ pub fn gain(further: Further<'_>, outputs: Outputs<'_>, seed: u64) -> Option<Gai
     }
     let values: Vec<f64> = known.iter().map(|&k| outputs.output[k]).collect();
     let first: Vec<usize> = known.iter().map(|&k| outputs.first[k]).collect();
+    let predictions: Vec<f64> = known.iter().map(|&k| further.predictions[k]).collect();
+    let made = Made {
+        predictions: &predictions,
+        errors: (0..known.len().min(MOST))
+            .map(|j| stream(seed).normal(j as u64))
+            .collect(),
+    };
+    let scale = made.scale(further.scale);
     let width = |weights: &[f64]| {
         let [low, high] = ENDS.map(|p| weighted_quantile(&values, weights, p));
         high - low
     };
-    let stream = Stream::new(seed, &[known.len() as u64]);
     let mut sums = [0.0; 2];
-    let mut sizes = Vec::new();
-    let made = known.len().min(MOST);
-    for (j, &draw) in known.iter().enumerate().take(made) {
-        let reading = further.predictions[draw] + further.scale * stream.normal(j as u64);
-        let weight = |(i, &k): (usize, &usize)| match i == j {
-            true => 0.0,
-            false => ErrorLaw::Student
-                .log_density((reading - further.predictions[k]) / further.scale)
-                .exp(),
-        };
-        let weights: Vec<f64> = known.iter().enumerate().map(weight).collect();
-        sizes.push(effective_size(&weights));
+    for j in 0..made.errors.len() {
+        let weights = made.weights(j, scale);
         sums = [sums[0] + width(&weights), sums[1] + surest(&first, &weights)];
     }
     let equal = vec![1.0; known.len()];
-    let [narrower, surer] = sums.map(|sum| sum / made as f64);
+    let [narrower, surer] = sums.map(|sum| sum / made.errors.len() as f64);
     Some(Gain {
         width: [width(&equal), narrower],
         first: [surest(&first, &equal), surer],
-        is_bound: quantile_of(&mut sizes, 0.5) < FEW,
+        is_bound: scale > further.scale,
     })
+}
+
+fn stream(seed: u64) -> Stream {
+    Stream::new(seed, &[])
+}
+
+/// A measurement made on each of the first draws.
+struct Made<'a> {
+    predictions: &'a [f64],
+    /// e_j.
+    errors: Vec<f64>,
+}
+
+impl Made<'_> {
+    /// Weights of the draws by the reading on draw `j`, which does not count itself.
+    fn weights(&self, j: usize, scale: f64) -> Vec<f64> {
+        let reading = self.predictions[j] + scale * self.errors[j];
+        let weight = |(i, f): (usize, &f64)| match i == j {
+            true => 0.0,
+            false => ErrorLaw::Student.log_density((reading - f) / scale).exp(),
+        };
+        self.predictions.iter().enumerate().map(weight).collect()
+    }
+
+    /// The least error, from `scale` on, that leaves enough draws. Of too few, intervals would be too narrow, so that
+    /// even an irrelevant measurement would seem to tell much.
+    fn scale(&self, scale: f64) -> f64 {
+        let is_enough = |scale: f64| {
+            let size = |j| effective_size(&self.weights(j, scale));
+            let mut sizes: Vec<f64> = (0..self.errors.len()).map(size).collect();
+            quantile_of(&mut sizes, 0.5) >= FEW.min(0.5 * self.predictions.len() as f64)
+        };
+        let (mut low, mut high) = (scale, scale);
+        for _ in 0..DOUBLINGS {
+            if is_enough(high) {
+                break;
+            }
+            (low, high) = (high, 2.0 * high);
+        }
+        while high > 1.05 * low {
+            let middle = (low * high).sqrt();
+            if is_enough(middle) {
+                high = middle;
+            } else {
+                low = middle;
+            }
+        }
+        high
+    }
 }
 
 /// Probability of the source that is most probably first.
@@ -160,5 +210,26 @@ mod tests {
         assert!((blunt.first[1] - blunt.first[0]).abs() < 0.02, "{blunt:?}");
         assert!((blunt.width[1] / blunt.width[0] - 1.0).abs() < 0.03, "{blunt:?}");
         assert!(of(1e-3).is_bound);
+    }
+
+    /// The few draws near a sharp reading span a narrow interval by chance.
+    #[test]
+    fn a_sharp_measurement_of_something_irrelevant_is_worth_nothing() {
+        let [output, _] = draws(128, 0.0);
+        let irrelevant: Vec<f64> = (0..128).map(|k| Stream::new(5, &[k]).normal(9)).collect();
+        let first = vec![0; 128];
+        let outputs = Outputs {
+            output: &output,
+            first: &first,
+        };
+        let further = Further {
+            predictions: &irrelevant,
+            scale: 1e-6,
+        };
+        let gain = gain(further, outputs, 1).unwrap();
+        assert!(
+            gain.is_bound && (gain.width[1] / gain.width[0] - 1.0).abs() < 0.1,
+            "{gain:?}"
+        );
     }
 }

@@ -20,11 +20,10 @@ use crate::stages::Progress;
 use crate::study::{Request, draws, levels_of};
 
 /// Pressures of the supply at which shots could be measured, as shares of the design's gauge pressure.
-const PRESSURES: [(&str, f64); 3] = [
-    ("the design's pressure", 1.0),
-    ("three quarters of it", 0.75),
-    ("1.15 of it", 1.15),
-];
+const PRESSURES: [f64; 3] = [1.0, 0.75, 1.15];
+
+/// A pound-force on a square inch \[Pa\].
+const PSI: f64 = 6_894.757_293_168_361;
 
 /// Shots of a usual measurement.
 const SHOTS: f64 = 5.0;
@@ -119,7 +118,7 @@ const PARTS: [&str; 6] = ["piston.", "head_valve.", "chambers.", "exhaust.", "bo
 pub struct NextRow {
     /// What to measure.
     pub measurement: String,
-    /// Pressure of the supply, in words; empty for a key of the tool.
+    /// Pressure of the supply; empty for a key of the tool.
     pub condition: String,
     /// Standard deviation of its error with that of the model, in the unit.
     pub error: f64,
@@ -180,8 +179,11 @@ impl Levelled<'_> {
         };
         let mut found = Vec::new();
         progress.stage("shots that could be measured");
-        for (condition, share) in PRESSURES {
-            let shots = self.shots(share, &rows);
+        let ambient = self.design.ambient.pressure;
+        for share in PRESSURES {
+            let gauge = share * (self.design.supply.pressure - ambient);
+            let shots = self.shots(ambient + gauge, &rows);
+            let condition = format!("{:.0} psig", gauge / PSI);
             for usual in USUAL {
                 let is_depth = usual.quantity == Quantity::HeadDepth;
                 if share != 1.0 && !is_depth {
@@ -203,7 +205,7 @@ impl Levelled<'_> {
                 ];
                 let candidate = Candidate {
                     name: usual.name.to_owned(),
-                    condition,
+                    condition: condition.clone(),
                     unit: usual.quantity.dimension().unit(),
                     minutes: usual.minutes,
                     predictions,
@@ -225,7 +227,7 @@ impl Levelled<'_> {
             };
             let candidate = Candidate {
                 name: name.to_owned(),
-                condition: "",
+                condition: String::new(),
                 unit: unit.to_owned(),
                 minutes: DIRECT_MINUTES,
                 predictions,
@@ -237,10 +239,8 @@ impl Levelled<'_> {
         Ok(found)
     }
 
-    /// Shots of rows at a share of the design's gauge pressure.
-    fn shots(&self, share: f64, rows: &[usize]) -> Vec<Option<CycleRecord>> {
-        let ambient = self.design.ambient.pressure;
-        let pressure = ambient + share * (self.design.supply.pressure - ambient);
+    /// Shots of rows at a pressure of the supply \[Pa\].
+    fn shots(&self, pressure: f64, rows: &[usize]) -> Vec<Option<CycleRecord>> {
         let of = |&row: &usize| {
             let mut own = self.tool.design(self.design, self.points[row])?;
             own.set(&[("supply.pressure", Value::Number(pressure))]).ok()?;
@@ -253,7 +253,7 @@ impl Levelled<'_> {
 /// A measurement that is weighed.
 struct Candidate {
     name: String,
-    condition: &'static str,
+    condition: String,
     unit: String,
     minutes: f64,
     predictions: Vec<f64>,
@@ -273,7 +273,7 @@ impl Candidate {
         let hours = self.minutes / 60.0;
         Some(NextRow {
             measurement: self.name,
-            condition: self.condition.to_owned(),
+            condition: self.condition,
             error: self.scale,
             unit: self.unit,
             minutes: self.minutes,

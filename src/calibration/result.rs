@@ -2,7 +2,6 @@
 
 use nailnoise_calibration::conflict::{CONFLICT, left_out_probability, left_over};
 use nailnoise_calibration::likelihood::Reading;
-use nailnoise_calibration::normal;
 use nailnoise_calibration::sampler::Step;
 use nailnoise_calibration::statistics::{quantile_of, rank_correlation};
 use nailnoise_dynamics::CycleRecord;
@@ -175,7 +174,8 @@ pub struct InputRow {
     pub name: String,
     /// SI unit.
     pub unit: String,
-    /// P5 and P95 of its distribution in the design.
+    /// P5 and P95 of candidates: of its distribution in the design, given the rules between values and the observed
+    /// outcomes.
     pub before: [f64; 2],
     /// P5 and P95 of the draws.
     pub now: [f64; 2],
@@ -299,11 +299,11 @@ fn interval(values: &[f64]) -> [f64; 2] {
     [0.05, 0.95].map(|p| quantile(values.iter().copied(), p))
 }
 
-/// The value of a variable at a standard normal number.
-fn value(posterior: &Posterior, variable: usize, z: f64) -> f64 {
+/// The value of a variable at a point.
+fn value(posterior: &Posterior, variable: usize, z: &[f64]) -> f64 {
     match posterior.tool.sampler.variables().get(variable) {
-        Some(own) => number(own, normal::cumulative(z)),
-        None => z,
+        Some(own) => number(own, posterior.tool.point(z).shares[variable]),
+        None => z[variable],
     }
 }
 
@@ -352,16 +352,11 @@ pub(super) fn result(
     let particles = &posterior.state.particles;
     let variables = particles.first().map_or(0, |own| own.z.len());
     let values: Vec<Vec<f64>> = (0..variables)
-        .map(|k| {
-            let point = |z: &[f64]| match k < posterior.tool.keys() {
-                true => normal::quantile(posterior.tool.point(z).shares[k]),
-                false => z[k],
-            };
-            particles.iter().map(|own| value(posterior, k, point(&own.z))).collect()
-        })
+        .map(|k| particles.iter().map(|own| value(posterior, k, &own.z)).collect())
         .collect();
     let rows: Vec<InputRow> = (0..variables).map(|k| input(posterior, k, &values[k])).collect();
-    let by_chance = BEYOND_CHANCE / (posterior.diagnostics.ancestors.max(1) as f64).sqrt();
+    let parts = [posterior.diagnostics.ancestors, posterior.start.accepted.len()];
+    let by_chance = BEYOND_CHANCE * parts.map(|n| 1.0 / n.max(1) as f64).iter().sum::<f64>().sqrt();
     let moved_below = MOVED.min(1.0 - ERROR_OF_WIDTH * by_chance);
     let mut moved: Vec<usize> = (0..variables).filter(|&k| rows[k].ratio < moved_below).collect();
     moved.sort_by(|&a, &b| rows[a].ratio.total_cmp(&rows[b].ratio));
@@ -441,7 +436,12 @@ pub(super) fn result(
 }
 
 fn input(posterior: &Posterior, variable: usize, values: &[f64]) -> InputRow {
-    let before = [0.05, 0.95].map(|p| value(posterior, variable, normal::quantile(p)));
+    let candidates = posterior.start.accepted.iter();
+    let before = interval(
+        &candidates
+            .map(|own| value(posterior, variable, &own.z))
+            .collect::<Vec<_>>(),
+    );
     let now = interval(values);
     let own = posterior.tool.sampler.variables().get(variable);
     let ratio = (now[1] - now[0]) / (before[1] - before[0]);
@@ -586,6 +586,9 @@ fn conflict(posterior: &Posterior, measured: &Measurements, found: &Found) -> Co
 
 fn notes(posterior: &Posterior, measured: &Measurements) -> Vec<String> {
     let mut notes = measured.notes.clone();
+    if measured.data.is_empty() {
+        return notes;
+    }
     notes.push(
         "the draws are of this tool with the wood, nails and support as measured; keys of bodies (bore, valve \
          diameters, masses) are drawn for the cycle"

@@ -171,7 +171,9 @@ fn text(result: &CalibrationResult) -> String {
         "verdict",
         "",
     ];
-    text.push_str(&format!("\n{}", texts(&headings, &rows)));
+    if !rows.is_empty() {
+        text.push_str(&format!("\n{}", texts(&headings, &rows)));
+    }
     for own in &result.conflicts {
         text.push_str(&format!("\n{}", conflict(own)));
     }

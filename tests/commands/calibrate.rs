@@ -196,7 +196,7 @@ fn a_study_of_the_calibrated_design_draws_the_rows_of_the_posterior() {
         }
     }
 
-    let refused = study(&["-n", "3", "--structures", "1"]);
+    let refused = study(&["-n", "3", "--structures"]);
     assert_eq!(refused.status.code(), Some(2));
     assert!(
         messages(&refused).contains("leave out --structures"),
