@@ -26,8 +26,8 @@ use crate::error::Error;
 use crate::run::Run;
 
 pub use calibration::calibration;
-pub(crate) use chart::subscripts;
 pub use chart::{Axis, Chart, Event, Panel, Series, Shape};
+pub(crate) use chart::{subscripts, symbol};
 pub use cycle::cycle;
 pub use energy::energy;
 pub use fitted::{fit, residuals};

@@ -12,10 +12,12 @@ mod chart;
 mod compared;
 mod declared;
 mod drawing;
+mod events;
 mod head;
 mod legend;
 mod measured;
 mod measurement;
+mod methods;
 mod modes;
 mod page;
 mod picture;
@@ -44,7 +46,7 @@ use crate::run::Run;
 use crate::stages::spectra::{BodyInMotion, MovingBody};
 use crate::stages::{Code, Postcard, Progress, Stage, code};
 use crate::study::{PairedStudy, StudyResult};
-use crate::tables::cycle::events;
+use crate::tables::cycle::figures as figures_of;
 use crate::tables::run as run_tables;
 use crate::virtual_test::comparison::MeasuredComparison;
 
@@ -157,6 +159,9 @@ pub fn run(design: &Design, run: &Run, pictures: &Pictures, recordings: &[Record
     {
         chart.caption = format!("One-third-octave levels of each source, {weighting}, dB re 1 pW s.");
     }
+    let place = levels.iter().position(|chart| chart.name == "intervals");
+    let intervals = place.map(|place| levels.remove(place));
+    let loud = events::loudest(result);
     let of_parts = |chart: &figures::Chart| by_name(&chart.name).is_some();
     let mut cycle = figures::cycle(subject, design, &run.record);
     let energy = cycle.pop();
@@ -166,7 +171,10 @@ pub fn run(design: &Design, run: &Run, pictures: &Pictures, recordings: &[Record
         Section::new(
             "levels",
             "Levels",
-            html! { @for chart in levels.iter().filter(|own| !of_parts(own)) { (chart::markup(chart)) } },
+            html! {
+                @for chart in levels.iter().filter(|own| !of_parts(own)) { (chart::markup(chart)) }
+                @if let Some(chart) = &intervals { (events::intervals(chart, &loud)) }
+            },
         )
         .on_a_page(),
     ];
@@ -177,7 +185,7 @@ pub fn run(design: &Design, run: &Run, pictures: &Pictures, recordings: &[Record
         Section::new(
             "shot",
             "Over the shot",
-            html! { (chart::markup(&power)) (chart::key_of_events(&power.events)) },
+            html! { (chart::markup(&power)) (events::key(&power.events, &loud)) },
         )
         .on_a_page(),
         Section::new("listen", "Listen", sound::players(recordings)),
@@ -198,7 +206,7 @@ pub fn run(design: &Design, run: &Run, pictures: &Pictures, recordings: &[Record
             "Nailing cycle",
             html! {
                 @for chart in &cycle { (chart::markup(chart)) }
-                div.columns { (table::markup(&events(&run.record))) (tables::figures(&value["cycle"])) }
+                div.columns { (events::times(&run.record, &loud)) (table::markup(&figures_of(&result.cycle))) }
             },
         )
         .in_the_appendix(),
@@ -228,7 +236,7 @@ pub fn run(design: &Design, run: &Run, pictures: &Pictures, recordings: &[Record
         sections.push(Section::new("further", "Further results", further).in_the_appendix());
     }
     sections.extend([
-        Section::new("methods", "Methods", methods(result, &value)).in_the_appendix(),
+        Section::new("methods", "Methods", methods::section(result, &value)).in_the_appendix(),
         Section::new("assumptions", "Assumptions", assumptions::section(design)).in_the_appendix(),
         Section::new("checks", "Checks", tables::checks(result)).in_the_appendix(),
         Section::new("origin", "Origin", origin(result)).in_the_appendix(),
@@ -303,23 +311,6 @@ fn ranking(result: &RunResult) -> Markup {
         }
         (declared::section(result))
         ul.notes { @for note in &result.notes { li { (table::with_code(note)) } } }
-    }
-}
-
-/// Parts and method of each source, and notes on methods.
-fn methods(result: &RunResult, value: &serde_json::Value) -> Markup {
-    html! {
-        @for (source, value) in result.ranking.iter().zip(value["ranking"].as_array().into_iter().flatten()) {
-            details {
-                summary { (source.source) ": parts and method" }
-                (tables::source(source))
-                @if let Some(more) = tables::further(value, &tables::SOURCE) { (more) }
-            }
-        }
-        details {
-            summary { "Notes on methods, their ranges and limits" }
-            ul.notes { @for note in &result.method_notes { li { (table::with_code(note)) } } }
-        }
     }
 }
 
