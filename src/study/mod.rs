@@ -47,7 +47,7 @@ pub use draw_table::DrawTable;
 pub use draws::{Draw, Draws, common_draws, draws, nominal};
 pub use groups::{Group, GroupContribution, GroupContributions, GroupStudy, group_study};
 pub use kept::{Found, keep, kept};
-pub use level_table::{column, levels_of};
+pub use level_table::{column, levels_of, value_at};
 pub use one_at_a_time::{InputChanges, InputEnd, OneAtATime, one_at_a_time, one_at_a_time_csv};
 pub use paired::{Change, PairedStudy};
 pub use parameters::{Parameter, taking_part};
