@@ -50,7 +50,7 @@ mod suggest;
 mod surfaces;
 mod transducers;
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write as _;
 use std::ops::{Deref, DerefMut};
 use std::path::{Path, PathBuf};
@@ -449,6 +449,19 @@ impl Design {
             }
         });
         words
+    }
+
+    /// The first sentence of the description of each key.
+    pub(crate) fn meanings(&self) -> BTreeMap<String, String> {
+        let mut meanings = BTreeMap::new();
+        self.values.visit("", &mut |key, spec, _| {
+            let description = spec.description();
+            let first = description
+                .split_once(". ")
+                .map_or(description.as_str(), |(first, _)| first);
+            meanings.insert(key.to_owned(), first.trim_end_matches('.').to_owned());
+        });
+        meanings
     }
 
     /// Every key with its value and origin, in the order of the reference.

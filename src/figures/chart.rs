@@ -88,6 +88,8 @@ pub enum Shape {
     /// A bar for each category from the first to the second of these ordinates, which a line at `y` crosses, next to
     /// those of other series.
     Whiskers(Vec<[f64; 2]>),
+    /// An error bar between these ordinates over each bar of the series before.
+    Errors(Vec<[f64; 2]>),
     /// The area between the points and these ordinates.
     Band(Vec<f64>),
     /// Horizontal bars from these abscissas to `x` in the categories `y` of the vertical axis, each joined to the next.

@@ -188,7 +188,7 @@ pub fn cycle(subject: &str, design: &Values, record: &CycleRecord) -> Vec<Chart>
             "Air that enters from the supply side and leaves through exhaust and trigger vent.",
             vec![panel("Mass flow", "g/s", 66, flow)],
         ),
-        super::energy(subject, record),
+        super::energy(subject, &design.ambient, record),
     ]
 }
 

@@ -29,8 +29,8 @@ use crate::run::Run;
 use crate::stages::cycle::{EngineRecord, ShotRecord};
 
 pub use calibration::calibration;
-pub(crate) use chart::subscripts;
 pub use chart::{Axis, Chart, Event, Panel, Series, Shape};
+pub(crate) use chart::{subscripts, symbol};
 pub use cycle::cycle;
 pub use energy::energy;
 pub use fitted::{fit, residuals};

@@ -52,7 +52,7 @@ pub use groups::{Group, GroupContribution, GroupContributions, GroupStudy, group
 pub(crate) use jobs::{levels_of_shot, on_threads};
 pub use kept::{Found, keep, kept};
 pub(crate) use level_table::total_of;
-pub use level_table::{column, levels_of};
+pub use level_table::{column, levels_of, value_at};
 pub use one_at_a_time::{InputChanges, InputEnd, OneAtATime, one_at_a_time, one_at_a_time_csv};
 pub use paired::{Change, PairedStudy};
 pub use parameters::{Parameter, taking_part};
