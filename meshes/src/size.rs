@@ -33,7 +33,7 @@ pub fn subdivide(from: f64, to: f64, size: f64) -> Result<Vec<f64>, MeshError> {
             return Err(MeshError::Dimension { what, value });
         }
     }
-    // A stretch that is a multiple of the size up to rounding is not given one element more.
+    // An interval that is a multiple of the size up to rounding must not get an extra element.
     let n = ((to - from) / size * (1.0 - 1e-12)).ceil().max(1.0) as usize;
     Ok((1..=n)
         .map(|i| {

@@ -52,7 +52,7 @@ impl Key {
         if let Err(error) = postcard::to_io(value, &mut buffer) {
             unreachable!("inputs of a stage have a fixed form: {error}");
         }
-        drop(buffer); // drop(buffer); // flushes it into the digest
+        drop(buffer); // flushes it into the digest
         self
     }
 
