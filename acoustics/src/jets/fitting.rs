@@ -8,22 +8,22 @@ use crate::air::Air;
 use crate::checks::{InputError, positive};
 use crate::muffler::plane_wave_limit;
 
-/// Width of the transition to the range above the plane waves: a sixth of an octave.
+/// Width of the transition to frequencies above the plane-wave range: a sixth of an octave.
 const TRANSITION: f64 = 1.0 / 6.0;
 
-/// A pipe on the exhaust holes, open at its end: closed by the choked holes on one side, it resonates as a quarter
-/// wave.
+/// A pipe on the exhaust holes. It is closed by the choked holes at one end and open at the other, so it resonates as a
+/// quarter-wave resonator.
 ///
-/// The volume flow Q of choked holes does not depend on the pipe. Plane waves carry U = H Q to the open end, whose
-/// impedance r + j x is that of [`OpenEnd`]. The jet at the outlet, p = rho U^2/2, adds M, which absorbs and does not
-/// radiate.
+/// The volume flow Q of choked holes does not depend on the pipe. Plane waves transmit U = H Q to the open end, whose
+/// impedance r + j x is that of [`OpenEnd`]. The jet at the outlet, p = rho U^2/2, adds M, which absorbs sound but does
+/// not radiate.
 ///
 /// ```text
 /// H = 1/(cos kL + j z sin kL)     z = r + j x + M     G = |H|^2 4 r/(ka)^2
 /// ```
 ///
-/// G is the energy over that of the same flow as a monopole in the open. Above the first cross mode of the pipe, G = 1
-/// is assumed; over the sixth of an octave below it, G goes over to 1.
+/// G is the radiated energy relative to that of the same flow as a monopole in free space. G = 1 is assumed above the
+/// first cross mode of the pipe; there is a transition over the sixth of an octave below it.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct PipeFitting {
     /// Length L from the holes to the open end \[m\].
@@ -35,35 +35,35 @@ pub struct PipeFitting {
 }
 
 impl PipeFitting {
-    /// Ratio H of the volume flows at the open end and at the holes, for an impedance z of the end over rho0 c0/S.
+    /// Ratio H of the volume flows at the open end and at the holes, for an end impedance z normalised by rho0 c0/S.
     pub fn flow_ratio(&self, hz: f64, end: Complex<f64>, air: &Air) -> Complex<f64> {
         let (sine, cosine) = (2.0 * PI * hz / air.sound_speed * self.length).sin_cos();
         (cosine + Complex::<f64>::i() * end * sine).inv()
     }
 
-    /// Highest frequency of plane waves \[Hz\].
+    /// Upper frequency limit of plane waves \[Hz\].
     pub fn plane_wave_limit(&self, air: &Air) -> f64 {
         plane_wave_limit(self.diameter, air.sound_speed)
     }
 
-    /// Energy G(f) over that of the monopole without the fitting.
+    /// Energy G(f) relative to that of the monopole without the fitting.
     ///
     /// # Errors
-    /// Dimensions that are not positive, a negative Mach number, a frequency that is not positive.
+    /// If dimensions or frequency are not positive, or the Mach number is negative.
     pub fn gain(&self, hz: f64, air: &Air) -> Result<f64, InputError> {
         self.response(hz, air).map(|response| response.norm_sqr())
     }
 
-    /// Factor on the signal of the monopole; its square is G.
+    /// Factor on the monopole's signal; its square is G.
     ///
     /// # Errors
-    /// As [`gain`](Self::gain).
+    /// Same as [`gain`](Self::gain).
     pub fn response(&self, hz: f64, air: &Air) -> Result<Complex<f64>, InputError> {
         positive("frequency [Hz]", hz)?;
         let k = 2.0 * PI * hz / air.sound_speed;
         let limit = self.plane_wave_limit(air);
         let above = Complex::from_polar(1.0, -k * self.length);
-        // 0 where only plane waves run, 1 at the first cross mode and above it.
+        // 0 in the plane-wave range, 1 at and above the first cross mode.
         let share = (1.0 + (hz / limit).log2() / TRANSITION).clamp(0.0, 1.0);
         if share >= 1.0 {
             return Ok(above);

@@ -216,7 +216,7 @@ impl Far<'_> {
         (0..3).filter(|&c| self.planes[c].is_some()).map(|c| 1 << c).sum()
     }
 
-    /// Odd axes of a parity; there are none without mirror planes.
+    /// Odd axes of a parity; none without mirror planes.
     #[inline(always)]
     fn parity<const AXES: usize>(&self, p: usize) -> usize {
         match AXES {
@@ -226,7 +226,7 @@ impl Far<'_> {
         }
     }
 
-    /// `P`: one parity, or up to four; `AXES`: axes of reflection, or [`ANY`].
+    /// `P`: the number of parities, up to four; `AXES`: axes of reflection, or [`ANY`].
     #[inline(always)]
     fn run<S: Simd, const E: usize, const F: usize, const P: usize, const AXES: usize>(self, simd: S) {
         let axes = if AXES == ANY { self.axes() } else { AXES };
@@ -245,11 +245,11 @@ impl Far<'_> {
         let phi_f = corner_values::<F>().map(|row| row.map(|v| v as f32));
         let (panels, we, wf) = (self.e.panels.len(), self.e.width, self.f.width);
         let lanes = S::F32_LANES;
-        // A and its transpose, B and its transpose without the curls, parity by parity; and G in every combination of
-        // the images.
+        // A and its transpose, and B and its transpose without the curls, for each parity; and G for every combination
+        // of images.
         let mut kernels = [[[[[zero; F]; E]; 2]; 4]; P];
         let mut potentials = [[[[zero; F]; E]; 2]; 8];
-        // The same of one pair of points, image by image.
+        // The same for one pair of points, by image.
         let mut values = [[[zero; 2]; 8]; 4];
         let mut potential = [[zero; 2]; 8];
         let (mut numbers, mut images) = ([0; 8], 0);
@@ -275,7 +275,7 @@ impl Far<'_> {
                         let v = load3::<S>(&self.f.single, start + N * wf, wf);
                         let areas = load::<S>(&self.f.single, start + W * wf);
                         let areas = simd.mul_f32s(simd.splat_f32s(own.area), areas);
-                        // Squared distance, (x - y) . n_x, -(x - y) . n_y and n_x . n_y axis by axis.
+                        // Squared distance, (x - y) . n_x, -(x - y) . n_y and n_x . n_y, by axis.
                         let (mut squares, mut on_x) = ([[zero; 2]; 3], [[zero; 2]; 3]);
                         let (mut on_y, mut normals) = ([[zero; 2]; 3], [[zero; 2]; 3]);
                         for c in 0..3 {
@@ -360,7 +360,7 @@ impl Far<'_> {
                                 }
                             }
                         }
-                        // The curls of all corner functions add up to zero.
+                        // The curls of all corner functions sum to zero.
                         let curls = &mut curls[part];
                         for i in 0..E - 1 {
                             for j in 0..F - 1 {
