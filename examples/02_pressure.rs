@@ -1,4 +1,4 @@
-//! Effect of the supply pressure on the shot and on its exhaust: `cargo run --release --example 02_pressure`.
+//! Effect of the supply pressure on the shot and on exhaust noise: `cargo run --release --example 02_pressure`.
 
 use nailnoise::model::sources::exhaust;
 use nailnoise::{Design, chain};
@@ -19,7 +19,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         let (shot, level) = (&record.summary, exhaust.level([50.0, 10_000.0], Weighting::A));
         println!(
             "{kilopascal:.0}  {}  {:.1}  {:.2}  {:.1}",
-            // None where the nail is not driven to its length.
+            // None if the nail is not driven completely.
             shot.mean_drive_speed
                 .map_or("-".to_owned(), |speed| format!("{speed:.1}")),
             1e3 * shot.penetration,

@@ -11,15 +11,15 @@ use crate::output;
 
 /// Contents of the files.
 pub struct Files {
-    /// `posterior.csv`: a row for each draw.
+    /// `posterior.csv`: one row per draw.
     pub draws: Vec<u8>,
-    /// `calibrated.toml`, which names its base relative to a folder; as text without its first line.
+    /// `calibrated.toml` without its first line, which names its base relative to a folder.
     design: String,
     base: std::path::PathBuf,
 }
 
 impl Files {
-    /// The calibrated design as a file in a folder.
+    /// The calibrated design as a file in the given folder.
     pub fn design(&self, folder: &Path) -> String {
         let base = std::path::absolute(&self.base).unwrap_or_else(|_| self.base.clone());
         let folder = std::path::absolute(folder).unwrap_or_else(|_| folder.to_owned());
@@ -28,14 +28,14 @@ impl Files {
     }
 }
 
-/// A path relative to a folder, both absolute, with slashes.
+/// A path relative to a folder (both absolute), with forward slashes.
 fn relative(path: &Path, folder: &Path) -> String {
     let common = path
         .components()
         .zip(folder.components())
         .take_while(|(a, b)| a == b)
         .count();
-    // Two drives of Windows have nothing in common.
+    // Different drives of Windows have no common parent.
     if common == 0 {
         return path.to_string_lossy().into_owned();
     }
@@ -50,7 +50,7 @@ fn relative(path: &Path, folder: &Path) -> String {
 /// The files of a posterior.
 ///
 /// # Errors
-/// [`Error::Table`], if rows differ in length.
+/// [`Error::Table`] if rows differ in length.
 pub(super) fn files(
     posterior: &Posterior,
     design: &Design,
@@ -92,7 +92,7 @@ fn calibrated(design: &Design, result: &CalibrationResult, moved: &[MovedKey<'_>
         text.push_str("# The sampler had not converged.\n");
     }
     let entries = design.entries();
-    // Writing to a text cannot fail.
+    // Writing to a string cannot fail.
     for own in moved {
         let [low, high] = own.ends;
         let with = |unit: &str| {
@@ -137,7 +137,7 @@ fn calibrated(design: &Design, result: &CalibrationResult, moved: &[MovedKey<'_>
     text
 }
 
-/// A value as TOML, with its unit.
+/// Formats a value as TOML, with its unit.
 fn shown(value: &Value, unit: &str) -> String {
     match value {
         Value::Count(count) => count.to_string(),

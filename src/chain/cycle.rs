@@ -10,7 +10,7 @@ use crate::stages::{Progress, Stage};
 /// Computes the nailing cycle of a design.
 ///
 /// # Errors
-/// [`Error::Cycle`] when the design cannot be computed.
+/// [`Error::Cycle`] if the design cannot be computed.
 pub fn cycle(design: &Design) -> Result<CycleRecord, Error> {
     cycle_stage(design)?.compute(&Progress::silent())
 }
@@ -18,15 +18,15 @@ pub fn cycle(design: &Design) -> Result<CycleRecord, Error> {
 /// Computes the nailing cycle of a design in a published form.
 ///
 /// # Errors
-/// As [`cycle`].
+/// Same as [`cycle`].
 pub fn cycle_as_published(design: &Design, preset: Preset) -> Result<CycleRecord, Error> {
     cycle_stage(design)?.published(preset).compute(&Progress::silent())
 }
 
-/// The cycle with only the tool's lumped masses.
+/// The cycle with a lumped workpiece.
 ///
 /// # Errors
-/// Values of the design that do not yield inputs.
+/// If the values of the design do not yield valid inputs.
 pub(crate) fn cycle_stage(design: &Design) -> Result<Cycle, Error> {
     Ok(Cycle {
         parameters: inputs::cycle::parameters(design)?,

@@ -13,10 +13,10 @@ use crate::error::Error;
 use crate::store::Store;
 use crate::{figures, report};
 
-/// The last file to be written, so that a folder with it has all the rest.
+/// The file written last, whose presence shows that the folder is complete.
 const LAST: &str = "calibration.json";
 
-/// Inputs that are printed.
+/// Number of inputs printed.
 const SHOWN: usize = 12;
 
 #[derive(Args)]
@@ -116,7 +116,7 @@ fn ends([low, high]: [f64; 2]) -> String {
     format!("{} .. {}", number(low), number(high))
 }
 
-/// A reading with its open ends.
+/// Formats a reading, which may be open-ended.
 fn reading([low, high]: [Option<f64>; 2]) -> String {
     match (low, high) {
         (Some(low), Some(high)) if low == high => number(low),
@@ -127,7 +127,7 @@ fn reading([low, high]: [Option<f64>; 2]) -> String {
     }
 }
 
-/// The result for the terminal.
+/// Formats the result for the terminal.
 fn text(result: &CalibrationResult) -> String {
     let mut text = format!(
         "{}: {} draws given {} ({} of {} candidates have the observed outcomes)\n",
@@ -226,7 +226,7 @@ fn text(result: &CalibrationResult) -> String {
     text
 }
 
-/// A conflict in words.
+/// Describes a conflict.
 fn conflict(own: &ConflictRow) -> String {
     let mut text = match (&own.partner, own.nearest, own.distance) {
         (_, Some(nearest), Some(distance)) => format!(

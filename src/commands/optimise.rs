@@ -1,7 +1,7 @@
-//! `nailnoise optimise`: the designs of the lowest level, by the optimiser of the Python package.
+//! `nailnoise optimise`: finds the designs with the lowest level, using the optimiser of the Python package.
 //!
-//! Well-maintained optimisers with constraints, integers, choices and fronts are at home in Python (Optuna). The
-//! package `nailnoise` calls them; this command passes its arguments on.
+//! Well-maintained optimisers with constraints, integers, choices and Pareto fronts are available in Python (Optuna).
+//! The package `nailnoise` calls them; this command passes its arguments on.
 
 use std::ffi::OsString;
 
@@ -24,7 +24,7 @@ pub(super) struct Arguments {
 }
 
 pub(super) fn execute(arguments: &Arguments) -> Result<Status, Error> {
-    // The flag of this command may precede its name, and then the arguments do not have it.
+    // The flag `--quiet` may precede the command's name, and is then not among the arguments.
     let quiet = progress::is_quiet().then(|| OsString::from("--quiet"));
     let all: Vec<OsString> = quiet.into_iter().chain(arguments.arguments.iter().cloned()).collect();
     python::call("optuna", "optimise", &all)

@@ -21,7 +21,7 @@ use crate::store::Store;
 use crate::study::{Axis, Quantiles, Request, SweptPoint, at_point, sweep};
 use crate::tables::sweep::{self as tables, sources};
 
-/// The last file to be written, so that a folder with it has all the rest.
+/// The file written last, whose presence shows that the folder is complete.
 const LAST: &str = "sweep.csv";
 
 #[derive(Args)]
@@ -147,7 +147,7 @@ pub(super) fn execute(arguments: &Arguments) -> Result<Status, Error> {
     Ok(status_of(&checks))
 }
 
-/// Names a folder for each point with levels after its values.
+/// Names a folder after its values for each point that has levels.
 fn name_folders(points: &mut [SweptPoint], axes: &[Axis]) {
     let safe = |c: char| {
         if c.is_alphanumeric() || "=.,+-_".contains(c) {
@@ -183,7 +183,7 @@ fn text(name: &str, axes: &[Axis], points: &[SweptPoint]) -> String {
     )
 }
 
-/// `sweep.csv`: a row for every point.
+/// `sweep.csv`: one row per point.
 fn csv(axes: &[Axis], points: &[SweptPoint]) -> Result<Vec<u8>, Error> {
     let sources = sources(points);
     let header = axes.iter().map(|axis| axis.key.clone());

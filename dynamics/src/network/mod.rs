@@ -42,14 +42,14 @@ pub use text::{AssemblyError, AssemblyText, BUILT_IN, DeclaredKey, Fault, KeyVal
 
 use crate::Method;
 
-/// How an assembly is integrated and sampled.
+/// Settings for integrating and sampling an assembly.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Numerics {
     /// Integration method.
     pub method: Method,
-    /// Tolerance of the integration as a part of the characteristic size of each state \[-\].
+    /// Integration tolerance as a fraction of the characteristic size of each state \[-\].
     pub relative_tolerance: f64,
-    /// Interval of the samples \[s\]; none for events and ledger only.
+    /// Sampling interval \[s\]; none to compute only events and ledger.
     pub sample_interval: Option<f64>,
 }
 
@@ -83,11 +83,11 @@ impl Numerics {
     }
 }
 
-/// Integrates an assembly from its trigger at t = 0 to its end.
+/// Integrates an assembly from the trigger at t = 0 to its end.
 ///
 /// # Errors
-/// [`RunError`]: a block that no kernel solves, a tool that is not seated, a volume that vanishes, a spring beyond its
-/// law, blocks that switch without end, or an integration that cannot go on.
+/// [`RunError`]: a block that no kernel supports, a tool that is not seated, a volume that vanishes, a spring beyond
+/// its law, blocks that switch endlessly, or an integration that cannot continue.
 pub fn simulate(assembly: &Assembly, numerics: &Numerics) -> Result<Record, RunError> {
     numerics.check(assembly.end)?;
     let plan = plan::Plan::new(assembly)?;

@@ -67,7 +67,7 @@ pub(in crate::commands) fn execute(tool: &AssembledTool, path: &Path, json: bool
     Ok(Status::SUCCESS)
 }
 
-/// Names of the states: position and velocity of each body, then energy and mass of the gas in each volume.
+/// Names of the states: position and velocity of each body, followed by energy and mass of the gas in each volume.
 fn states(assembly: &Assembly) -> Vec<String> {
     let bodies = assembly.bodies.iter();
     let mut states: Vec<String> = bodies
@@ -238,7 +238,7 @@ fn coefficient(coefficient: &Coefficient) -> String {
     }
 }
 
-/// Everything that exerts a force, by its pair of bodies.
+/// Everything that exerts a force, by pair of bodies.
 fn forces(assembly: &Assembly) -> Table {
     let pair = |kind: &str, name: &str, on: usize, against: Base| {
         vec![
@@ -382,7 +382,7 @@ fn balances(assembly: &Assembly) -> Table {
                 .faces
                 .iter()
                 .filter(|face| face.body == index && face.push == push);
-            // An empty sum is -0.
+            // An empty sum would be -0.
             of.map(|face| 1e6 * face.area).sum::<f64>().abs()
         };
         let loads: Vec<&str> = assembly
@@ -410,7 +410,7 @@ fn balances(assembly: &Assembly) -> Table {
     }
 }
 
-/// Keys that the files give themselves, which `--set` changes.
+/// Keys that the files define, which `--set` can change.
 fn keys(literals: &[Literal]) -> Table {
     let row = |literal: &Literal| {
         let dimension = match literal.kind {
