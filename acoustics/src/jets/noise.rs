@@ -85,11 +85,11 @@ pub struct ExhaustNoise {
 
 /// Exhaust noise of one opening: turbulent mixing, broadband shock noise and the monopole of the unsteady outflow.
 ///
-/// Times when the flow is inward, or the pressure at or below ambient, are silent.
+/// The opening is silent while the flow is inward, or the pressure is at or below ambient.
 ///
 /// # Errors
 /// Histories of different lengths or with values that are not finite. An impossible opening, jets that merge, air that
-/// leaves against a higher pressure, a muffler that is not known over the analysed range.
+/// leaves against a higher pressure, or a muffler that does not cover the analysed range.
 pub fn exhaust_noise(
     source: impl Into<String>,
     history: &FlowHistory,
@@ -176,8 +176,8 @@ pub fn exhaust_noise(
             *x *= fitting.response(hz, air)?;
         }
     }
-    // The bins reach up to one resolution beyond the range; those outside serve the interpolation only, with the
-    // muffler at the end of the range, since it need not be known beyond.
+    // The bins extend up to one resolution beyond the range. Those outside serve only for interpolation and use the
+    // muffler's value at the end of the range, beyond which it need not be known.
     let [low, high] = settings.transform.range_hz;
     let passed: Option<Vec<f64>> = match &settings.muffler {
         Some(muffler) => Some(
@@ -249,7 +249,7 @@ pub fn exhaust_noise(
     })
 }
 
-/// Stagnation temperature of the outflow, averaged over its mass \[K\].
+/// Mass-averaged stagnation temperature of the outflow \[K\].
 fn outflow_temperature(history: &FlowHistory) -> Option<f64> {
     let mass: f64 = history.mass_flow.iter().map(|m| m.max(0.0)).sum();
     let heat: f64 = history

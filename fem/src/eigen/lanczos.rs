@@ -168,8 +168,8 @@ impl Ritz {
 
     /// For each of the `count` negative pairs, the relative residual |K phi - lambda M phi| / |lambda M phi| of the
     /// improved vector, up to the difference between norms. With B phi = theta phi + r, it is
-    /// |M r| sigma / (theta^2 lambda |M phi|) with theta = sigma / (lambda - sigma). For rigid modes, the lowest elastic
-    /// lambda is used. A residual at the level of rounding in B counts as zero.
+    /// |M r| sigma / (theta^2 lambda |M phi|) with theta = sigma / (lambda - sigma). For rigid modes, the lowest
+    /// elastic lambda is used. A residual at the level of rounding in B counts as zero.
     fn errors(&self, count: usize) -> Vec<f64> {
         let norm = self.norm();
         let lambda = |i: usize| {

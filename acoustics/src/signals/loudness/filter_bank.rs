@@ -299,8 +299,8 @@ fn level(squared: f64) -> f64 {
 
 /// Third-octave levels over time, one row every 0.5 ms \[dB re 20 uPa\] (ISO 532-1:2017, 6.2).
 ///
-/// Three first-order low-pass filters smooth the square of each band's pressure; their time constant is 2/(3 f_m), with f_m
-/// limited to 1 kHz.
+/// Three first-order low-pass filters smooth the square of each band's pressure; their time constant is 2/(3 f_m),
+/// with f_m limited to 1 kHz.
 ///
 /// # Errors
 /// If a pressure is not finite.
