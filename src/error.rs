@@ -10,7 +10,7 @@ use thiserror::Error;
 
 use crate::design::DesignError;
 
-/// Why a command could not do its work.
+/// Reason why a command failed.
 #[derive(Debug, Error, Diagnostic)]
 #[non_exhaustive]
 pub enum Error {
@@ -22,7 +22,7 @@ pub enum Error {
     #[error("the page cannot be served on this machine: {source}")]
     #[diagnostic(help("permit connections to 127.0.0.1, or use `nailnoise run`"))]
     Serve {
-        /// Message of the system.
+        /// Message of the operating system.
         source: std::io::Error,
     },
     /// The design file is wrong.
@@ -35,14 +35,14 @@ pub enum Error {
     /// The cycle of an assembly could not be computed.
     #[error("the cycle of this assembly cannot be computed")]
     Network(#[source] Box<RunError>),
-    /// An option for the tool of a design, given with an assembly.
+    /// An option that applies only to a design, given with an assembly.
     #[error("{option} is an option for a design without `[cycle]`")]
     #[diagnostic(help("leave it out: an assembly is computed as its file describes it"))]
     OfDesign {
         /// The option.
         option: &'static str,
     },
-    /// A figure of the shot that does not exist.
+    /// An output of the shot that does not exist.
     #[error("there is no output \"{name}\"")]
     #[diagnostic(help("choose from the groups speed, penetration, events, forces, masses, all, or from {known}"))]
     NoSuchOutput {
@@ -51,7 +51,7 @@ pub enum Error {
         /// All names.
         known: String,
     },
-    /// A parameter for whose sensitivity there is nothing to go by.
+    /// A parameter with no basis for a sensitivity.
     #[error("`{key}` is not a quantity of the nailing cycle with a range")]
     #[diagnostic(help("{}", match nearest {
         Some(near) => format!("is it `{near}`?"),
@@ -60,18 +60,18 @@ pub enum Error {
     NoSuchParameter {
         /// The key given.
         key: String,
-        /// The parameter most like it, if one is near.
+        /// The most similar parameter, if one is close.
         nearest: Option<String>,
     },
     /// No draw of a study has levels.
     #[error("the levels of none of {draws} draws can be computed; first reason: {reason}")]
     NoLevels {
-        /// How many draws count.
+        /// Number of draws that count.
         draws: usize,
-        /// Why those of the first cannot be computed.
+        /// Why the levels of the first draw cannot be computed.
         reason: String,
     },
-    /// Levels of a draw that another process was to compute.
+    /// Levels of a draw that another process should have computed.
     #[error("its levels are not kept")]
     LevelsNotKept,
     /// No candidate of a study is a design whose shot counts.
@@ -85,11 +85,11 @@ pub enum Error {
         format!("remove `require = \"{require}\"` from [study], or narrow the ranges")
     }))]
     NothingDrawn {
-        /// Candidates drawn.
+        /// Number of candidates drawn.
         candidates: u64,
-        /// Counts of their outcomes.
+        /// Number of candidates by outcome.
         outcomes: String,
-        /// Counts of those that are not valid designs, by the reason.
+        /// Number of candidates that are not valid designs, by reason.
         refused: String,
         /// Outcomes that count.
         require: String,
@@ -109,16 +109,16 @@ pub enum Error {
         /// Message of the program.
         reason: String,
     },
-    /// Python was ended from outside.
+    /// The Python process was ended from outside.
     #[error("the Python process was ended by signal {signal}")]
     #[diagnostic(help(
         "signal 9 is often a lack of memory; what was computed is cached, and the same command goes on from there"
     ))]
     PythonEnded {
-        /// Number of the signal; 0 if it is unknown.
+        /// Number of the signal; 0 if unknown.
         signal: u8,
     },
-    /// A study that is to come with the program is of a design that does not.
+    /// A study to be shipped with the program belongs to a design that is not.
     #[error("`--provide` writes studies of shipped designs, and `{design}` is none")]
     #[diagnostic(help(
         "give a file of the folder `designs` of the repository; the study of any other design is in its `study.json`"
@@ -127,7 +127,7 @@ pub enum Error {
         /// Its name.
         design: String,
     },
-    /// A ranking of groups of inputs over drawn structures.
+    /// A ranking of input groups over drawn structures.
     #[error(
         "`--groups` and `--structures` exclude each other: every partner of a draw would need a structure of its own"
     )]
@@ -136,7 +136,7 @@ pub enum Error {
          it what structures add"
     ))]
     GroupsOfStructures {
-        /// The command without both.
+        /// The command without either option.
         study: String,
     },
     /// A cluster did not complete its work.
@@ -150,18 +150,18 @@ pub enum Error {
         /// Exit status of the client.
         status: u8,
     },
-    /// Draws that tasks were to compute are not there.
+    /// Draws that tasks should have computed are missing.
     #[error("the levels of {missing} of {draws} draws are not in {}", store.display())]
     #[diagnostic(help(
         "run the tasks that are missing, with the same design, draws and seed; without --collect, this command \
          computes what is missing"
     ))]
     NotCollected {
-        /// Draws that are not stored.
+        /// Number of draws that are not stored.
         missing: usize,
-        /// All draws.
+        /// Total number of draws.
         draws: usize,
-        /// The store where they should be.
+        /// The store that should contain them.
         store: PathBuf,
     },
     /// A finished result contains no ranges to draw from.
@@ -171,32 +171,32 @@ pub enum Error {
         /// The result.
         path: PathBuf,
     },
-    /// The variable of a sweep cannot be a value of a design.
+    /// The variable of a sweep is not a possible value of a design.
     #[error("the sweep cannot vary this: {error}")]
     #[diagnostic(help("give a key of the design and its values, as in supply.pressure=80psig..110psig:7"))]
     NoAxis {
         /// The fault.
         error: crate::design::AssignmentError,
     },
-    /// A sweep of too many points.
+    /// A sweep with too many points.
     #[error("the grid of the sweep has more than {most} points")]
     #[diagnostic(help("give fewer values, or sweep the keys one after the other"))]
     SweptTooMuch {
-        /// Points of a grid at most.
+        /// Maximum number of points of a grid.
         most: usize,
     },
-    /// A key that a sweep is to vary twice.
+    /// A key that a sweep would vary twice.
     #[error("the sweep varies `{key}` twice")]
     #[diagnostic(help("give all its values at once, as in {key}=3,5,12"))]
     VariedTwice {
         /// The key.
         key: String,
     },
-    /// A sweep over nothing.
+    /// A sweep without a variable.
     #[error("the sweep has no key to vary")]
     #[diagnostic(help("give a key of the design and its values, as in supply.pressure=80psig..110psig:7"))]
     NothingToVary,
-    /// Values of a draw conflict.
+    /// The values of a draw conflict.
     #[error("the values drawn are no design: {reason}")]
     NoDesign {
         /// The conflicting keys, or the fault of one of them.
@@ -206,7 +206,7 @@ pub enum Error {
     #[error(transparent)]
     #[diagnostic(transparent)]
     Penetration(#[from] crate::penetration::PenetrationError),
-    /// One design has nothing to be compared with.
+    /// A single design has nothing to be compared with.
     #[error("{} alone has nothing to be compared with", path.display())]
     #[diagnostic(help(
         "name a second design or result, or give measurements: --measured measurement.json, or --measured n80cb for \
@@ -216,7 +216,7 @@ pub enum Error {
         /// The design.
         path: std::path::PathBuf,
     },
-    /// A design whose support the wrapping test does not have.
+    /// A design with a support that the wrapping test does not use.
     #[error("{design}: a wrapping test has its workpiece on the worktable or in the sandbox, not on \"{support}\"")]
     #[diagnostic(help("set support.kind = \"worktable\" or \"sandbox\""))]
     NoTestSetup {
@@ -225,7 +225,7 @@ pub enum Error {
         /// Its support.
         support: &'static str,
     },
-    /// Measured levels over another range than those of a design.
+    /// Measured levels over a range other than that of a design.
     #[error("{} has levels over {:.0} to {:.0} Hz, the design {design} over {:.0} to {:.0} \
         Hz", path.display(), measured[0], measured[1],
         predicted[0], predicted[1])]
@@ -269,10 +269,10 @@ pub enum Error {
     /// Radiation or exhaust could not be computed.
     #[error("the sound power of a source cannot be computed")]
     Acoustics(#[from] nailnoise_acoustics::AcousticsError),
-    /// The rows of a table have not as many fields as its header.
+    /// The rows of a table do not have as many fields as its header.
     #[error("a table cannot be written")]
     Table(#[from] csv::Error),
-    /// The chosen support does not include a body of this name.
+    /// The chosen support does not include this body.
     #[error("the design \"{design}\" has no {body}: its support is a {support}")]
     #[diagnostic(help("choose --body workpiece, or set support.kind = \"worktable\""))]
     NoSuchBody {
@@ -289,7 +289,7 @@ pub enum Error {
     UnknownPart {
         /// Name of the part.
         part: String,
-        /// The names there may be.
+        /// The permitted names.
         known: String,
     },
     /// A spring is not on its body.
@@ -310,7 +310,7 @@ pub enum Error {
         /// Mass of the cycle's tool \[kg\].
         tool: f64,
     },
-    /// The meshed tool has another mass than the tool of the cycle.
+    /// The meshed tool does not have the mass of the cycle's tool.
     #[error("the tool body weighs {found:.3} kg, the tool of the cycle `tool.mass` = {tool:.3} kg")]
     #[diagnostic(help(
         "set `body.lumped = true` for what the mesh lacks of the mass, or set `tool.mass = \"{found:.3} kg\"`"
@@ -321,7 +321,7 @@ pub enum Error {
         /// Mass of the cycle's tool \[kg\].
         tool: f64,
     },
-    /// Several faults that prevent a run from using a body.
+    /// Several faults, each of which prevents a run from using a body.
     #[error("the {body} cannot be used: {} problems", problems.len())]
     #[diagnostic(help("`nailnoise check DESIGN --body {body}` shows the mesh with its surfaces"))]
     Unusable {
@@ -347,10 +347,10 @@ pub enum Error {
         group: &'static str,
         /// Mass that it would carry \[kg\].
         mass: f64,
-        /// The names there are.
+        /// Existing names.
         known: String,
     },
-    /// The mesh of the tool body does not name where a force of the shot acts.
+    /// The mesh of the tool body has no named surface where a force of the shot acts.
     #[error("the mesh of the tool body has no surface \"{group}\" for {what}; it has: {known}")]
     #[diagnostic(help(
         "name that surface (gmsh: Physical Surface(\"{group}\") = ...), give its place in the design ([surfaces.NAME] \
@@ -363,10 +363,10 @@ pub enum Error {
         group: &'static str,
         /// The load that acts there.
         what: &'static str,
-        /// The names there are.
+        /// Existing names.
         known: String,
     },
-    /// A surface of the tool body is not where the design has a force.
+    /// A surface of the tool body is not where the design applies a force.
     #[error("no part of the surface \"{group}\" of the tool body is where {what} act")]
     #[diagnostic(help(
         "put the axis of the cylinder on x = y = 0, or correct `head_valve.inner_diameter` and \
@@ -379,13 +379,13 @@ pub enum Error {
         /// The load that acts there.
         what: &'static str,
     },
-    /// A place of the design is on no face of its body.
+    /// A place of the design is not on any face of its body.
     #[error("no face with that outward direction lies at the position of the surface \"{entry}\"")]
     #[diagnostic(help("move its x, y and z onto the face; along_x, along_y and along_z point out of the body there"))]
     SurfaceOutside {
         /// Its name in the design.
         entry: String,
-        /// Distance of the nearest face that looks its way \[m\]; none if there is none.
+        /// Distance to the nearest face with the given orientation \[m\]; `None` if there is none.
         distance: Option<f64>,
     },
     /// A cap that cannot be separated from the rest of the body.
@@ -393,7 +393,7 @@ pub enum Error {
     NoCapSurface {
         /// Name of the surface in the file of a body; none for the parametric one.
         surface: Option<&'static str>,
-        /// Panels of the cap, and of all of the outline.
+        /// Number of panels on the cap and on the complete outline.
         panels: [usize; 2],
     },
     /// A surface within the tool that is open to the outside.
@@ -403,7 +403,7 @@ pub enum Error {
         /// Name of the surface.
         surface: String,
     },
-    /// Pieces of a body that nothing joins.
+    /// Pieces of a body without a connection.
     #[error(
         "the {body} falls into {pieces} pieces that nothing joins or holds; the smallest has {:.2} cm3 around ({:.1}, \
          {:.1}, \
@@ -418,7 +418,7 @@ pub enum Error {
         body: &'static str,
         /// Number of pieces.
         pieces: usize,
-        /// Volume of the smallest \[m3\].
+        /// Volume of the smallest piece \[m3\].
         volume: f64,
         /// Its centroid \[m\].
         centre: [f64; 3],
@@ -433,7 +433,7 @@ pub enum Error {
     NotTied {
         /// The body.
         body: &'static str,
-        /// Why.
+        /// The cause.
         cause: nailnoise_fem::FemError,
     },
     /// A file that is read in a wrong unit.
@@ -444,9 +444,9 @@ pub enum Error {
         path: PathBuf,
         /// The part that it represents.
         what: &'static str,
-        /// How long it is and with which unit.
+        /// Its length, with the unit.
         found: String,
-        /// How long it may be.
+        /// The permitted length.
         expected: String,
         /// The unit to give.
         remedy: String,
@@ -461,7 +461,7 @@ pub enum Error {
         /// Its distance from the body \[m\].
         distance: f64,
     },
-    /// A mesh of block or table whose sides are not those that radiate.
+    /// The sides of a mesh of block or table differ from those that radiate.
     #[error(
         "block and table radiate as boxes of the design's dimensions; the sides of `workpiece.mesh` or \
          `support.worktable.mesh` are others"
@@ -476,7 +476,7 @@ pub enum Error {
         #[source]
         cause: nailnoise_acoustics::AcousticsError,
     },
-    /// A microphone or the operator's ear that is too close to a body for the pressure there.
+    /// A microphone or the operator's ear is too close to a body for the pressure there to be computed.
     #[error("a microphone or the operator's ear is too close to a body")]
     #[diagnostic(help(
         "move the ear (`acoustics.ear_along`, `acoustics.ear_across`, `acoustics.ear_height`); the other microphones \
@@ -484,11 +484,11 @@ pub enum Error {
          nail's place and the tool's height"
     ))]
     MicrophoneNearSurface {
-        /// Its place and its distance.
+        /// The place and its distance.
         #[source]
         cause: nailnoise_acoustics::ReceiverError,
     },
-    /// Modes that the cache lost came out otherwise when they were computed once more.
+    /// Modes that the cache had lost differ after being computed again.
     #[error("the modes of the {body} are not those to which the cache keeps motions and radiation")]
     #[diagnostic(help(
         "they come from another machine or were damaged: empty it with `nailnoise cache clear` and run again"
@@ -501,36 +501,36 @@ pub enum Error {
     #[error("mode {mode} cannot be shown: the body has {modes} modes")]
     #[diagnostic(help("choose a number from the table of modes, or raise the body's top frequency in [analysis]"))]
     NoMode {
-        /// Its number, from 1.
+        /// Its number, starting at 1.
         mode: usize,
-        /// How many there are.
+        /// Number of modes.
         modes: usize,
     },
-    /// A design has several bodies.
+    /// A design has several bodies, so one must be named.
     #[error("a design has several bodies")]
     #[diagnostic(help("choose one: --body workpiece, --body worktable or --body tool"))]
     NoBody,
-    /// Keys belong to designs.
+    /// Keys can be set only for designs.
     #[error("`{}` is no design, so that it has no key to set", path.display())]
     #[diagnostic(help("leave --set out, or name a design file (.toml)"))]
     NothingToSet {
         /// The file given.
         path: PathBuf,
     },
-    /// Only a design has the dimensions that a drawing shows.
+    /// A drawing needs the dimensions of a design.
     #[error("`{}` is not a design: it has no keys to draw", path.display())]
     #[diagnostic(help("leave --drawing out, or name a design file (.toml)"))]
     DrawingOfMesh {
         /// The file given.
         path: PathBuf,
     },
-    /// A geometry without a design does not have a frequency.
+    /// A geometry without a design has no frequency.
     #[error("a geometry alone does not tell how fine its mesh must be")]
     #[diagnostic(help(
         "give the largest element side, as --size \"10 mm\", or name the file in a design (`body.mesh`)"
     ))]
     NoSize,
-    /// A unit for a file that states its own.
+    /// A unit given for a file that states its own.
     #[error(
         "{} states the unit of its lengths, and {given_in} gives {given} for one unit", path.display()
     )]
@@ -547,7 +547,7 @@ pub enum Error {
         /// The option or key that gives it.
         given_in: &'static str,
     },
-    /// A solid of a file that is not a solid geometry.
+    /// A solid was requested of a file that is not a solid geometry.
     #[error("{} is no solid geometry, so that --solid has nothing to choose from", path.display())]
     #[diagnostic(help(
         "give a solid geometry (.step, .stp, .brep, .igs) in the place of a design or a mesh; `mesh FILE --solid \
@@ -579,7 +579,7 @@ pub enum Error {
         /// The universal file.
         path: PathBuf,
     },
-    /// A design whose name cannot be that of a folder.
+    /// The name of a design cannot be the name of a folder.
     #[error(
         "the design file {} has the name \"{name}\", which cannot be the name of a folder for its \
          results", path.display()
@@ -597,7 +597,7 @@ pub enum Error {
     #[error("cannot write to standard output: {source}")]
     #[diagnostic(help("free space where the output goes, or send it elsewhere; files that were written are whole"))]
     Output {
-        /// Message of the system.
+        /// Message of the operating system.
         source: std::io::Error,
     },
     /// A file could not be written.
@@ -608,10 +608,10 @@ pub enum Error {
     Write {
         /// The file or folder.
         path: PathBuf,
-        /// Message of the system.
+        /// Message of the operating system.
         source: std::io::Error,
     },
-    /// A file could not be written, and not all files that had been moved for it could be put back.
+    /// A file could not be written, and some files that had been moved for it could not be put back.
     #[error(
         "cannot write {}: {source}; {} of the older files could not be put back: they are in {}", path.display(),
         files.len(), folder.display()
@@ -620,21 +620,21 @@ pub enum Error {
     NotRestored {
         /// The file or folder.
         path: PathBuf,
-        /// Message of the system.
+        /// Message of the operating system.
         source: std::io::Error,
         /// Folder with the older files.
         folder: PathBuf,
         /// Their paths in it.
         files: Vec<String>,
     },
-    /// A file to be written is there already.
+    /// A file to be written already exists.
     #[error("{} is there already, and nothing has been written", path.display())]
     #[diagnostic(help("choose another name, or move it away"))]
     Exists {
         /// The file.
         path: PathBuf,
     },
-    /// A design would be written under the name of its base.
+    /// A design would overwrite its base.
     #[error("{} is the name of a base of this design", path.display())]
     #[diagnostic(help("choose another name for the design; its base is written beside it"))]
     NameOfBase {
@@ -650,7 +650,7 @@ pub enum Error {
         /// The variable that would name the folder.
         variable: &'static str,
     },
-    /// A shell is not named although its completions are requested.
+    /// Completions are requested without the name of a shell.
     #[error("which shell you use is not known")]
     #[diagnostic(help("name it: nailnoise completions bash --install"))]
     NoShell,
@@ -661,7 +661,7 @@ pub enum Error {
         /// The name given.
         name: String,
     },
-    /// The folder of the cache is missing, or its limit makes no sense.
+    /// The folder of the cache is missing, or its limit is not valid.
     #[error(transparent)]
     #[diagnostic(transparent)]
     NoCache(#[from] crate::store::StoreError),
@@ -671,7 +671,7 @@ pub enum Error {
     Store {
         /// The folder.
         path: PathBuf,
-        /// Message of the system.
+        /// Message of the operating system.
         source: std::io::Error,
     },
     /// A finished result could not be read.
@@ -680,7 +680,7 @@ pub enum Error {
     Unreadable {
         /// The file.
         path: PathBuf,
-        /// Message of the system.
+        /// Message of the operating system.
         source: std::io::Error,
     },
     /// A file is not a result of a run.
@@ -692,7 +692,7 @@ pub enum Error {
         /// The fault of the file.
         reason: String,
     },
-    /// The numbers of a finished result cannot be or do not agree.
+    /// The numbers of a finished result are impossible or inconsistent.
     #[error("{} is no result that can be compared: `{at}` is {found}, expected is {expected}", path.display())]
     #[diagnostic(help(
         "the file was changed or damaged: compute it anew with `nailnoise run`, or give the design, which is then run"
@@ -707,7 +707,7 @@ pub enum Error {
         /// Expected content.
         expected: String,
     },
-    /// A name that a list does not have.
+    /// A name that is not in a list.
     #[error("there is no \"{name}\" among the {list} that nailnoise knows")]
     #[diagnostic(help("{}`nailnoise list {list}` prints all names",
         nearest.as_ref().map_or_else(String::new, |near| format!("is it \"{near}\"? "))))]
@@ -716,17 +716,17 @@ pub enum Error {
         list: &'static str,
         /// The name given.
         name: String,
-        /// The name most like it, if one is near.
+        /// The most similar name, if one is close.
         nearest: Option<String>,
     },
-    /// A name for a list that is always printed in full.
+    /// A name given for a list that is always printed in full.
     #[error("{list} are listed as a whole")]
     #[diagnostic(help("leave the name out: `nailnoise list designs`; `nailnoise list woods NAME` prints one wood"))]
     ListName {
         /// The list.
         list: &'static str,
     },
-    /// No design of another tool can be made.
+    /// Scaling to another tool is impossible.
     #[error(transparent)]
     #[diagnostic(help("{}", .0.remedy()))]
     Scaling(#[from] crate::scaling::ScalingError),
@@ -789,7 +789,7 @@ impl StageError for Error {
     }
 }
 
-/// Fate of candidates if none counts: outcomes of shots, and reasons why others are not valid designs.
+/// Text about the candidates when none counts: outcomes of shots, and reasons why others are not valid designs.
 fn outcomes_and_reasons(outcomes: &str, refused: &str) -> String {
     let refused = (!refused.is_empty()).then(|| format!("no designs: {refused}"));
     let parts = (!outcomes.is_empty())
@@ -800,10 +800,10 @@ fn outcomes_and_reasons(outcomes: &str, refused: &str) -> String {
 }
 
 impl Error {
-    /// Fails with the problems of a body, if there are any; a single problem is the error itself.
+    /// Fails if a body has problems; a single problem is returned as the error itself.
     ///
     /// # Errors
-    /// That one, or [`Self::Unusable`].
+    /// The single problem, or [`Self::Unusable`].
     pub(crate) fn of_body(body: &'static str, mut problems: Vec<Self>) -> Result<(), Self> {
         match problems.len() {
             0 => Ok(()),
@@ -812,7 +812,7 @@ impl Error {
         }
     }
 
-    /// The single problems within an error.
+    /// The individual problems within an error.
     pub(crate) fn parts(self) -> Vec<Self> {
         match self {
             Self::Unusable { problems, .. } => problems.into_iter().flat_map(Self::parts).collect(),
@@ -820,12 +820,12 @@ impl Error {
         }
     }
 
-    /// Whether a surface for a force is absent.
+    /// Whether the error is that a surface for a force is missing.
     pub(crate) fn lacks(&self, surface: &str) -> bool {
         matches!(self, Self::NoLoadSurface { group, .. } if *group == surface)
     }
 
-    /// The error in one line, followed by causes and remedy.
+    /// The error in one line, with causes and remedy.
     pub(crate) fn in_words(&self) -> String {
         let help = Diagnostic::help(self).map_or_else(String::new, |help| format!("; {help}"));
         let causes = std::iter::successors(std::error::Error::source(self), |cause| cause.source());
@@ -833,7 +833,7 @@ impl Error {
         format!("{self}{causes}{help}")
     }
 
-    /// Exit status of the command: 2 for wrong use or input, 3 for a numerical failure.
+    /// Exit status of the command: 2 for incorrect use or input, 3 for a numerical failure.
     pub fn exit_status(&self) -> u8 {
         match self {
             Self::Acoustics(cause) if cause.is_of_the_design() => 2,

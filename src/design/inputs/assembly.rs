@@ -1,4 +1,4 @@
-//! Inputs of a cycle as a network: the assembly of a file, and how it is integrated.
+//! Inputs of a cycle given as a network: the assembly of a file and its numerical settings.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -20,12 +20,12 @@ pub struct AssembledTool {
     pub text: AssemblyText,
     /// The assembly with its literals and keys.
     pub resolved: Resolved,
-    /// How it is integrated and sampled.
+    /// How the cycle is integrated and sampled.
     pub numerics: Numerics,
 }
 
 impl AssembledTool {
-    /// Reads the assembly of a file, with other values for some keys; none if neither the file nor its bases have a
+    /// Reads the assembly of a file, with other values for some keys; `None` if neither the file nor its bases have a
     /// table `[cycle]`.
     ///
     /// # Errors
@@ -61,7 +61,7 @@ impl AssembledTool {
     }
 }
 
-/// Values of all keys of a design, with `support.stiffness` and `support.damping` of the support in use.
+/// Values of all keys of a design, with `support.stiffness` and `support.damping` set to those of the chosen support.
 fn keys(design: &Design) -> Result<BTreeMap<String, KeyValue>, Error> {
     let mut keys = BTreeMap::new();
     design.visit("", &mut |path, spec, value| {

@@ -10,7 +10,7 @@ use crate::model::supports::{self, Contact};
 use crate::stages::response::ShotInputs;
 use crate::stages::tool_response::ToolShot;
 
-/// Inputs of the response of workpiece and support, except the bodies and the cycle.
+/// Inputs of the response of workpiece and support, without the bodies and the cycle.
 ///
 /// # Errors
 /// [`Error::Sand`] when the sand's constants are outside the range of the foundation's formulas.
@@ -28,8 +28,8 @@ pub(crate) fn shot(design: &Design) -> Result<ShotInputs, Error> {
     })
 }
 
-/// Springs and dashpots of the contact cells between the workpiece and its support, of the sand at its sides, those of
-/// the user to the ground, and those of the joint of two pieces.
+/// Springs and dashpots of the contact cells between workpiece and support, of the sand at the sides, of the user's
+/// supports to the ground, and of the joint of two pieces.
 fn springs(design: &Design) -> Result<Vec<Support>, Error> {
     let support = supports::of(design);
     let mut springs: Vec<Support> = support.contacts()?.iter().flat_map(Contact::springs).collect();
@@ -39,10 +39,10 @@ fn springs(design: &Design) -> Result<Vec<Support>, Error> {
     Ok(springs)
 }
 
-/// Inputs of the response of the tool, except its body and the cycle.
+/// Inputs of the response of the tool, without its body and the cycle.
 ///
 /// # Errors
-/// As [`parameters`].
+/// Same as [`parameters`].
 pub(crate) fn tool(design: &Design) -> Result<ToolShot, Error> {
     Ok(ToolShot {
         parameters: parameters(design)?,
