@@ -1,4 +1,4 @@
-//! Charts of a study: intervals of levels, probabilities of orders, deciding inputs, convergence.
+//! Charts of a study: intervals of levels, probabilities of orders, most influential inputs, convergence.
 
 use super::chart::{Axis, Chart, Panel, Series, Shape};
 use super::levels::{SHOWN, in_palette};
@@ -8,11 +8,11 @@ use crate::study::{
     SweptPoint, VariableKind, column, levels_of,
 };
 
-/// Inputs whose changes of a level are drawn, and the least change that is \[dB\].
+/// Number of inputs in the chart of level changes, and the smallest change shown \[dB\].
 const SWINGS: usize = 10;
 const LEAST_SWING: f64 = 0.05;
 
-/// Inputs of each output that are drawn as scatter.
+/// Number of inputs of each output shown as scatter plots.
 const SCATTERED: usize = 2;
 
 /// Charts of the results.
@@ -67,7 +67,7 @@ pub fn study(result: &StudyResult) -> Vec<Chart> {
     charts
 }
 
-/// Changes of a level, the inputs that change it most first; none if no input does.
+/// Changes of a level, largest first; `None` if no input changes it.
 fn swings(own: &OneAtATime, output: usize, name: &str) -> Option<Panel> {
     let mut inputs: Vec<&InputChanges> = own
         .inputs
@@ -114,7 +114,7 @@ fn whiskers(name: &str, colour: usize, rows: &[(usize, &Quantiles)]) -> Series {
     }
 }
 
-/// An axis of levels that shows the upper ends of all bars, and at most so many dB below the highest.
+/// A level axis that shows the upper ends of all bars, and at most `shown` dB below the highest.
 fn axis_of_levels(series: &[Series], shown: f64) -> Axis {
     let upper = series.iter().flat_map(|series| match &series.shape {
         Shape::Whiskers(ends) => ends.iter().map(|[_, high]| Some(*high)).collect(),
@@ -227,8 +227,8 @@ fn convergence(result: &StudyResult) -> Panel {
     }
 }
 
-/// Levels over the inputs that decide them most, a dot a draw: for the total and for the difference of the two loudest
-/// sources.
+/// Scatter plots of levels against the inputs that affect them most, one dot per draw: for the total and for the
+/// difference of the two loudest sources.
 pub fn scatter(result: &StudyResult, made: &Draws) -> Vec<Chart> {
     let of_interest = |own: &&Contributions| own.output == "total" || own.output.contains(" less ");
     let outputs = result.contributions.iter().filter(of_interest);
@@ -283,8 +283,8 @@ pub fn scatter(result: &StudyResult, made: &Draws) -> Vec<Chart> {
     charts.filter(|chart| !chart.panels.is_empty()).collect()
 }
 
-/// Levels over the values of the first axis of a sweep, a line for each source. With more axes there is a line for each
-/// of their values, only for the total.
+/// Levels over the values of the first axis of a sweep, with a line for each source. With more axes, there is one line
+/// for each combination of their values, only for the total.
 pub fn sweep(design: &str, axes: &[SweepAxis], points: &[SweptPoint]) -> Chart {
     let names: Vec<String> = axes.first().map_or_else(Vec::new, |axis| axis.values.clone());
     let place = |point: &SweptPoint| names.iter().position(|name| point.values.first() == Some(name));
@@ -327,7 +327,7 @@ pub fn sweep(design: &str, axes: &[SweepAxis], points: &[SweptPoint]) -> Chart {
         height: 80,
         series,
     }];
-    // Bars of the total for each of the other values would lie on each other.
+    // Bars of the total for each of the other values would overlap.
     if axes.len() == 1 && points.iter().any(|point| point.drawn.is_some()) {
         let sources = points.iter().find_map(|point| point.drawn.as_ref());
         let sources = sources.into_iter().flatten().enumerate();

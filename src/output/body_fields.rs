@@ -1,4 +1,4 @@
-//! `modes.csv` and `fields/*`: the bodies in motion, for ParaView.
+//! `modes.csv` and `fields/*`: the moving bodies, for ParaView.
 
 use nailnoise_dynamics::{CycleRecord, Events};
 use nailnoise_meshes::vtu::{Frames, Grid};
@@ -16,10 +16,10 @@ pub(super) const MODES: Output = Output::of_bodies("modes.csv");
 /// Vibration of the bodies, with films on request.
 pub(super) const FIELDS: Output = Output::of_bodies("fields/*");
 
-/// Files of the bodies of a shot: `modes.csv`, and for ParaView `fields/*`, with the films on request.
+/// Files of the bodies in a shot: `modes.csv`, and `fields/*` for ParaView, with films on request.
 ///
 /// # Errors
-/// Those of the bodies' response.
+/// The errors of the bodies' response.
 fn made(moving: &[BodyInMotion], events: &Events, films: bool) -> Result<Fields, Error> {
     let mut made = Fields::default();
     made.text("modes.csv", modes::modes(moving)?);
@@ -33,14 +33,14 @@ fn made(moving: &[BodyInMotion], events: &Events, films: bool) -> Result<Fields,
     Ok(made)
 }
 
-/// Makes the files of the bodies in motion: their modes, and their vibration for ParaView.
+/// Makes the files of the moving bodies: their modes, and their vibration for ParaView.
 #[derive(Serialize)]
 pub struct BodyFields {
     /// The bodies.
     pub moving: Vec<MovingBody>,
     /// The cycle, whose events the films show.
     pub cycle: Stored<CycleRecord>,
-    /// Whether films of the shot and series over the bands are among the files.
+    /// Whether the files include films of the shot and series over the bands.
     pub films: bool,
 }
 

@@ -8,7 +8,7 @@ use super::table;
 use super::tables::plain;
 use crate::tables::{Cell, Column, Table};
 
-/// The inputs by provenance; estimates, the first inputs for a designer to check, are open.
+/// The inputs by provenance. Estimates are shown open, because a designer should check them first.
 pub(super) fn section(design: &Design) -> Markup {
     let entries = design.entries();
     let of = |provenance: Provenance| -> Vec<&Entry> {
@@ -84,7 +84,7 @@ fn values(entries: &[&Entry]) -> Table {
     Table::new(columns, rows)
 }
 
-/// The range of a value; empty without one.
+/// The range of a value; empty if it has none.
 fn range(entry: &Entry) -> String {
     match entry.range {
         Some([low, high]) if low == high => "exact".to_owned(),

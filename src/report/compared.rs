@@ -14,7 +14,7 @@ use crate::study::PairedStudy;
 use crate::tables::{dash, study::changes};
 use crate::wording;
 
-/// Levels shown below the highest \[dB\].
+/// Range of levels shown below the highest \[dB\].
 const SHOWN: f64 = 50.0;
 
 pub(super) fn page(c: &Comparison, paired: &[PairedStudy], identity: &str, recordings: &[Recording]) -> Page {
@@ -93,7 +93,7 @@ fn lead(c: &Comparison) -> Markup {
     }
 }
 
-/// Levels of all sources and the total by design.
+/// Levels of all sources and of the total for each design.
 fn overview(c: &Comparison) -> Chart {
     let rows = c.sources.iter().map(|row| (row.source.as_str(), &row.levels));
     let panel = bars(
@@ -120,7 +120,7 @@ fn chart(c: &Comparison, name: String, caption: String, panel: Panel) -> Chart {
     }
 }
 
-/// One series of bars a design over the labels.
+/// One series of bars per design over the labels.
 fn bars(c: &Comparison, x: &str, unit: &'static str, y: &str, rows: Vec<(&str, &Levels)>) -> Panel {
     let series = |(place, name): (usize, &String)| {
         let note = |(_, row): &(&str, &Levels)| {
@@ -145,7 +145,7 @@ fn bars(c: &Comparison, x: &str, unit: &'static str, y: &str, rows: Vec<(&str, &
     }
 }
 
-/// Levels of a source in its bands or intervals; none if it is silent in all of them.
+/// Levels of a source in its bands or intervals; `None` if it is silent in all of them.
 fn labelled(c: &Comparison, row: &SourceRow, kind: &str, own: &[Labelled]) -> Option<Chart> {
     own.iter()
         .flat_map(|l| &l.levels.level_db)
@@ -160,7 +160,7 @@ fn labelled(c: &Comparison, row: &SourceRow, kind: &str, own: &[Labelled]) -> Op
             own.iter().map(|l| (l.label.as_str(), &l.levels)).collect(),
         )
     } else {
-        // Each interval by the event at its start.
+        // Each interval is named by the event at its start.
         let names = own
             .iter()
             .map(|l| from_event(l.label.split('-').next().unwrap_or_default()));

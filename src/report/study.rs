@@ -71,7 +71,7 @@ fn lead(result: &StudyResult) -> Markup {
     }
 }
 
-/// The output's variance, and the least part of it that is not by chance.
+/// The output's variance, and the smallest part of it that is statistically significant.
 fn resolved(own: &Contributions) -> String {
     let structures = own.by_chance_of_structures;
     let structures = structures.map_or_else(String::new, |limit| format!(" of shots and {limit:.2} of structures"));
@@ -94,7 +94,7 @@ fn contributions(result: &StudyResult) -> Markup {
     }
 }
 
-/// Surrogates in all inputs, an output a row.
+/// Surrogates in all inputs, one row per output.
 fn surrogates(result: &StudyResult) -> Markup {
     html! {
         @if let Some(degree) = result.surrogates.iter().map(|own| own.degree).max() {
@@ -106,7 +106,7 @@ fn surrogates(result: &StudyResult) -> Markup {
     }
 }
 
-/// Groups of inputs, each output a table.
+/// Groups of inputs, one table per output.
 fn groups(study: &GroupStudy) -> Markup {
     html! {
         h3 { "Groups of inputs" }
