@@ -151,7 +151,7 @@ impl Chain {
     /// Checks what a run requires of its bodies, before any of them is solved.
     ///
     /// # Errors
-    /// Those of meshes, and of bodies that a run cannot use.
+    /// The errors of meshes, and of bodies that a run cannot use.
     pub(crate) fn check_bodies(&self) -> Result<(), Error> {
         let usable: Vec<&dyn Input<Error>> = self.usable.iter().map(|usable| usable as &dyn Input<Error>).collect();
         self.graph.prepare(&usable)

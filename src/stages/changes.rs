@@ -5,7 +5,7 @@ use nailnoise_dynamics::{CouplingWork, CycleRecord, Summary};
 
 use crate::result::{Coupling, EventChange, FigureChange, LevelChange, RankedSource, Total};
 
-/// Compares record and sources of the one-way run with record and levels of the two-way one.
+/// Compares record and sources of the one-way run with record and levels of the two-way run.
 pub fn changes(
     work: CouplingWork,
     (one_record, one): (&CycleRecord, &[SourceSpectrum]),

@@ -16,7 +16,7 @@ pub struct Cycle {
 }
 
 impl Cycle {
-    /// The same with the forms that the thesis printed.
+    /// The same cycle with the forms as printed in the thesis.
     #[must_use]
     pub fn published(self, preset: Preset) -> Self {
         Self {
@@ -39,14 +39,15 @@ impl Stage for Cycle {
     }
 }
 
-/// A published form of the model, which replaces the forms that the design chooses.
+/// A published form of the model, which replaces the forms chosen by the design.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Preset {
-    /// Every form as published: gas, valve, nail, impact, contacts, intake, trigger channel and refill; without the
-    /// leak and the damping that the thesis does not have, and with the seat diameter its valve balance needs.
+    /// Every form as published: gas, valve, nail, impact, contacts, intake, trigger channel and refill. Leak and
+    /// damping, which the thesis does not have, are excluded, and the seat diameter is the one that its valve balance
+    /// needs.
     PublishedAll,
-    /// The published nail only: elastic penetration, and no impact of the rod on the nail.
+    /// Only the published nail: elastic penetration, and no impact of the rod on the nail.
     PublishedNailOnly,
 }
 

@@ -1,4 +1,4 @@
-//! The intervals between neighbouring events, for which levels of every source are given.
+//! The intervals between adjacent events, for which levels of every source are given.
 
 use nailnoise_acoustics::signals::IntervalLevels;
 use nailnoise_dynamics::Events;
@@ -18,7 +18,7 @@ pub struct Interval {
 }
 
 impl Interval {
-    /// Its levels in a result.
+    /// Its levels, in the form of a result.
     pub(super) fn in_result(&self) -> IntervalLevel {
         let own = &self.levels;
         let absorbed = own.energy < 0.0 || own.cut_energy < 0.0;
@@ -34,17 +34,17 @@ impl Interval {
     }
 }
 
-/// The events of a shot in the order of their times: the edges of its intervals.
+/// The events of a shot in chronological order: the edges of its intervals.
 #[derive(Debug, Clone, PartialEq)]
 pub struct EventEdges {
     /// `t0` ..., then `end`.
     names: Vec<String>,
-    /// \[s\], not falling.
+    /// \[s\], in ascending order.
     times: Vec<f64>,
 }
 
 impl EventEdges {
-    /// The edges of a shot whose records last until `end` \[s\]. Events that do not occur are left out.
+    /// The edges for a shot whose records last until `end` \[s\]. Events that do not occur are omitted.
     pub fn new(events: &Events, end: f64) -> Self {
         let times = events.to_array();
         let mut marks: Vec<(f64, String)> = times
@@ -52,7 +52,7 @@ impl EventEdges {
             .enumerate()
             .filter_map(|(i, time)| Some(((*time)?, format!("t{i}"))))
             .collect();
-        // Stable: simultaneous events stay in the order of their numbers.
+        // The sort is stable, so that simultaneous events keep the order of their numbers.
         marks.sort_by(|a, b| a.0.total_cmp(&b.0));
         if marks.first().is_none_or(|first| first.0 > 0.0) {
             marks.insert(0, (0.0, "start".to_owned()));
@@ -68,7 +68,7 @@ impl EventEdges {
         &self.times
     }
 
-    /// Levels between these edges, with the names of the events on either side.
+    /// Levels between these edges, with the names of the adjacent events.
     pub(super) fn named(&self, levels: &[IntervalLevels]) -> Vec<Interval> {
         let interval = |(names, levels): (&[String], &IntervalLevels)| Interval {
             from: names[0].clone(),

@@ -1,8 +1,8 @@
-//! Radiation of the moving bodies per unit of modal motion, before the motion is known.
+//! Radiation of the bodies per unit of modal motion, independent of the actual motion.
 //!
-//! The costly part depends only on the wavelength. It is computed in standard air and stored ([`RadiationMatrix`],
-//! [`PressureOnSurface`], [`FlushMatrix`]). For boundary elements, it is that of the modes of standard bodies of the
-//! same shape ([`ShapeMatrix`]). [`WorkpieceRadiator`] and [`ToolRadiator`] take it over to the ambient air.
+//! The expensive part depends only on the wavelength. It is computed in standard air and stored ([`RadiationMatrix`],
+//! [`PressureOnSurface`], [`FlushMatrix`]). For boundary elements, the modes are those of standard bodies of the same
+//! shape ([`ShapeMatrix`]). [`WorkpieceRadiator`] and [`ToolRadiator`] convert it to the ambient air.
 
 mod boundary_elements;
 mod covered;
