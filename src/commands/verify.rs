@@ -1,4 +1,4 @@
-//! `nailnoise verify`: public benchmarks on this machine.
+//! `nailnoise verify`: computes public benchmarks on this machine.
 
 use std::time::Instant;
 
@@ -52,7 +52,7 @@ struct JudgedSection<'a> {
 struct Judged<'a> {
     #[serde(flatten)]
     row: &'a Row,
-    /// Part of the tolerance used.
+    /// Fraction of the tolerance used.
     used: f64,
     verdict: Verdict,
 }
@@ -113,7 +113,7 @@ pub(super) fn execute(arguments: &Arguments) -> Result<Status, Error> {
     Ok(if failed == 0 { Status::SUCCESS } else { Status::from(3) })
 }
 
-/// A section as text: for each case its name and source, then its rows.
+/// Formats a section: for each case its name and source, followed by its rows.
 fn text(section: &Section, all: bool) -> String {
     let shown = if all {
         section.rows.iter().map(|row| Shown { row, of: 1 }).collect()
