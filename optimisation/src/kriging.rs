@@ -4,8 +4,8 @@
 //! order 5/2, k(r) = (1 + sqrt(5) r + 5 r^2/3) exp(-sqrt(5) r) (Rasmussen and Williams, "Gaussian Processes for Machine
 //! Learning", 2006, eq. 4.17). With R_ij = k(r_ij) + g delta_ij, beta = 1'R^-1 y / 1'R^-1 1 and sigma^2 =
 //! (y - beta)'R^-1 (y - beta)/n maximise the likelihood (Jones, Schonlau and Welch, "Efficient global optimization of
-//! expensive black-box functions", Journal of Global Optimization 13, 455 (1998), eqs. 5 and 6). The lengths l_i and the
-//! roughness g maximise what remains of it, -n/2 ln sigma^2 - 1/2 ln det R, and a prior of the lengths.
+//! expensive black-box functions", Journal of Global Optimization 13, 455 (1998), eqs. 5 and 6). The lengths l_i and
+//! the roughness g maximise what remains of it, -n/2 ln sigma^2 - 1/2 ln det R, and a prior of the lengths.
 
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 
@@ -205,7 +205,9 @@ mod tests {
 
     fn points(count: u32) -> Vec<Vec<f64>> {
         let number = |place, dimension| f64::from(sobol_burley::sample(place, dimension, 3));
-        (0..count).map(|place| vec![number(place, 0), number(place, 1)]).collect()
+        (0..count)
+            .map(|place| vec![number(place, 0), number(place, 1)])
+            .collect()
     }
 
     fn value(point: &[f64]) -> f64 {
@@ -260,8 +262,14 @@ mod tests {
         let (model, point) = (fitted(12), [0.95, 0.05]);
         let before = model.predict(&point);
         let value = before.mean + before.deviation;
-        let after = model.with(&point, value).unwrap_or_else(|| panic!("no model")).predict(&point);
-        assert!((after.mean - value).abs() < 0.2 * before.deviation, "{before:?} {after:?}");
+        let after = model
+            .with(&point, value)
+            .unwrap_or_else(|| panic!("no model"))
+            .predict(&point);
+        assert!(
+            (after.mean - value).abs() < 0.2 * before.deviation,
+            "{before:?} {after:?}"
+        );
         assert!(after.deviation < 0.3 * before.deviation, "{before:?} {after:?}");
     }
 }

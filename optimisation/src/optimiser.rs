@@ -86,7 +86,11 @@ impl Models<'_> {
     fn believe(&mut self, point: &[f64]) {
         let own = self.space.coordinates(point);
         let further = |model: &Kriging| model.with(&own, model.predict(&own).mean);
-        for model in self.constraints.iter_mut().chain(self.objective.as_mut().map(|(model, _)| model)) {
+        for model in self
+            .constraints
+            .iter_mut()
+            .chain(self.objective.as_mut().map(|(model, _)| model))
+        {
             if let Some(believed) = further(model) {
                 *model = believed;
             }
@@ -144,7 +148,9 @@ impl Optimiser {
         let near = self.nearest(observed, &scores);
         let of = |value: &dyn Fn(usize) -> Option<f64>| -> (Vec<Vec<f64>>, Vec<f64>) {
             let known = near.iter().filter_map(|&place| Some((place, value(place)?)));
-            known.map(|(place, value)| (space.coordinates(&observed[place].point), value)).unzip()
+            known
+                .map(|(place, value)| (space.coordinates(&observed[place].point), value))
+                .unzip()
         };
         let objective = best.and_then(|best| {
             let (points, mut values) = of(&|place| scores[place]);
@@ -161,7 +167,9 @@ impl Optimiser {
             let mut sizes: Vec<f64> = values.iter().map(|own| own.abs()).collect();
             sizes.sort_by(f64::total_cmp);
             let scale = sizes.get(sizes.len() / 2)?.max(1e-9);
-            values.iter_mut().for_each(|own| *own = (own.abs() / scale).ln_1p().copysign(*own));
+            values
+                .iter_mut()
+                .for_each(|own| *own = (own.abs() / scale).ln_1p().copysign(*own));
             let varies = values.iter().any(|own| *own != values[0]);
             varies.then(|| Kriging::fit(&points, &owners, &values)).flatten()
         });
@@ -178,19 +186,31 @@ impl Optimiser {
         let known = || observed.iter().filter_map(|own| own.objectives.as_ref());
         let count = known().next().map_or(0, Vec::len);
         if count < 2 {
-            return observed.iter().map(|own| own.objectives.as_ref().map(|own| own[0])).collect();
+            return observed
+                .iter()
+                .map(|own| own.objectives.as_ref().map(|own| own[0]))
+                .collect();
         }
         let feasible = observed.iter().any(Observation::feasible);
-        let own = || observed.iter().filter(|own| own.feasible() || !feasible).filter_map(|own| own.objectives.as_ref());
+        let own = || {
+            observed
+                .iter()
+                .filter(|own| own.feasible() || !feasible)
+                .filter_map(|own| own.objectives.as_ref())
+        };
         let ends: Vec<[f64; 2]> = (0..count)
             .map(|place| {
                 let all = own().map(|own| own[place]);
-                all.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], x| [low.min(x), high.max(x)])
+                all.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], x| {
+                    [low.min(x), high.max(x)]
+                })
             })
             .collect();
         // Uniform over all weights of sum 1.
         let index = known().count() as u32;
-        let weights: Vec<f64> = (0..count).map(|place| -number(index, place, self.seed, 1).max(1e-9).ln()).collect();
+        let weights: Vec<f64> = (0..count)
+            .map(|place| -number(index, place, self.seed, 1).max(1e-9).ln())
+            .collect();
         let sum: f64 = weights.iter().sum();
         let score = |own: &Vec<f64>| {
             let parts: Vec<f64> = (0..count)
@@ -255,7 +275,10 @@ impl Optimiser {
                 }
             }
         }
-        rated.into_iter().max_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, point)| point)
+        rated
+            .into_iter()
+            .max_by(|a, b| a.0.total_cmp(&b.0))
+            .map(|(_, point)| point)
     }
 
     /// A point near another, at a distance of any size; about half of its dimensions differ.
@@ -287,7 +310,11 @@ fn number(index: u32, dimension: usize, seed: u64, sequence: u64) -> f64 {
 
 /// A value as it is up to `most`, and its logarithm above.
 fn compressed(value: f64, most: f64) -> f64 {
-    if value <= most { value } else { most + (value - most).ln_1p() }
+    if value <= most {
+        value
+    } else {
+        most + (value - most).ln_1p()
+    }
 }
 
 #[cfg(test)]
@@ -347,7 +374,9 @@ mod tests {
     #[test]
     fn branins_minimum_is_found_in_30_points() {
         for seed in 1..=5 {
-            let found = best(&tried(&real(2, seed), 30, 1, |point| (Vec::new(), Some(vec![branin(point)]))));
+            let found = best(&tried(&real(2, seed), 30, 1, |point| {
+                (Vec::new(), Some(vec![branin(point)]))
+            }));
             assert!(found < 0.42, "seed {seed}: {found}");
         }
     }

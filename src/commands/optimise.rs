@@ -99,7 +99,11 @@ pub(super) fn execute(arguments: &Arguments) -> Result<Status, Error> {
     let default = if arguments.scheduler.is_some() { ON_CLUSTER } else { 1 };
     let request = Request {
         vary: arguments.vary.clone(),
-        objectives: [&arguments.minimise].into_iter().chain(&arguments.pareto).cloned().collect(),
+        objectives: [&arguments.minimise]
+            .into_iter()
+            .chain(&arguments.pareto)
+            .cloned()
+            .collect(),
         constraints: arguments.subject_to.clone(),
         trials: arguments.trials as usize,
         seed: arguments.seed,
@@ -109,7 +113,9 @@ pub(super) fn execute(arguments: &Arguments) -> Result<Status, Error> {
     let found = optimise(&graph, base, &request, common.memory.limit(), &progress, &mut fill)?;
     let folder = folder.as_path();
     let mut checks = Vec::new();
-    let names: Vec<String> = (1..=found.front.len()).map(|number| format!("{}-{number}", design.name())).collect();
+    let names: Vec<String> = (1..=found.front.len())
+        .map(|number| format!("{}-{number}", design.name()))
+        .collect();
     let staging = AtomicWrite::within(folder)?;
     let mut designs = Vec::with_capacity(names.len());
     for (name, trial) in names.iter().zip(found.best()) {
@@ -123,16 +129,28 @@ pub(super) fn execute(arguments: &Arguments) -> Result<Status, Error> {
             for (name, text) in names.iter().zip(&designs) {
                 progress.note(&format!("report of {name}"));
                 let design = Design::parse(text, folder.join(format!("{name}.toml")))?;
-                checks.extend(reported(&design, &folder.join(name), graph.store(), arguments, &progress)?);
+                checks.extend(reported(
+                    &design,
+                    &folder.join(name),
+                    graph.store(),
+                    arguments,
+                    &progress,
+                )?);
             }
             names.iter().map(|name| Some(format!("{name}/report.html"))).collect()
         }
     };
     staging.write(Path::new("candidates.csv"), &csv(&found)?)?;
-    staging.write(Path::new(LAST), report::optimised(&found, &figures::optimisation(&found), &reports).as_bytes())?;
+    staging.write(
+        Path::new(LAST),
+        report::optimised(&found, &figures::optimisation(&found), &reports).as_bytes(),
+    )?;
     staging.place(&outdated(folder, design.name(), names.len()), Path::new(LAST))?;
     progress.end();
-    let files = names.iter().map(|name| folder.join(format!("{name}.toml")).display().to_string()).collect();
+    let files = names
+        .iter()
+        .map(|name| folder.join(format!("{name}.toml")).display().to_string())
+        .collect();
     if common.json {
         print_json(&Layout {
             schema: "nailnoise-optimise/2",
@@ -170,12 +188,7 @@ fn reported(
 }
 
 /// Computes the levels of designs on a cluster, if there is one, into the store.
-fn on_cluster(
-    arguments: &Arguments,
-    design: &Design,
-    store: &Store,
-    designs: &[Vec<Assignment>],
-) -> Result<(), Error> {
+fn on_cluster(arguments: &Arguments, design: &Design, store: &Store, designs: &[Vec<Assignment>]) -> Result<(), Error> {
     let (Some(scheduler), Some(folder)) = (&arguments.scheduler, store.folder()) else {
         return Ok(());
     };
@@ -220,30 +233,51 @@ fn text(found: &Optimisation, files: &[String], page: &Path) -> String {
     let table = table::text(&tables::best(found, &[]));
     let list: String = files.iter().map(|file| format!("  {file}\n")).collect();
     format!(
-        "{title}\n\n{table}\n{list}  {page}\n\n  `nailnoise run {}` computes the best in full; `nailnoise compare --draws` \
-         says how sure the change is\n",
+        "{title}\n\n{table}\n{list}  {page}\n\n  `nailnoise run {}` computes the best in full; `nailnoise compare \
+         --draws` says how sure the change is\n",
         files[0]
     )
 }
 
 /// `candidates.csv`: a row for every candidate, figures in SI units.
 fn csv(found: &Optimisation) -> Result<Vec<u8>, Error> {
-    let shots = || std::iter::once(&found.start).chain(&found.trials).filter_map(|own| own.shot.as_ref());
+    let shots = || {
+        std::iter::once(&found.start)
+            .chain(&found.trials)
+            .filter_map(|own| own.shot.as_ref())
+    };
     let levels = shots().find_map(|shot| shot.levels.as_ref());
-    let sources = levels.map_or_else(Vec::new, |own| own.sources.iter().map(|own| own.source.clone()).collect());
-    let figures = shots().next().map_or_else(Vec::new, |own| own.figures.iter().map(|own| own.0.clone()).collect());
+    let sources = levels.map_or_else(Vec::new, |own| {
+        own.sources.iter().map(|own| own.source.clone()).collect()
+    });
+    let figures = shots()
+        .next()
+        .map_or_else(Vec::new, |own| own.figures.iter().map(|own| own.0.clone()).collect());
     let header = found.variables.iter().map(|own| own.key.clone());
-    let header = header.chain(["feasible".to_owned(), "outcome".to_owned(), "L_WA,1s total [dB]".to_owned()]);
+    let header = header.chain([
+        "feasible".to_owned(),
+        "outcome".to_owned(),
+        "L_WA,1s total [dB]".to_owned(),
+    ]);
     let header = header.chain(sources.iter().map(|source| format!("L_WA,1s {source} [dB]")));
-    let header = header.chain(figures.iter().cloned()).chain(["not feasible because".to_owned()]);
+    let header = header
+        .chain(figures.iter().cloned())
+        .chain(["not feasible because".to_owned()]);
     let rows = found.trials.iter().map(|trial| {
         let figure = |name: &String| {
             let value = trial.shot.as_ref().and_then(|shot| shot.figure(name));
             value.map_or_else(String::new, |value| format!("{value}"))
         };
-        let outcome = trial.shot.as_ref().map_or_else(String::new, |shot| shot.outcome.clone());
+        let outcome = trial
+            .shot
+            .as_ref()
+            .map_or_else(String::new, |shot| shot.outcome.clone());
         let mut row = trial.values.clone();
-        row.extend([trial.feasible.to_string(), outcome, figure(&crate::result::TOTAL.to_owned())]);
+        row.extend([
+            trial.feasible.to_string(),
+            outcome,
+            figure(&crate::result::TOTAL.to_owned()),
+        ]);
         row.extend(sources.iter().chain(&figures).map(figure));
         row.push(tables::excluded(found, trial));
         row

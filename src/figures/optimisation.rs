@@ -30,13 +30,28 @@ pub fn optimisation(found: &Optimisation) -> Vec<Chart> {
     if let [_, second, ..] = found.objectives.as_slice() {
         let caption = "Each point is a design. No other design that meets the constraints betters one of the front in \
                        both.";
-        charts.push(chart("front", "Front", caption.to_owned(), vec![front(found, first, second)]));
+        charts.push(chart(
+            "front",
+            "Front",
+            caption.to_owned(),
+            vec![front(found, first, second)],
+        ));
     }
     let caption = "Each point is a design, in the order in which they were tried; the line is the best so far.";
-    charts.push(chart("course", "Course", caption.to_owned(), vec![course(found, first)]));
+    charts.push(chart(
+        "course",
+        "Course",
+        caption.to_owned(),
+        vec![course(found, first)],
+    ));
     let panels = (0..found.variables.len()).map(|place| over(found, first, place));
     let caption = "The same designs over each key that was varied.";
-    charts.push(chart("variables", "Over the variables", caption.to_owned(), panels.collect()));
+    charts.push(chart(
+        "variables",
+        "Over the variables",
+        caption.to_owned(),
+        panels.collect(),
+    ));
     charts
 }
 
@@ -58,7 +73,10 @@ fn axis(objective: &Objective, series: &[Series], ordinates: bool) -> Axis {
         true => format!("{}, L_{{WA,1s}}", objective.figure),
         false => objective.figure.replace('_', " "),
     };
-    let values = series.iter().flat_map(|own| if ordinates { &own.y } else { &own.x }).copied();
+    let values = series
+        .iter()
+        .flat_map(|own| if ordinates { &own.y } else { &own.x })
+        .copied();
     Axis::holding(label, unit, values)
 }
 
@@ -106,7 +124,12 @@ fn points(found: &Optimisation, at: &dyn Fn(usize, &Trial) -> Option<[f64; 2]>) 
 
 fn course(found: &Optimisation, objective: &Objective) -> Panel {
     let order: Vec<usize> = computed(found).map(|(place, _)| place).collect();
-    let number = |place: usize| order.iter().position(|own| *own == place).map(|number| (number + 1) as f64);
+    let number = |place: usize| {
+        order
+            .iter()
+            .position(|own| *own == place)
+            .map(|number| (number + 1) as f64)
+    };
     let mut series = points(found, &|place, trial| Some([number(place)?, value(objective, trial)?]));
     let mut best: Option<f64> = None;
     let better = |a: f64, b: f64| if objective.maximised { a.max(b) } else { a.min(b) };
@@ -158,7 +181,10 @@ fn over(found: &Optimisation, objective: &Objective, place: usize) -> Panel {
             let choices = choices.clone();
             let axis = Axis::categories(&variable.key, "", choices.clone());
             // In the middle of the category.
-            (axis, Box::new(move |value| Some(choices.iter().position(|own| own == value)? as f64 + 0.5)))
+            (
+                axis,
+                Box::new(move |value| Some(choices.iter().position(|own| own == value)? as f64 + 0.5)),
+            )
         }
         Domain::Range { low, high, unit, .. } => {
             let label = match unit.as_str() {
@@ -169,7 +195,9 @@ fn over(found: &Optimisation, objective: &Objective, place: usize) -> Panel {
             (axis, Box::new(|value| Some(number_and_unit(value).ok()?.0)))
         }
     };
-    let series = points(found, &|_, trial| Some([at(&trial.values[place])?, value(objective, trial)?]));
+    let series = points(found, &|_, trial| {
+        Some([at(&trial.values[place])?, value(objective, trial)?])
+    });
     Panel {
         x,
         y: axis(objective, &series, true),

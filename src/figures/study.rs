@@ -4,8 +4,8 @@ use super::chart::{Axis, Chart, Panel, Series, Shape};
 use super::levels::{SHOWN, in_palette};
 use super::palette::BLACK;
 use crate::study::{
-    Axis as SweepAxis, Change, Contributions, Draws, Estimate, InputChanges, LabelledStudy, OneAtATime, Quantiles, StudyResult,
-    SweptPoint, VariableKind, column, levels_of, number_and_unit,
+    Axis as SweepAxis, Change, Contributions, Draws, Estimate, InputChanges, LabelledStudy, OneAtATime, Quantiles,
+    StudyResult, SweptPoint, VariableKind, column, levels_of, number_and_unit,
 };
 
 /// Inputs whose changes of a level are drawn, and the least change that is \[dB\].
@@ -291,7 +291,12 @@ pub fn sweep(design: &str, axes: &[SweepAxis], points: &[SweptPoint]) -> Chart {
         let own = points
             .iter()
             .filter(|point| others.is_none_or(|others| point.values[1..] == *others));
-        scale.series(name, colour, own.filter_map(|point| Some((scale.place(point)?, of(point)?))).collect())
+        scale.series(
+            name,
+            colour,
+            own.filter_map(|point| Some((scale.place(point)?, of(point)?)))
+                .collect(),
+        )
     };
     let series: Vec<Series> = if axes.len() == 1 {
         let sources = points.iter().find_map(|point| point.levels.as_ref());
@@ -327,9 +332,9 @@ pub fn sweep(design: &str, axes: &[SweepAxis], points: &[SweptPoint]) -> Chart {
         let sources = points.iter().find_map(|point| point.drawn.as_ref());
         let names: Vec<&str> = sources.into_iter().flatten().map(|own| own.source.as_str()).collect();
         let of = |index: usize, name: &str, quantiles: &dyn Fn(&Change) -> Quantiles| {
-            let own = points.iter().filter_map(|point| {
-                Some((scale.place(point)?, quantiles(point.drawn.as_ref()?.get(index)?)))
-            });
+            let own = points
+                .iter()
+                .filter_map(|point| Some((scale.place(point)?, quantiles(point.drawn.as_ref()?.get(index)?))));
             let colour = match name {
                 "total" => BLACK,
                 name => in_palette(name, index),
@@ -337,7 +342,10 @@ pub fn sweep(design: &str, axes: &[SweepAxis], points: &[SweptPoint]) -> Chart {
             scale.intervals(name, colour, own.collect())
         };
         let named = names.iter().enumerate();
-        let series: Vec<Series> = named.clone().flat_map(|(index, name)| of(index, name, &|own| own.level_db)).collect();
+        let series: Vec<Series> = named
+            .clone()
+            .flat_map(|(index, name)| of(index, name, &|own| own.level_db))
+            .collect();
         panels.push(Panel {
             x: scale.axis(),
             y: axis_of_levels(&series, SHOWN),
@@ -348,7 +356,9 @@ pub fn sweep(design: &str, axes: &[SweepAxis], points: &[SweptPoint]) -> Chart {
         let series: Vec<Series> = total
             .flat_map(|(index, _)| of(index, "total", &|own| own.change_db))
             .collect();
-        let ends = series.iter().flat_map(|own| own.y.iter().chain(lower_ends(own)).copied());
+        let ends = series
+            .iter()
+            .flat_map(|own| own.y.iter().chain(lower_ends(own)).copied());
         panels.push(Panel {
             y: Axis::holding("Change from the first point", "dB", ends.chain([0.0])),
             x: scale.axis(),
@@ -386,7 +396,11 @@ impl<'a> Scale<'a> {
         let units = numbers.iter().all(|(_, unit)| *unit == numbers[0].1);
         match numbers.first() {
             Some((_, unit)) if units && numbers.len() > 1 => Self::Numbers {
-                label: if unit.is_empty() { label.to_owned() } else { format!("{label} ({unit})") },
+                label: if unit.is_empty() {
+                    label.to_owned()
+                } else {
+                    format!("{label} ({unit})")
+                },
                 values: numbers.into_iter().map(|(number, _)| number).collect(),
             },
             _ => Self::Categories { label, names },

@@ -6,13 +6,10 @@ use nailnoise_quantities::{Dimension, measure};
 use serde::Serialize;
 
 use super::error::OptimisationError;
-use super::trial::Shot;
+use super::shot::Shot;
 use crate::model::sources;
 use crate::result::TOTAL;
 use crate::wording::unit_of_figure;
-
-/// The work that nail and wood take up \[J\], beside the figures of the cycle's summary.
-pub(super) const DRIVE_ENERGY: &str = "drive_energy";
 
 /// The outcome of the shot in a constraint.
 const OUTCOME: &str = "outcome";
@@ -70,7 +67,11 @@ impl FromStr for Constraint {
             (_, "==" | "=") => return Err(bad("a figure is held by >= or <=")),
             (_, sign) => {
                 let limit = limit(&figure, value).map_err(|problem| bad(&problem))?;
-                if sign == ">=" { Held::AtLeast(limit) } else { Held::AtMost(limit) }
+                if sign == ">=" {
+                    Held::AtLeast(limit)
+                } else {
+                    Held::AtMost(limit)
+                }
             }
         };
         Ok(Self {
@@ -86,7 +87,10 @@ fn limit(figure: &str, value: &str) -> Result<f64, String> {
     let unit = unit_of(figure);
     if unit == "dB" {
         let number = value.strip_suffix("dB").unwrap_or(value).trim().parse::<f64>();
-        return number.ok().filter(|number| number.is_finite()).ok_or_else(|| "expected a level in dB".to_owned());
+        return number
+            .ok()
+            .filter(|number| number.is_finite())
+            .ok_or_else(|| "expected a level in dB".to_owned());
     }
     let plain = value.parse::<f64>().is_ok();
     if plain && !unit.is_empty() {

@@ -9,7 +9,9 @@ use thiserror::Error;
 pub enum OptimisationError {
     /// No key, or one without values.
     #[error("`{text}` does not vary a key")]
-    #[diagnostic(help("give a range or choices, as in supply.pressure=80psig..110psig or support.worktable.preset=A,B"))]
+    #[diagnostic(help(
+        "give a range or choices, as in supply.pressure=80psig..110psig or support.worktable.preset=A,B"
+    ))]
     NotVaried {
         /// The text given.
         text: String,
@@ -33,8 +35,8 @@ pub enum OptimisationError {
     /// A text that is no constraint.
     #[error("`{text}` is no constraint: {problem}")]
     #[diagnostic(help(
-        "give FIGURE >= VALUE or FIGURE <= VALUE, as in \"penetration >= 80 mm\" or \"exhaust <= 92 dB\", or \"outcome == \
-         drives\""
+        "give FIGURE >= VALUE or FIGURE <= VALUE, as in \"penetration >= 80 mm\" or \"exhaust <= 92 dB\", or \
+         \"outcome == drives\""
     ))]
     BadConstraint {
         /// The text given.

@@ -5,17 +5,18 @@ use std::path::Path;
 use nailnoise_optimisation::{Observation, Optimiser, Space, front};
 use serde::Serialize;
 
-use super::constraint::{Constraint, DRIVE_ENERGY, Objective, is_level};
+use super::constraint::{Constraint, Objective, is_level};
 use super::error::OptimisationError;
-use super::trial::{Candidate, Shot, Trial};
+use super::shot::Shot;
+use super::trial::{Candidate, Trial};
 use super::variable::{Variable, Varied};
 use crate::chain::{Chain, Options};
 use crate::cost::MemoryLimit;
 use crate::design::{Assignment, Design};
 use crate::error::Error;
 use crate::graph::Graph;
-use crate::result::{DesignId, TOTAL};
 use crate::model::sources;
+use crate::result::{DesignId, TOTAL};
 use crate::stages::Progress;
 use crate::study::on_threads;
 
@@ -52,7 +53,7 @@ pub struct Optimisation {
     pub constraints: Vec<Constraint>,
     /// Seed.
     pub seed: u64,
-    /// The design itself; its values are in words.
+    /// The design itself; values outside of the ranges are in words.
     pub start: Trial,
     /// All candidates in their order.
     pub trials: Vec<Trial>,
@@ -103,16 +104,20 @@ pub fn optimise(
     let design = Design::load_with(path, changes)?;
     let dimensions = vary.iter().map(|own| own.of((path, changes)));
     let dimensions: Vec<(Variable, Option<f64>)> = dimensions.collect::<Result<_, Error>>()?;
-    let place: Option<Vec<f64>> = dimensions.iter().map(|(_, place)| *place).collect();
-    let variables: Vec<Variable> = dimensions.into_iter().map(|(variable, _)| variable).collect();
-    let twice = variables.iter().enumerate().find(|(place, own)| {
-        variables[..*place].iter().any(|before| before.key == own.key)
-    });
+    let (variables, places): (Vec<Variable>, Vec<Option<f64>>) = dimensions.into_iter().unzip();
+    let place: Option<Vec<f64>> = places.iter().copied().collect();
+    let twice = variables
+        .iter()
+        .enumerate()
+        .find(|(place, own)| variables[..*place].iter().any(|before| before.key == own.key));
     if let Some((_, own)) = twice {
         let key = own.key.clone();
         return Err(OptimisationError::VariedTwice { key }.into());
     }
-    let words = variables.iter().map(|variable| own_value(&design, &variable.key));
+    let words = variables.iter().zip(&places).map(|(variable, place)| match place {
+        Some(place) => variable.value(*place),
+        None => own_value(&design, &variable.key),
+    });
     let start = Candidate::new(path, changes, words.collect(), memory).with_levels(graph, constraints);
     if let Some(shot) = &start.shot {
         refuse_unknown(shot, objectives, constraints)?;
@@ -124,7 +129,10 @@ pub fn optimise(
         seed: request.seed,
     };
     let assigned = |values: &[String]| -> Result<Vec<Assignment>, Error> {
-        let own = variables.iter().zip(values).map(|(variable, value)| variable.assign(value));
+        let own = variables
+            .iter()
+            .zip(values)
+            .map(|(variable, value)| variable.assign(value));
         Ok([changes, &own.collect::<Result<Vec<_>, _>>()?].concat())
     };
     let mut found = Optimisation {
@@ -140,13 +148,8 @@ pub fn optimise(
     let mut observed = Vec::new();
     // The design itself is the first candidate where the ranges include it.
     if let Some(point) = place {
-        let values = variables.iter().zip(&point).map(|(variable, place)| variable.value(*place));
-        let trial = Trial {
-            values: values.collect(),
-            ..found.start.clone()
-        };
-        observed.push(observation(point, &trial, objectives));
-        found.trials.push(trial);
+        observed.push(observation(point, &found.start, objectives));
+        found.trials.push(found.start.clone());
     }
     while found.with_levels() < request.trials && found.trials.len() < CANDIDATES_A_TRIAL * request.trials {
         let missing = request.trials - found.with_levels();
@@ -169,9 +172,15 @@ pub fn optimise(
         if !filled.is_empty() {
             fill(&filled)?;
         }
-        let candidates: Vec<_> = candidates.into_iter().map(|own| std::sync::Mutex::new(Some(own))).collect();
+        let candidates: Vec<_> = candidates
+            .into_iter()
+            .map(|own| std::sync::Mutex::new(Some(own)))
+            .collect();
         let trials = on_threads(candidates.len(), |place| {
-            let own = candidates[place].lock().unwrap_or_else(std::sync::PoisonError::into_inner).take()?;
+            let own = candidates[place]
+                .lock()
+                .unwrap_or_else(std::sync::PoisonError::into_inner)
+                .take()?;
             Some(match counting[place] {
                 true => own.with_levels(graph, constraints),
                 false => own.without_levels(constraints),
@@ -184,7 +193,9 @@ pub fn optimise(
         progress.done(found.with_levels() as u64, request.trials as u64);
     }
     drop(anchor);
-    let feasible: Vec<usize> = (0..observed.len()).filter(|&place| observed[place].feasible()).collect();
+    let feasible: Vec<usize> = (0..observed.len())
+        .filter(|&place| observed[place].feasible())
+        .collect();
     let scores = feasible.iter().filter_map(|&place| observed[place].objectives.clone());
     let places = front(&scores.collect::<Vec<_>>());
     found.front = places.into_iter().map(|place| feasible[place]).collect();
@@ -197,7 +208,9 @@ fn observation(point: Vec<f64>, trial: &Trial, objectives: &[Objective]) -> Obse
     let shot = trial.shot.as_ref().filter(|shot| shot.levels.is_some());
     Observation {
         point,
-        excesses: std::iter::once(Some(is_design)).chain(trial.excesses.iter().copied()).collect(),
+        excesses: std::iter::once(Some(is_design))
+            .chain(trial.excesses.iter().copied())
+            .collect(),
         objectives: shot.and_then(|shot| objectives.iter().map(|own| own.of(shot)).collect()),
     }
 }
@@ -205,7 +218,10 @@ fn observation(point: Vec<f64>, trial: &Trial, objectives: &[Objective]) -> Obse
 /// Refuses objectives and constraints on figures that no shot has.
 fn refuse_unknown(shot: &Shot, objectives: &[Objective], constraints: &[Constraint]) -> Result<(), Error> {
     let figures = shot.figures.iter().map(|(name, _)| name.as_str());
-    let held = constraints.iter().filter(|own| !own.of_outcome()).map(|own| &own.figure);
+    let held = constraints
+        .iter()
+        .filter(|own| !own.of_outcome())
+        .map(|own| &own.figure);
     let mut named = objectives.iter().map(|own| &own.figure).chain(held);
     let known = |name: &&String| is_level(name) || figures.clone().any(|own| own == name.as_str());
     match named.find(|name| !known(name)) {
@@ -228,6 +244,3 @@ fn own_value(design: &Design, key: &str) -> String {
     let value = entries.into_iter().find(|entry| entry.key == key);
     value.map_or_else(String::new, |entry| design.value_in_words(key, entry.value))
 }
-
-/// Figures of a shot that show what quieting costs: depth, work on nail and wood, air a shot.
-pub(crate) const COSTS: [&str; 3] = ["penetration", DRIVE_ENERGY, "supply_mass"];

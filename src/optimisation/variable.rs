@@ -100,7 +100,8 @@ impl Varied {
             Some((high, "log")) => (high, true),
             Some((_, scale)) => return Err(bad(format!("`{scale}` is no scale; `log` is one")).into()),
         };
-        let ((low, unit_of_low), (high, unit)) = (number_and_unit(low).map_err(bad)?, number_and_unit(high).map_err(bad)?);
+        let ((low, unit_of_low), (high, unit)) =
+            (number_and_unit(low).map_err(bad)?, number_and_unit(high).map_err(bad)?);
         if !unit_of_low.is_empty() && unit_of_low != unit {
             return Err(bad(format!("its ends are in `{unit_of_low}` and `{unit}`")).into());
         }
@@ -144,7 +145,9 @@ impl Variable {
     fn share(&self, number: f64) -> f64 {
         match &self.domain {
             Domain::Choices(_) => 0.0,
-            Domain::Range { low, high, log: false, .. } => (number - low) / (high - low),
+            Domain::Range {
+                low, high, log: false, ..
+            } => (number - low) / (high - low),
             Domain::Range { low, high, .. } => (number / low).ln() / (high / low).ln(),
         }
     }
@@ -153,7 +156,13 @@ impl Variable {
     pub(super) fn value(&self, place: f64) -> String {
         match &self.domain {
             Domain::Choices(choices) => choices.get(place as usize).cloned().unwrap_or_default(),
-            Domain::Range { low, high, unit, whole, log } => {
+            Domain::Range {
+                low,
+                high,
+                unit,
+                whole,
+                log,
+            } => {
                 let number = match log {
                     true => low * (high / low).powf(place),
                     false => low + place * (high - low),
@@ -229,7 +238,9 @@ mod tests {
     #[test]
     fn a_range_of_a_count_has_whole_numbers_and_the_designs_own_place() {
         let (own, place) = variable("exhaust.holes=2..9").unwrap();
-        let Dimension::Ordered(shares) = own.dimension() else { panic!("{own:?}") };
+        let Dimension::Ordered(shares) = own.dimension() else {
+            panic!("{own:?}")
+        };
         let values: Vec<String> = shares.iter().map(|share| own.value(*share)).collect();
         assert_eq!(values, ["2", "3", "4", "5", "6", "7", "8", "9"]);
         let holes = Design::load(SMALL).unwrap().exhaust.holes;
@@ -239,7 +250,10 @@ mod tests {
     #[test]
     fn values_have_the_unit_that_was_given_and_six_digits() {
         let (own, place) = variable("supply.pressure=50psig..150psig").unwrap();
-        assert_eq!([0.0, 1.0 / 3.0, 1.0].map(|share| own.value(share)), ["50 psig", "83.3333 psig", "150 psig"]);
+        assert_eq!(
+            [0.0, 1.0 / 3.0, 1.0].map(|share| own.value(share)),
+            ["50 psig", "83.3333 psig", "150 psig"]
+        );
         let set = Design::load_with(SMALL, &[own.assign(&own.value(place.unwrap())).unwrap()]).unwrap();
         let pressure = Design::load(SMALL).unwrap().supply.pressure;
         assert!((set.supply.pressure / pressure - 1.0).abs() < 1e-5);
@@ -250,13 +264,21 @@ mod tests {
         let (own, _) = variable("wood.loss_factor=0.01..0.16:log").unwrap();
         assert_eq!([0.0, 0.5, 1.0].map(|share| own.value(share)), ["0.01", "0.04", "0.16"]);
         let (own, _) = variable("exhaust.holes=1..16:log").unwrap();
-        let Dimension::Ordered(shares) = own.dimension() else { panic!("{own:?}") };
+        let Dimension::Ordered(shares) = own.dimension() else {
+            panic!("{own:?}")
+        };
         assert_eq!((shares[3], own.value(shares[3])), (0.5, "4".to_owned()));
     }
 
     #[test]
     fn what_cannot_be_searched_is_refused() {
-        for text in ["exhaust.holes", "exhaust.holes=", "exhaust.holes=3", "exhaust.holes=3,,4", "=1..2"] {
+        for text in [
+            "exhaust.holes",
+            "exhaust.holes=",
+            "exhaust.holes=3",
+            "exhaust.holes=3,,4",
+            "=1..2",
+        ] {
             assert!(text.parse::<Varied>().is_err(), "{text}");
         }
         for text in [

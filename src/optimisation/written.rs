@@ -19,7 +19,9 @@ pub fn design_over(
     folder: &Path,
 ) -> Result<String, Error> {
     let own = found.variables.iter().zip(&trial.values);
-    let own = own.map(|(variable, value)| variable.assign(value)).collect::<Result<Vec<_>, _>>()?;
+    let own = own
+        .map(|(variable, value)| variable.assign(value))
+        .collect::<Result<Vec<_>, _>>()?;
     let design = Design::load_with(path, &[changes, &own].concat())?;
     let base = relative(folder, path);
     let mut text = format!("base = {}\n\n", toml::Value::String(base));
@@ -45,7 +47,11 @@ pub fn design_over(
 
 /// The path of a file from a folder, with slashes; the absolute path where no relative one leads there.
 fn relative(folder: &Path, file: &Path) -> String {
-    let absolute = |path: &Path| path.canonicalize().or_else(|_| std::path::absolute(path)).unwrap_or_else(|_| path.into());
+    let absolute = |path: &Path| {
+        path.canonicalize()
+            .or_else(|_| std::path::absolute(path))
+            .unwrap_or_else(|_| path.into())
+    };
     let (from, to) = (absolute(folder), absolute(file));
     let [from_parts, to_parts]: [Vec<Component<'_>>; 2] = [&from, &to].map(|path| path.components().collect());
     let common = from_parts.iter().zip(&to_parts).take_while(|(a, b)| a == b).count();

@@ -25,16 +25,24 @@ pub(super) fn page(found: &Optimisation, charts: &[Chart], reports: &[Option<Str
             },
         ),
         Section::new("course", "Course", html! { @if let Some(c) = chart("course") { (c) } }),
-        Section::new("variables", "What was varied", html! {
-            ul { @for own in &found.variables { li { (varied(own)) } } }
-            @if let Some(c) = chart("variables") { (c) }
-        }),
-        Section::new("candidates", "Candidates", html! {
-            details {
-                summary { (found.trials.len()) " candidates" }
-                (table::markup(&tables::candidates(found)))
-            }
-        }),
+        Section::new(
+            "variables",
+            "What was varied",
+            html! {
+                ul { @for own in &found.variables { li { (varied(own)) } } }
+                @if let Some(c) = chart("variables") { (c) }
+            },
+        ),
+        Section::new(
+            "candidates",
+            "Candidates",
+            html! {
+                details {
+                    summary { (found.trials.len()) " candidates" }
+                    (table::markup(&tables::candidates(found)))
+                }
+            },
+        ),
     ];
     Page {
         title: format!("{}: optimised", found.design.name),
@@ -51,7 +59,7 @@ fn varied(own: &Variable) -> Markup {
         @match &own.domain {
             Domain::Choices(choices) => { (choices.join(", ")) }
             Domain::Range { low, high, unit, whole, log } => {
-                (low) " to " (high) " " (unit)
+                (low) " to " (high) @if !unit.is_empty() { " " (unit) }
                 @if *whole { ", whole numbers" }
                 @if *log { ", equal ratios equally likely" }
             }
@@ -99,11 +107,18 @@ fn lead(found: &Optimisation) -> Markup {
 }
 
 fn gain(goal: &str, change: f64) -> String {
-    let what = if goal == TOTAL { "The tool".to_owned() } else { format!("The {goal}") };
+    let what = if goal == TOTAL {
+        "The tool".to_owned()
+    } else {
+        format!("The {goal}")
+    };
     match wording::change(change).as_str() {
         "0.0" => format!("{what} does not become quieter within these ranges."),
         text if change < 0.0 => format!("{what} becomes {} dB quieter.", text.trim_start_matches('-')),
-        text => format!("{what} becomes {} dB louder: the design itself breaks a constraint.", &text[1..]),
+        text => format!(
+            "{what} becomes {} dB louder: the design itself breaks a constraint.",
+            &text[1..]
+        ),
     }
 }
 

@@ -19,7 +19,7 @@ pub(super) fn page(design: &str, axes: &[Axis], points: &[SweptPoint], chart: &C
             "points",
             "Points",
             html! { (table::markup(&tables::points(axes, points)))
-                p.quiet { "A-weighted single-event sound power levels, dB re 1 pW s." } },
+            p.quiet { "A-weighted single-event sound power levels, dB re 1 pW s." } },
         ),
     ];
     if let Some(drawn) = tables::over_draws(axes, points) {
@@ -28,8 +28,8 @@ pub(super) fn page(design: &str, axes: &[Axis], points: &[SweptPoint], chart: &C
             "How sure",
             html! {
                 (table::markup(&drawn))
-                p.quiet { "90 % of the common draws that count at all points lie between these levels; structures as in \
-                    the design; changes from the first point." }
+                p.quiet { "90 % of the common draws that count at all points lie between these levels; structures as \
+                    in the design; changes from the first point." }
             },
         ));
     }
@@ -46,11 +46,19 @@ pub(super) fn page(design: &str, axes: &[Axis], points: &[SweptPoint], chart: &C
 fn lead(axes: &[Axis], points: &[SweptPoint]) -> Markup {
     let name = |point: &SweptPoint| {
         let values = axes.iter().zip(&point.values);
-        let values: Vec<String> = values.map(|(axis, value)| format!("`{}` = {value}", axis.key)).collect();
+        let values: Vec<String> = values
+            .map(|(axis, value)| format!("`{}` = {value}", axis.key))
+            .collect();
         values.join(", ")
     };
-    let drives = points.iter().filter(|point| point.headline.is_none() && point.total_db.is_some());
-    let by = |a: &&SweptPoint, b: &&SweptPoint| a.total_db.unwrap_or_default().total_cmp(&b.total_db.unwrap_or_default());
+    let drives = points
+        .iter()
+        .filter(|point| point.headline.is_none() && point.total_db.is_some());
+    let by = |a: &&SweptPoint, b: &&SweptPoint| {
+        a.total_db
+            .unwrap_or_default()
+            .total_cmp(&b.total_db.unwrap_or_default())
+    };
     let ends = drives.clone().min_by(by).zip(drives.clone().max_by(by));
     html! {
         @let alarms = alarms(points);

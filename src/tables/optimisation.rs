@@ -9,7 +9,9 @@ use crate::wording;
 fn sources(found: &Optimisation) -> Vec<String> {
     let all = std::iter::once(&found.start).chain(&found.trials);
     let levels = all.filter_map(|own| own.shot.as_ref()?.levels.as_ref()).next();
-    levels.map_or_else(Vec::new, |levels| levels.sources.iter().map(|own| own.source.clone()).collect())
+    levels.map_or_else(Vec::new, |levels| {
+        levels.sources.iter().map(|own| own.source.clone()).collect()
+    })
 }
 
 /// A figure of a trial in the unit that people use, and a level in dB.
@@ -27,14 +29,21 @@ fn figures(found: &Optimisation) -> Vec<&str> {
     let mut names: Vec<&str> = own.filter(|name| !crate::optimisation::is_level(name)).collect();
     names.extend(COSTS);
     let mut seen = Vec::new();
-    names.retain(|name| !seen.contains(name) && { seen.push(*name); true });
+    names.retain(|name| {
+        !seen.contains(name) && {
+            seen.push(*name);
+            true
+        }
+    });
     names
 }
 
 /// The columns behind the name: values, levels, figures.
 fn columns(found: &Optimisation, first: &str) -> Vec<Column> {
     let keys = found.variables.iter().map(|own| Column::number(&own.key));
-    let levels = sources(found).into_iter().map(|name| Column::number(format!("{name} dB")).page_only());
+    let levels = sources(found)
+        .into_iter()
+        .map(|name| Column::number(format!("{name} dB")).page_only());
     let figures = figures(found).into_iter().map(|name| match name {
         "supply_mass" => Column::number("air a shot"),
         name => Column::number(name.replace('_', " ")),
@@ -52,7 +61,9 @@ fn row(found: &Optimisation, name: Cell, trial: &Trial) -> Vec<Cell> {
     let change = total(trial).zip(total(&found.start)).map(|(own, start)| own - start);
     let is_start = std::ptr::eq(trial, &found.start);
     let values = trial.values.iter().map(|value| Cell::from(value.as_str()));
-    let levels = sources(found).into_iter().map(|source| Cell::from(figure(trial, &source)));
+    let levels = sources(found)
+        .into_iter()
+        .map(|source| Cell::from(figure(trial, &source)));
     std::iter::once(name)
         .chain(values)
         .chain([

@@ -125,9 +125,15 @@ mod tests {
     #[test]
     fn a_server_on_all_interfaces_answers_under_addresses_and_not_under_names() {
         let at = |host: &str, more: &str| {
-            admitted_at("0.0.0.0:4711", &format!("GET /secret/ HTTP/1.1\r\nHost: {host}\r\n{more}\r\n"))
+            admitted_at(
+                "0.0.0.0:4711",
+                &format!("GET /secret/ HTTP/1.1\r\nHost: {host}\r\n{more}\r\n"),
+            )
         };
-        assert!(at("192.168.1.7:4711", "").is_some() && at("192.168.1.7:4711", "Origin: http://192.168.1.7:4711\r\n").is_some());
+        assert!(
+            at("192.168.1.7:4711", "").is_some()
+                && at("192.168.1.7:4711", "Origin: http://192.168.1.7:4711\r\n").is_some()
+        );
         for (host, more) in [
             ("evil.example:4711", ""),
             ("192.168.1.7:80", ""),
@@ -136,7 +142,13 @@ mod tests {
         ] {
             assert_eq!(at(host, more), None, "{host} {more}");
         }
-        assert_eq!(admitted_at("192.168.1.7:4711", "GET /secret/ HTTP/1.1\r\nHost: 10.0.0.1:4711\r\n\r\n"), None);
+        assert_eq!(
+            admitted_at(
+                "192.168.1.7:4711",
+                "GET /secret/ HTTP/1.1\r\nHost: 10.0.0.1:4711\r\n\r\n"
+            ),
+            None
+        );
     }
 
     #[test]

@@ -1,8 +1,8 @@
 //! The server of the page: on this machine unless the user names an address, for a handful of windows, without
 //! third-party content.
 //!
-//! It responds to each request on a separate thread and connection, and serves a handful of addresses. A client that has not
-//! shown the token yet is a stranger. Strangers have a limit on the number and the time of connections, separate from
+//! It responds to each request on a separate thread and connection, and serves a handful of addresses. A client
+//! that has not shown the token yet is a stranger. Strangers have a limit on the number and the time of connections, separate from
 //! the windows: when there are too many, the oldest goes. Heads are parsed by `httparse`; complete servers are not
 //! better here: `tiny_http` is no longer maintained, `oxhttp` chooses no free port and writes to standard error,
 //! `hyper` brings an asynchronous runtime.
@@ -269,10 +269,12 @@ fn admitted(stream: &TcpStream, shared: &Shared, (method, path): (&str, &str)) -
             }
             reply(TEXT, OUTER, b"done\n").send(stream, false)
         }
-        ("POST", path) if path.starts_with("move?") => match moved(path).is_some_and(|(key, to)| board.move_to(key, to)) {
-            true => reply(TEXT, OUTER, b"done\n").send(stream, false),
-            false => Reply::text("400 Bad Request", b"no slider has this value\n").send(stream, false),
-        },
+        ("POST", path) if path.starts_with("move?") => {
+            match moved(path).is_some_and(|(key, to)| board.move_to(key, to)) {
+                true => reply(TEXT, OUTER, b"done\n").send(stream, false),
+                false => Reply::text("400 Bad Request", b"no slider has this value\n").send(stream, false),
+            }
+        }
         _ => Reply::text("404 Not Found", b"there is nothing here\n").send(stream, head_alone),
     }
 }

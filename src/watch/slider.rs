@@ -64,7 +64,9 @@ impl Slider {
         let margin = 1e-6 * (high - low);
         let value = if self.whole { value.round() } else { value };
         let within = (low - margin..=high + margin).contains(&value);
-        within.then(|| format!("{}={value} {}", self.key, self.unit).parse().ok()).flatten()
+        within
+            .then(|| format!("{}={value} {}", self.key, self.unit).parse().ok())
+            .flatten()
     }
 }
 
@@ -76,7 +78,11 @@ pub(super) fn save(over: &Path, values: &[Assignment]) -> io::Result<PathBuf> {
     let base = over.file_name().unwrap_or_default().to_string_lossy();
     let stem = over.file_stem().unwrap_or_default().to_string_lossy();
     let lines = values.iter().map(|own| format!("{own}\n"));
-    let text = format!("base = {}\n\n{}", toml::Value::String(base.into_owned()), lines.collect::<String>());
+    let text = format!(
+        "base = {}\n\n{}",
+        toml::Value::String(base.into_owned()),
+        lines.collect::<String>()
+    );
     for number in 1..SAVED {
         let path = over.with_file_name(format!("{stem}-{number}.toml"));
         match File::create_new(&path) {
@@ -100,7 +106,10 @@ mod tests {
     const SHIPPED: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/designs/n80cb.toml");
 
     fn sliders(keys: &[&str]) -> Vec<Slider> {
-        Slider::of(&Design::load(SHIPPED).unwrap(), keys.iter().map(|key| (*key).to_owned()))
+        Slider::of(
+            &Design::load(SHIPPED).unwrap(),
+            keys.iter().map(|key| (*key).to_owned()),
+        )
     }
 
     #[test]
@@ -109,7 +118,11 @@ mod tests {
         let keys: Vec<(&str, &str)> = found.iter().map(|own| (own.key.as_str(), own.unit.as_str())).collect();
         assert_eq!(keys[0].0, "piston.mass");
         assert!(keys.iter().all(|(_, unit)| !unit.is_empty()), "{keys:?}");
-        assert!(found.iter().all(|own| own.range[0] <= own.value && own.value <= own.range[1]));
+        assert!(
+            found
+                .iter()
+                .all(|own| own.range[0] <= own.value && own.value <= own.range[1])
+        );
     }
 
     #[test]

@@ -319,7 +319,14 @@ fn python(folder: &Path, works: &str) -> PathBuf {
     program
 }
 
-const ON_CLUSTER: [&str; 6] = ["sweep", SMALL, "--vary", "exhaust.holes=3,5", "--scheduler", "tcp://127.0.0.1:1"];
+const ON_CLUSTER: [&str; 6] = [
+    "sweep",
+    SMALL,
+    "--vary",
+    "exhaust.holes=3,5",
+    "--scheduler",
+    "tcp://127.0.0.1:1",
+];
 
 #[test]
 fn python_ends_with_the_command_however_that_ends() {

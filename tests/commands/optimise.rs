@@ -69,28 +69,50 @@ fn the_best_design_runs_and_is_the_quietest_that_meets_the_constraint() {
 #[cfg(unix)]
 fn a_killed_search_resumes_and_threads_change_nothing() {
     let folder = folder("optimise/resumed");
-    let whole = optimise(&folder, "whole", &["--trials", "10", "--threads", "1"]).output().unwrap();
-    let mut killed = optimise(&folder, "killed", &["--trials", "10", "--quiet"]).spawn().unwrap();
+    let whole = optimise(&folder, "whole", &["--trials", "10", "--threads", "1"])
+        .output()
+        .unwrap();
+    let mut killed = optimise(&folder, "killed", &["--trials", "10", "--quiet"])
+        .spawn()
+        .unwrap();
     std::thread::sleep(Duration::from_secs(4));
     killed.kill().unwrap();
     killed.wait().unwrap();
-    let resumed = optimise(&folder, "killed", &["--trials", "10", "--threads", "2"]).output().unwrap();
+    let resumed = optimise(&folder, "killed", &["--trials", "10", "--threads", "2"])
+        .output()
+        .unwrap();
     assert_eq!(trials(&whole), trials(&resumed));
-    let other = optimise(&folder, "whole", &["--trials", "10", "--seed", "2"]).output().unwrap();
+    let other = optimise(&folder, "whole", &["--trials", "10", "--seed", "2"])
+        .output()
+        .unwrap();
     assert_ne!(trials(&whole), trials(&other));
 }
 
 #[test]
 fn no_design_of_a_front_betters_another_and_each_has_a_file() {
     let folder = folder("optimise/front");
-    let output = optimise(&folder, "cache", &["--trials", "14", "--pareto=-drive_energy", "--batch", "3"]).output();
+    let output = optimise(
+        &folder,
+        "cache",
+        &["--trials", "14", "--pareto=-drive_energy", "--batch", "3"],
+    )
+    .output();
     let found = json(&output.unwrap());
     let of = |place: &Value| {
         let own = &found["trials"][place.as_u64().unwrap() as usize];
-        [own["total_db"].as_f64().unwrap(), own["figures"]["drive_energy"].as_f64().unwrap()]
+        [
+            own["total_db"].as_f64().unwrap(),
+            own["figures"]["drive_energy"].as_f64().unwrap(),
+        ]
     };
     let front: Vec<[f64; 2]> = found["front"].as_array().unwrap().iter().map(of).collect();
-    assert!(front.len() > 1 && front.windows(2).all(|two| two[0][0] < two[1][0] && two[0][1] < two[1][1]), "{front:?}");
+    assert!(
+        front.len() > 1
+            && front
+                .windows(2)
+                .all(|two| two[0][0] < two[1][0] && two[0][1] < two[1][1]),
+        "{front:?}"
+    );
     let files = found["files"].as_array().unwrap();
     assert!(files.len() == front.len() && files.iter().all(|file| Path::new(file.as_str().unwrap()).exists()));
 }
@@ -113,7 +135,15 @@ fn a_search_that_cannot_be_says_why() {
     ends(&["--vary", "exhaust.hole=3..9"], 2, "exhaust.hole");
     ends(&["--vary", "exhaust.holes"], 2, "does not vary a key");
     ends(&["--vary", holes, "--vary", holes], 2, "twice");
-    ends(&["--vary", holes, "--subject-to", "depth >= 3 mm"], 2, "no figure `depth`");
+    ends(
+        &["--vary", holes, "--subject-to", "depth >= 3 mm"],
+        2,
+        "no figure `depth`",
+    );
     ends(&["--vary", holes, "--minimise", "noise"], 2, "no figure `noise`");
-    ends(&["--vary", holes, "--subject-to", "penetration >= 3 m"], 1, "loosen a constraint");
+    ends(
+        &["--vary", holes, "--subject-to", "penetration >= 3 m"],
+        1,
+        "loosen a constraint",
+    );
 }

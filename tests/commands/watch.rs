@@ -108,7 +108,12 @@ impl Watched {
     /// Status of the response to the user's browser, whatever its body.
     fn head(&self, method: &str, path: &str) -> u16 {
         let mut stream = TcpStream::connect(&self.host).unwrap();
-        write!(stream, "{method} /{}/{path} HTTP/1.1\r\nHost: {}\r\n\r\n", self.token, self.host).unwrap();
+        write!(
+            stream,
+            "{method} /{}/{path} HTTP/1.1\r\nHost: {}\r\n\r\n",
+            self.token, self.host
+        )
+        .unwrap();
         let mut line = String::new();
         BufReader::new(stream).read_line(&mut line).unwrap();
         line.split(' ').nth(1).unwrap().parse().unwrap()
@@ -232,7 +237,8 @@ fn a_pinned_run_is_compared_with() {
 fn a_slider_runs_the_design_and_saves_it() {
     let mut watched = Watched::start("watch-sliders");
     let news = watched.until("the sliders", |news| {
-        news["sliders"].as_array().is_some_and(|own| !own.is_empty()) && news["status"].as_str().unwrap().contains("run 1")
+        news["sliders"].as_array().is_some_and(|own| !own.is_empty())
+            && news["status"].as_str().unwrap().contains("run 1")
     });
     let sliders = news["sliders"].as_array().unwrap();
     let slider = sliders.iter().find(|own| own["whole"] == false).unwrap();
@@ -244,13 +250,23 @@ fn a_slider_runs_the_design_and_saves_it() {
     };
     assert_eq!(post(&watched, "pin"), 200);
     let to = low + 0.75 * (high - low);
-    for wrong in [format!("{key}={}", high + 2.0 * (high - low)), "no.key=1".to_owned(), format!("{key}=x"), key.to_owned()] {
+    for wrong in [
+        format!("{key}={}", high + 2.0 * (high - low)),
+        "no.key=1".to_owned(),
+        format!("{key}=x"),
+        key.to_owned(),
+    ] {
         assert_eq!(post(&watched, &format!("move?{wrong}")), 400, "{wrong}");
     }
     assert_eq!(post(&watched, &format!("move?{key}={to}")), 200);
-    let moved = watched.until("the moved run", |news| news["status"].as_str().unwrap().contains("run 2"));
+    let moved = watched.until("the moved run", |news| {
+        news["status"].as_str().unwrap().contains("run 2")
+    });
     assert_eq!(moved["moved"], serde_json::json!([key]));
-    assert!(moved["bar"].as_str().unwrap().contains(&format!("<code>{key}</code>")), "{moved}");
+    assert!(
+        moved["bar"].as_str().unwrap().contains(&format!("<code>{key}</code>")),
+        "{moved}"
+    );
     for name in ["last", "pinned"] {
         assert_eq!(watched.head("GET", &format!("sound/{name}")), 200, "{name}");
     }
@@ -259,7 +275,10 @@ fn a_slider_runs_the_design_and_saves_it() {
     let file = watched.design.with_file_name("own-1.toml");
     assert_eq!(saved["saved"], "saved as own-1.toml");
     let written = fs::read_to_string(&file).unwrap();
-    assert!(written.contains("base = \"own.toml\"") && written.contains(key), "{written}");
+    assert!(
+        written.contains("base = \"own.toml\"") && written.contains(key),
+        "{written}"
+    );
     fs::write(&watched.design, text("700 kPa")).unwrap();
     let news = watched.until("the file's run", |news| {
         news["moved"] == serde_json::json!([]) && news["sliders"].as_array().is_some_and(|own| !own.is_empty())
