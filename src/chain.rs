@@ -13,13 +13,12 @@ mod shot;
 
 use std::time::Instant;
 
-
 use crate::design::{Design, inputs};
 use crate::error::Error;
-use crate::stages::cycle::{Engine, ShotRecord};
 use crate::graph::Graph;
 use crate::model::sources::{self, SourceStages};
 use crate::stages::bodies::BodyKind;
+use crate::stages::cycle::{Engine, ShotRecord};
 use crate::stages::levels::{Levels, ShotLevels};
 use crate::stages::requirements::Preflight;
 use crate::stages::response::{CouplingReport, Reported, ResponseChecks, ResponseReport, Vibration};

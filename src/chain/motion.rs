@@ -7,10 +7,10 @@ use super::context::Context;
 use super::radiation::Radiators;
 use crate::design::{Carrier, Coupling, inputs};
 use crate::error::Error;
-use crate::stages::cycle::{Engine, ShotRecord};
 use crate::graph::Graph;
 use crate::stages::Stored;
 use crate::stages::bodies::BodySensors;
+use crate::stages::cycle::{Engine, ShotRecord};
 use crate::stages::response::{
     Coupled, CoupledCycle, CoupledResponse, CoupledVibration, LinearResponse, Response, ShotInputs, Structure,
     Vibration,

@@ -100,8 +100,7 @@ impl Studies<'_> {
         let (mut failed, mut counts) = (Vec::new(), [0; 3]);
         let all = shipped::studied().count();
         for (number, path) in (1..).zip(shipped::studied()) {
-            self.progress
-                .note(&format!("study {number} of {all}: {path}"));
+            self.progress.note(&format!("study {number} of {all}: {path}"));
             let Some(design) = Design::shipped(path) else {
                 failed.push(format!("{path}: the design cannot be read"));
                 continue;

@@ -167,7 +167,10 @@ impl Design {
         let name = path
             .file_stem()
             .map_or_else(String::new, |stem| stem.to_string_lossy().into_owned());
-        if assembly.as_ref().is_some_and(|text| !inputs::assembly::loads_housing(text)) {
+        if assembly
+            .as_ref()
+            .is_some_and(|text| !inputs::assembly::loads_housing(text))
+        {
             values.body.model = BodyModel::Rigid;
         }
         let mut design = Self {

@@ -3,12 +3,12 @@
 
 use nailnoise_acoustics::signals::{energy_level, level_energy};
 
-use crate::stages::cycle::ShotRecord;
 use super::chart::{Axis, Chart, Panel, Series, Shape, events, symbol};
 use super::palette::BLACK;
 use crate::model::sources::{ALL, by_name};
 use crate::output::event_name;
 use crate::result::{BandLevel, IntervalLevel, RunResult};
+use crate::stages::cycle::ShotRecord;
 use crate::stages::ranking::SoundPower;
 
 /// Levels shown below the highest \[dB\].
@@ -143,7 +143,8 @@ fn intervals(result: &RunResult) -> Panel {
 pub(crate) fn from_event(name: &str) -> String {
     match event_name(name).split_once(' ') {
         Some((_, words)) => format!("{} {words}", symbol(name)),
-        None => format!("{name} of the record"),
+        None if matches!(name, "start" | "end") => format!("{name} of the record"),
+        None => name.replace('_', " "),
     }
 }
 

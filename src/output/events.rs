@@ -1,6 +1,5 @@
 //! `events.csv`: the events t0 to t18 of the shot.
 
-
 use nailnoise_dynamics::CycleRecord;
 
 use super::table::{optional, table};

@@ -3,8 +3,8 @@
 use nailnoise_dynamics::CycleRecord;
 use rayon::prelude::*;
 
-use super::{Exports, File, Output, RunView, Writer};
 use super::network::of_network;
+use super::{Exports, File, Output, RunView, Writer};
 use super::{body_fields, paraview, transducers};
 use super::{
     events, figures, histories, intervals, levels, log, loudness, microphones, power, radiation, ranking, result,

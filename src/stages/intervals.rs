@@ -46,7 +46,9 @@ pub struct EventEdges {
 impl EventEdges {
     /// The edges of a shot whose records last until `end` \[s\]. Events that do not occur are left out.
     pub fn new(events: &[EventTime], end: f64) -> Self {
-        let happened = events.iter().filter_map(|event| Some((event.time?, event.name.clone())));
+        let happened = events
+            .iter()
+            .filter_map(|event| Some((event.time?, event.name.clone())));
         let mut marks: Vec<(f64, String)> = happened.collect();
         // Stable: simultaneous events stay in the order of the tool.
         marks.sort_by(|a, b| a.0.total_cmp(&b.0));

@@ -1,8 +1,7 @@
 //! Notes of a run: facts that a reader needs in addition to its numbers.
 
-
-use crate::stages::cycle::ShotRecord;
 use crate::result::{FluidLoading, FluidLoadingChange, Loading, RadiationReport};
+use crate::stages::cycle::ShotRecord;
 
 /// Notes on one source.
 #[derive(Debug, Clone, Default, PartialEq)]

@@ -14,8 +14,8 @@ use super::spectra::{BodyMotion, SensorMotion};
 use super::{Code, Postcard, Progress, Stage, Stored, all, code};
 use crate::design::Carrier;
 use crate::error::Error;
-use crate::stages::cycle::ShotRecord;
 use crate::result::SensorLevel;
+use crate::stages::cycle::ShotRecord;
 
 /// Standard acceleration of gravity, the unit of accelerometer readings (ISO 80000-3) \[m/s2\].
 const STANDARD_GRAVITY: f64 = 9.80665;
@@ -181,6 +181,9 @@ fn decayed_length(signal: &[f64]) -> usize {
 
 /// Acceleration of a rigid tool, times a factor.
 fn rigid(record: &ShotRecord, (step, samples): (f64, usize), factor: f64) -> Vec<f64> {
+    if record.tool_acceleration().is_empty() {
+        return vec![0.0; samples];
+    }
     // After the record the forces on the tool balance each other.
     let acceleration = Loads {
         interval: record.sample_interval,

@@ -12,8 +12,8 @@ use super::sound::{SoundSource, SourceHistory};
 use super::truncation::Truncation;
 use super::{Code, Postcard, Progress, Stage, Stored, Uncached};
 use crate::error::Error;
-use crate::stages::cycle::ShotRecord;
 use crate::result::Check;
+use crate::stages::cycle::ShotRecord;
 
 /// Inputs of the sound that a source emits in a shot.
 pub trait Emission: Clone + Serialize + Send + Sync + 'static {

@@ -6,8 +6,8 @@ use serde::Serialize;
 use super::{Code, Progress, Stage, Stored, Uncached, code};
 use crate::design::Chamber;
 use crate::error::Error;
-use crate::stages::cycle::{BORE, RETURN_WALL, ShotRecord};
 use crate::result::TransducerRange;
+use crate::stages::cycle::{BORE, RETURN_WALL, ShotRecord};
 
 /// A piezoelectric pressure transducer.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -99,7 +99,8 @@ impl PressureTransducer {
             Chamber::Return => wall.pressure.clone(),
             Chamber::Cylinder => {
                 let volumes = wall.pressure.iter().zip(&wall.below);
-                let before = |(y, (above, below)): (&f64, (&f64, &f64))| if *y > self.position { *above } else { *below };
+                let before =
+                    |(y, (above, below)): (&f64, (&f64, &f64))| if *y > self.position { *above } else { *below };
                 wall.divide.iter().zip(volumes).map(before).collect()
             }
         }

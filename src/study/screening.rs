@@ -9,10 +9,10 @@ use super::condition::Counts;
 use super::request::Subset;
 use super::sampling::{Frame, Point, Rejections, Sampler};
 use super::variables::drawn_scores;
+use crate::chain::engine;
 use crate::design::{Design, Values};
 use crate::error::Error;
 use crate::graph::Graph;
-use crate::chain::engine;
 use crate::stages::cycle::Engine;
 use crate::stages::outcomes::{Outcomes, ShotOutcome};
 

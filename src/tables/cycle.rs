@@ -1,6 +1,5 @@
 //! Tables of a nailing cycle, the same for the terminal and the page.
 
-
 use nailnoise_dynamics::network::EventTime;
 
 use super::{Column, Table, fixed};

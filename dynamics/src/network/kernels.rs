@@ -4,7 +4,10 @@ use std::f64::consts::PI;
 
 use super::assembly::ContactDamping;
 use super::mode::{Mode, depth, friction};
-use super::plan::{AreaPlan, CoefficientPlan, ContactPlan, FastenerPlan, FrictionPlan, HoldPlan, MotorPlan, PassagePlan, RestrictionPlan, SpringPlan};
+use super::plan::{
+    AreaPlan, CoefficientPlan, ContactPlan, FastenerPlan, FrictionPlan, HoldPlan, MotorPlan, PassagePlan,
+    RestrictionPlan, SpringPlan,
+};
 use super::resistance::ResistancePlan;
 use nailnoise_penetration::Real;
 

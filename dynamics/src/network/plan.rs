@@ -7,8 +7,8 @@
 //! body after the last; reservoirs follow the volumes in the lists of pressures and temperatures.
 
 use super::assembly::{
-    Assembly, Base, Coefficient, Cone, ContactDamping, ForceLaw, Ledger, Opens, PassageLaw, Push, Space,
-    SpringLaw, Stop,
+    Assembly, Base, Coefficient, Cone, ContactDamping, ForceLaw, Ledger, Opens, PassageLaw, Push, Space, SpringLaw,
+    Stop,
 };
 use super::error::RunError;
 use super::resistance::ResistancePlan;

@@ -10,8 +10,8 @@ use nailnoise_quantities::Kind;
 use nailnoise_quantities::dimension::NUMBER;
 use serde::Serialize;
 
-use crate::commands::table::texts;
 use crate::atomic_write;
+use crate::commands::table::texts;
 use crate::commands::{Status, folder_of, print, print_json};
 use crate::design::inputs::assembly::AssembledTool;
 use crate::design::quantity_in_words;

@@ -93,7 +93,13 @@ pub(in crate::commands) fn execute(tool: &AssembledTool, asked: &Asked<'_>) -> R
 /// Writes the tables and, on request, the charts; returns the files of the charts.
 fn write(folder: &Path, tool: &AssembledTool, record: &Record, with_figures: bool) -> Result<Vec<PathBuf>, Error> {
     let staging = AtomicWrite::within(folder)?;
-    for file in output::of_network(record, Exports { histories: true, ..Exports::default() })? {
+    for file in output::of_network(
+        record,
+        Exports {
+            histories: true,
+            ..Exports::default()
+        },
+    )? {
         staging.write(&file.path, &file.content)?;
     }
     let charts = if with_figures {

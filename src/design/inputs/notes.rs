@@ -37,7 +37,9 @@ pub(crate) fn outcome_of_assembly(shot: &ShotRecord) -> String {
     let figures = |end: &str| match &shot.figures {
         SummaryFigures::Keys(_) => Vec::new(),
         SummaryFigures::Assembly(figures) => {
-            let named = figures.iter().filter_map(|(name, value)| Some((name.strip_suffix(end)?, *value)));
+            let named = figures
+                .iter()
+                .filter_map(|(name, value)| Some((name.strip_suffix(end)?, *value)));
             named.map(|(name, value)| (name.replace('_', " "), value)).collect()
         }
     };

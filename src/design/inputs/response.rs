@@ -2,8 +2,8 @@
 
 use nailnoise_fem::vibration::Support;
 
-use super::bodies;
 use super::assembly::{body, tool_mass};
+use super::bodies;
 use crate::design::Design;
 use crate::error::Error;
 use crate::model::supports::{self, Contact};
@@ -20,7 +20,7 @@ pub(crate) fn shot(design: &Design, engine: &Engine) -> Result<ShotInputs, Error
     let added_sand = added_sand.map(|sand| (sand.mass, supports::underside(design)));
     Ok(ShotInputs {
         added_sand,
-        gravity: engine.gravity(),
+        gravity: design.ambient.gravity,
         fastener: fastener(design, engine),
         supports: springs(design)?,
         step: design.analysis.time_step,

@@ -8,10 +8,10 @@ use crate::measurement::wrapping::Role;
 use crate::result::Starts;
 use crate::stages::apart::Apart;
 use crate::stages::bodies::BodyKind;
+use crate::stages::cycle::Engine;
 use crate::stages::notes::SourceNotes;
 use crate::stages::response::ResponseChecks;
 use crate::stages::sources::{AnalysedSource, SourceSound};
-use crate::stages::cycle::Engine;
 use crate::stages::{Code, Input, Stored};
 
 /// A source of sound.

@@ -14,8 +14,8 @@ use serde::Serialize;
 use super::{Code, Progress, Stage, Uncached, code};
 use crate::error::Error;
 
-pub use of_keys::event_times;
 pub(crate) use of_assembly::{TOOL, WORKPIECE};
+pub use of_keys::event_times;
 pub use shot::{BORE, EngineRecord, EventTimes, OnWorkpiece, RETURN_WALL, ShotRecord, SummaryFigures};
 
 /// One nailing cycle of the tool of a design's keys: chamber pressures, motions, events, contact forces and exhaust
@@ -90,10 +90,7 @@ impl Engine {
     /// [`Error::Cycle`], [`Error::Network`] where the tool cannot be computed.
     pub fn shot(&self) -> Result<ShotRecord, Error> {
         match self {
-            Self::Keys(cycle) => Ok(ShotRecord::of_keys(
-                &cycle.parameters,
-                cycle.record()?,
-            )),
+            Self::Keys(cycle) => Ok(ShotRecord::of_keys(&cycle.parameters, cycle.record()?)),
             Self::Assembly(cycle) => {
                 let record = network::simulate(&cycle.assembly, &cycle.numerics)?;
                 Ok(ShotRecord::of_assembly(&cycle.assembly, record))

@@ -184,7 +184,9 @@ impl<'a> Histories<'a> {
                 corrections.push(LoadHistory {
                     body: TOOL.to_owned(),
                     surface: (*surface).to_owned(),
-                    force: here.map(|(at, force)| if *at == place { *force } else { 0.0 }).collect(),
+                    force: here
+                        .map(|(at, force)| if *at == place { *force } else { 0.0 })
+                        .collect(),
                 });
             }
         }

@@ -141,9 +141,7 @@ fn loads(parameters: &Parameters, record: &CycleRecord) -> Vec<LoadHistory> {
         ),
         load(
             "rim",
-            history(&|n| {
-                f.seat[n] + above(n) * (within + underside - g.piston_area) + supply(n) * g.valve_supply_area
-            }),
+            history(&|n| f.seat[n] + above(n) * (within + underside - g.piston_area) + supply(n) * g.valve_supply_area),
         ),
         load(
             "floor",

@@ -119,7 +119,9 @@ impl ShotRecord {
     pub fn mass_out(&self) -> f64 {
         let of_figures = |figures: &BTreeMap<String, f64>| {
             let masses = self.openings.iter();
-            masses.filter_map(|own| figures.get(&format!("{}_mass", own.name))).sum()
+            masses
+                .filter_map(|own| figures.get(&format!("{}_mass", own.name)))
+                .sum()
         };
         match &self.figures {
             SummaryFigures::Keys(summary) => summary.exhaust_mass + summary.vent_mass,

@@ -30,8 +30,8 @@ pub use two_way::{CoupledCycle, CoupledResponse, CoupledVibration, CouplingRepor
 use super::bodies::Body;
 use super::{Code, Postcard, Progress, Stage, Stored, Uncached, code};
 use crate::error::Error;
-use crate::stages::cycle::ShotRecord;
 use crate::result::Check;
+use crate::stages::cycle::ShotRecord;
 
 /// Code that the stages of this module call.
 const CODE: Code = code!(dynamics, meshes, fem, acoustics, stages_bodies, stages_response);

@@ -63,12 +63,7 @@ impl ShotInputs {
     ///
     /// # Errors
     /// Those of the transient solver.
-    pub fn one_way(
-        &self,
-        bodies: &[ModalBody],
-        shot: &ShotRecord,
-        force_scale: f64,
-    ) -> Result<ModalResponse, Error> {
+    pub fn one_way(&self, bodies: &[ModalBody], shot: &ShotRecord, force_scale: f64) -> Result<ModalResponse, Error> {
         let loads = self.loads(shot, force_scale);
         Ok(respond(bodies, &self.opened(), &loads, &self.settings())?)
     }

@@ -22,10 +22,10 @@ use serde::{Deserialize, Serialize};
 use super::response::{Vibration, in_air};
 use super::{Code, Postcard, Progress, Stage, Stored, Uncached, code};
 use crate::error::Error;
-use crate::stages::cycle::ShotRecord;
 use crate::result::Check;
 use crate::stages::bodies::Body;
 use crate::stages::bodies::tool_loads::{AXIAL, HANDLE, LOADS, MASS_LIMIT, axial};
+use crate::stages::cycle::ShotRecord;
 
 /// Code that the stages of this module call.
 const CODE: Code = code!(
@@ -269,7 +269,10 @@ impl Guided {
         let sums = loads.history.tr_mul(&self.resultants());
         let mut corrections = vec![0.0; record.len()];
         for own in &record.impulse_corrections {
-            corrections.iter_mut().zip(&own.force).for_each(|(sum, force)| *sum += force);
+            corrections
+                .iter_mut()
+                .zip(&own.force)
+                .for_each(|(sum, force)| *sum += force);
         }
         let gap = |((sum, beside), a): ((&f64, &f64), &f64)| (sum - beside - mass * a).abs();
         let sums = sums.iter().zip(&corrections).zip(&tool.acceleration);

@@ -13,8 +13,8 @@ use crate::chain::{Context, Drive, Motions, ShotStages, engine, shot};
 use crate::design::inputs::notes::exhaust_max_frequency;
 use crate::design::{Design, MufflerKind};
 use crate::error::Error;
-use crate::stages::cycle::{Engine, ShotRecord};
 use crate::measurement::wrapping::Role;
+use crate::stages::cycle::{Engine, ShotRecord};
 use crate::stages::notes::SourceNotes;
 use crate::stages::{Code, Stored};
 
@@ -55,7 +55,11 @@ impl Source for ExhaustAir {
             let outflow = self::outflow(shot, &shot.motions.lumped, false)?;
             Ok::<_, Error>(shot.energy(ExhaustSound(outflow)))
         });
-        let (openings, cycle, known) = (openings(shot.context.design, &shot.motions.engine)?, shot.cycle.clone(), outflow.clone());
+        let (openings, cycle, known) = (
+            openings(shot.context.design, &shot.motions.engine)?,
+            shot.cycle.clone(),
+            outflow.clone(),
+        );
         let (on_shot, [_, range_high]) = (exhaust_max_frequency(shot.context.design), shot.motions.range_hz);
         Ok(SourceStages {
             source: &ExhaustAir,
@@ -127,5 +131,7 @@ fn without_measured_muffler(design: &Design) -> Option<Design> {
 pub fn noise_of_openings(design: &Design, record: &ShotRecord) -> Result<Vec<ExhaustNoise>, Error> {
     let unmuffled = without_measured_muffler(design).as_ref().map(shot).transpose()?;
     let holes = unmuffled.as_ref().unwrap_or(record);
-    Ok(noise(&openings(design, &engine(design)?)?, holes, record)?.details.openings)
+    Ok(noise(&openings(design, &engine(design)?)?, holes, record)?
+        .details
+        .openings)
 }

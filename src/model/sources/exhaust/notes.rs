@@ -2,8 +2,8 @@
 
 use nailnoise_acoustics::jets::ValveNoise;
 
-use crate::stages::cycle::ShotRecord;
 use super::sound::{ExhaustDetails, Muffler, Openings};
+use crate::stages::cycle::ShotRecord;
 
 /// Notes on the methods of the exhaust, whose levels end at `range_high` \[Hz\].
 pub(super) fn methods(
@@ -39,7 +39,10 @@ pub(super) fn methods(
         notes.push(format!(
             "exhaust: {} holes {:.1} mm apart, at most 3 diameters: their jets merge and sound as one of {:.1} mm",
             openings.exhaust().map_or(0, |(own, _)| own.holes.count),
-            1e3 * openings.exhaust().and_then(|(own, _)| own.holes.pitch).unwrap_or_default(),
+            1e3 * openings
+                .exhaust()
+                .and_then(|(own, _)| own.holes.pitch)
+                .unwrap_or_default(),
             1e3 * jet.diameter
         ));
     }

@@ -14,9 +14,9 @@ use nailnoise_dynamics::network::FlowHistory as OpeningFlow;
 use serde::Serialize;
 
 use crate::error::Error;
-use crate::stages::cycle::ShotRecord;
 use crate::result::{Check, CrossCheck, Uncertainty};
 use crate::stages::apart::{Apart, Moved, PartError};
+use crate::stages::cycle::ShotRecord;
 use crate::stages::intervals::EventEdges;
 use crate::stages::microphones::{Heard, JetOutlet, MicrophoneArray};
 use crate::stages::sound::{Sound, SoundSource, SourceHistory, parts_of};
@@ -382,9 +382,7 @@ pub(crate) fn noise(inputs: &Openings, through_holes: &ShotRecord, shot: &ShotRe
     let main = main.unwrap_or_default();
     let fitting = inputs.exhaust().and_then(|(_, exhaust)| exhaust.fitting.as_ref());
     let [minus, plus] = match fitting {
-        Some(fitting) if main.place < openings.len() => {
-            amplified_jets(fitting, &openings[main.place], &spectrum, air)?
-        }
+        Some(fitting) if main.place < openings.len() => amplified_jets(fitting, &openings[main.place], &spectrum, air)?,
         _ => [0.0, 0.0],
     };
     let mut basis = MODEL_BASIS.to_owned();

@@ -12,9 +12,9 @@ use super::{Compared, ImpedanceComparison, Source, SourceStages};
 use crate::chain::ShotStages;
 use crate::design::inputs;
 use crate::error::Error;
-use crate::stages::cycle::{Engine, ShotRecord, TOOL};
 use crate::measurement::wrapping::Role;
 use crate::stages::bodies::BodyKind;
+use crate::stages::cycle::{Engine, ShotRecord, TOOL};
 use crate::stages::notes::{SourceNotes, radiation_note};
 use crate::stages::sources::SourceSound;
 use crate::stages::spectra::BodyMotion;
@@ -89,7 +89,11 @@ impl Source for Housing {
             },
             notes: Box::new(move |sound| {
                 let report: Option<Arc<ToolChecks>> = report.as_ref().map(Stored::get).transpose()?;
-                Ok(notes(sound, report.as_ref().map(|report| &report.stiffness[..]), rigid.as_deref()))
+                Ok(notes(
+                    sound,
+                    report.as_ref().map(|report| &report.stiffness[..]),
+                    rigid.as_deref(),
+                ))
             }),
         })
     }

@@ -13,10 +13,10 @@ use nalgebra::Complex;
 use serde::Serialize;
 
 use crate::error::Error;
-use crate::stages::cycle::ShotRecord;
 use crate::result::{CrossCheck, Uncertainty};
 use crate::stages::apart::{Apart, Moved, PartError};
 use crate::stages::bodies::Body;
+use crate::stages::cycle::ShotRecord;
 use crate::stages::intervals::EventEdges;
 use crate::stages::microphones::{Heard, MicrophoneArray, ToolSphere};
 use crate::stages::sound::{Sound, SoundSource};

@@ -6,9 +6,9 @@ use nailnoise_acoustics::signals::SourceSpectrum;
 use serde::Serialize;
 
 use crate::error::Error;
-use crate::stages::cycle::ShotRecord;
 use crate::stages::apart::Apart;
 use crate::stages::bodies::Body;
+use crate::stages::cycle::ShotRecord;
 use crate::stages::intervals::EventEdges;
 use crate::stages::microphones::{Heard, MicrophoneArray};
 use crate::stages::sound::{Sound, SoundSource};
