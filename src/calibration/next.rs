@@ -3,6 +3,7 @@
 
 use std::sync::Arc;
 
+use nailnoise_calibration::likelihood::ErrorLaw;
 use nailnoise_calibration::next::{Further, Outputs, gain};
 use nailnoise_calibration::statistics::quantile_of;
 use nailnoise_dynamics::CycleRecord;
@@ -113,6 +114,9 @@ const DIRECT_SHARE: f64 = 0.01;
 /// Tables of keys that a part of the tool states.
 const PARTS: [&str; 6] = ["piston.", "head_valve.", "chambers.", "exhaust.", "body.", "tool."];
 
+/// Units of keys that callipers, scales or a fill of water measure.
+const MEASURABLE: [&str; 4] = ["m", "kg", "m2", "m3"];
+
 /// A measurement that could be made next.
 #[derive(Debug, Clone, Serialize)]
 pub struct NextRow {
@@ -217,7 +221,7 @@ impl Levelled<'_> {
         for variable in 0..self.tool.keys() {
             let name = self.tool.name(variable);
             let unit = self.tool.sampler.variables()[variable].unit();
-            if !PARTS.iter().any(|part| name.starts_with(part)) || unit.is_empty() {
+            if !PARTS.iter().any(|part| name.starts_with(part)) || !MEASURABLE.contains(&unit) {
                 continue;
             }
             let predictions: Vec<f64> = rows.iter().map(|&row| self.table.rows[row][variable]).collect();
@@ -268,6 +272,7 @@ impl Candidate {
         let further = Further {
             predictions: &self.predictions,
             scale: self.scale,
+            law: ErrorLaw::Student,
         };
         let gain = gain(further, outputs, seed)?;
         let hours = self.minutes / 60.0;
