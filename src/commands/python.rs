@@ -1,4 +1,4 @@
-//! Commands that the Python package does: optimisers and schedulers are at home there.
+//! Work that the Python package does: schedulers of clusters are at home there.
 
 use std::ffi::OsString;
 use std::path::Path;
@@ -6,7 +6,6 @@ use std::path::Path;
 use nailnoise_meshes::child;
 
 use super::Common;
-use super::Status;
 use crate::design::Design;
 use crate::error::Error;
 
@@ -15,11 +14,6 @@ const PYTHON: &str = "NAILNOISE_PYTHON";
 
 /// Calls `python -m nailnoise COMMAND`, which needs a package in addition to nailnoise; returns the exit status. It
 /// ends when this process ends, however that happens.
-pub(super) fn call(needed: &'static str, command: &str, arguments: &[OsString]) -> Result<Status, Error> {
-    let status = status(needed, command, arguments)?;
-    Ok(Status::from(status))
-}
-
 fn status(needed: &'static str, command: &str, arguments: &[OsString]) -> Result<u8, Error> {
     let python = std::env::var_os(PYTHON).unwrap_or_else(|| "python3".into());
     let missing = |reason: String| Error::NoPython {
@@ -42,7 +36,6 @@ fn status(needed: &'static str, command: &str, arguments: &[OsString]) -> Result
     let code = status.map_err(|error| missing(error.to_string()))?.code();
     match code.and_then(|code| u8::try_from(code).ok()) {
         Some(code) if code < KILLED => Ok(code),
-        // 1 would be a result: that no design meets the constraints.
         code => Err(Error::PythonEnded {
             signal: code.map_or(0, |code| code - KILLED),
         }),

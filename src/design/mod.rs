@@ -50,6 +50,7 @@ mod suggest;
 mod surfaces;
 mod transducers;
 
+use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write as _;
 use std::ops::{Deref, DerefMut};
 use std::path::{Path, PathBuf};
@@ -87,6 +88,7 @@ pub use surfaces::{NamedSurface, SurfaceName, SurfaceOf, SurfaceProblem};
 pub use transducers::{Chamber, Transducer};
 
 use crate::wording::hexadecimal;
+use assembly::OwnAssembly;
 use derived_range::DerivedRange;
 use resolve::{Record, Records, Resolved};
 
@@ -112,8 +114,8 @@ pub struct Design {
     derived: Arc<Vec<DerivedRange>>,
     study: StudySettings,
     report: ReportSettings,
-    /// The network of its tables `[cycle]`; none for a tool like the N80CB.
-    assembly: Option<Arc<AssemblyText>>,
+    /// The network of its tables `[cycle]`; none for the tool of the keys.
+    assembly: Option<OwnAssembly>,
     warnings: Vec<Warning>,
     /// Standard normal scores by which the fitted penetration law is drawn; none for the law itself.
     law_scores: Vec<f64>,
@@ -153,9 +155,9 @@ impl Design {
 
     fn resolve(path: &Path, file: File, assignments: &[Assignment]) -> Result<Self, DesignError> {
         let over = assignments.iter().rev().map(Assignment::file);
-        let chain: Vec<File> = over.chain(file.chain()?).collect();
+        let chain = assembly::with_assemblies(over.chain(file.chain()?).collect())?;
         let Resolved {
-            values,
+            mut values,
             records,
             derived,
             study,
@@ -167,7 +169,13 @@ impl Design {
         let name = path
             .file_stem()
             .map_or_else(String::new, |stem| stem.to_string_lossy().into_owned());
-        Ok(Self {
+        if assembly
+            .as_ref()
+            .is_some_and(|text| !inputs::assembly::loads_housing(text))
+        {
+            values.body.model = BodyModel::Rigid;
+        }
+        let mut design = Self {
             name,
             path: path.to_owned(),
             values,
@@ -175,10 +183,18 @@ impl Design {
             derived: Arc::new(derived),
             study,
             report,
-            assembly: assembly.map(Arc::new),
+            assembly: assembly.map(OwnAssembly::new),
             warnings,
             law_scores: Vec::new(),
-        })
+        };
+        let read = inputs::assembly::keys(&design);
+        if let (Some(own), Ok(keys)) = (&mut design.assembly, read) {
+            own.read(&keys)?;
+        }
+        match design.conflict() {
+            Some(conflict) => Err(resolve::conflicting(conflict, &design.records)),
+            None => Ok(design),
+        }
     }
 
     /// The assembly of a file and those it inherits from: with the design whose keys it uses, or alone if the files
@@ -209,7 +225,69 @@ impl Design {
 
     /// The network of its tables `[cycle]`; none for a design that has no such table.
     pub fn assembly(&self) -> Option<&AssemblyText> {
-        self.assembly.as_deref()
+        self.assembly.as_ref().map(OwnAssembly::text)
+    }
+
+    /// Literals of its assembly that were set since it was read, by full name.
+    pub(crate) fn set_literals(&self) -> impl Iterator<Item = (&str, f64, Dimension)> {
+        self.assembly.iter().flat_map(OwnAssembly::changed)
+    }
+
+    /// Sets keys and literals of an assembly by their full names, as [`Values::set`].
+    ///
+    /// # Errors
+    /// [`SetError`] for the first that cannot be set; nothing is changed then.
+    pub fn set(&mut self, changes: &[(&str, Value)]) -> Result<(), SetError> {
+        let Some(own) = &self.assembly else {
+            return self.values.set(changes);
+        };
+        let (literals, keys): (Vec<_>, Vec<_>) = changes.iter().cloned().partition(|(key, _)| own.is_literal(key));
+        let mut own = own.clone();
+        for (key, value) in literals {
+            own.set(key, &value)?;
+        }
+        self.values.set(&keys)?;
+        self.assembly = Some(own);
+        Ok(())
+    }
+
+    /// Keys that an assembly leaves without effect; none for the tool of the keys.
+    pub(crate) fn idle_keys(&self) -> BTreeSet<String> {
+        let mut idle = BTreeSet::new();
+        if let Some(own) = &self.assembly {
+            self.values.visit("", &mut |key, _, _| {
+                if !own.uses(key) {
+                    idle.insert(key.to_owned());
+                }
+            });
+        }
+        idle
+    }
+
+    /// Whether a key is a literal of its assembly.
+    pub(crate) fn is_literal(&self, key: &str) -> bool {
+        self.assembly.as_ref().is_some_and(|own| own.is_literal(key))
+    }
+
+    /// The first conflict between values that have an effect, if there is one.
+    pub fn conflict(&self) -> Option<Conflict> {
+        self.values.conflict_without(&self.idle_keys())
+    }
+
+    /// The error that an assembly does not follow the value of a key, at that key.
+    pub(crate) fn refuse_for_assembly(&self, key: &str, remedy: &'static str) -> DesignError {
+        let record = self.records.get(key);
+        let value = record.map_or_else(String::new, |record| match &record.value {
+            Value::Choice(word) => (*word).to_owned(),
+            other => self.value_in_words(key, other.clone()),
+        });
+        Problem::NotOfAssembly {
+            key: key.to_owned(),
+            value,
+            name: self.assembly().map_or_else(String::new, |text| text.name().to_owned()),
+            remedy,
+        }
+        .at(record.map(|record| record.place.clone()))
     }
 
     /// Refuses a design with its own assembly, where only the tool of the keys can be computed.
@@ -296,8 +374,11 @@ impl Design {
         for score in &self.law_scores {
             let _ = writeln!(text, "law_score={score:.11e}");
         }
-        if let Some(assembly) = self.assembly() {
-            text.push_str(&assembly.canonical());
+        if let Some(own) = &self.assembly {
+            text.push_str(&own.text().canonical());
+            for (key, si, _) in own.changed().filter(|(key, ..)| !keys.contains(key)) {
+                let _ = writeln!(text, "{key}={si:.11e}");
+            }
         }
         hexadecimal(&Sha256::digest(text))
     }
@@ -370,6 +451,19 @@ impl Design {
         words
     }
 
+    /// The first sentence of the description of each key.
+    pub(crate) fn meanings(&self) -> BTreeMap<String, String> {
+        let mut meanings = BTreeMap::new();
+        self.values.visit("", &mut |key, spec, _| {
+            let description = spec.description();
+            let first = description
+                .split_once(". ")
+                .map_or(description.as_str(), |(first, _)| first);
+            meanings.insert(key.to_owned(), first.trim_end_matches('.').to_owned());
+        });
+        meanings
+    }
+
     /// Every key with its value and origin, in the order of the reference.
     ///
     /// A value changed by the program since the design was read has the provenance "design".
@@ -377,6 +471,9 @@ impl Design {
         let mut entries = Vec::new();
         self.values.visit("", &mut |key, spec, value| {
             let Some(record) = self.records.get(key) else { return };
+            if self.assembly.as_ref().is_some_and(|own| !own.uses(key)) {
+                return;
+            }
             let Record {
                 range,
                 range_origin,
@@ -402,6 +499,7 @@ impl Design {
                 line: place.line(),
             });
         });
+        entries.extend(self.assembly.iter().flat_map(OwnAssembly::entries));
         entries
     }
 

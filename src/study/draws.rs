@@ -20,7 +20,7 @@ use super::screening::{Candidate, Tally, drawn, screen};
 use super::variables::{
     Scope, Variable, VariableKind, common_variables, drawn_scores, with_workpiece_sensors, without_sensors,
 };
-use crate::chain::{Chain, Options, SharedShapes, cycle_stage};
+use crate::chain::{Chain, Options, SharedShapes, engine};
 use crate::design::{Coupling, Design, Values};
 use crate::error::Error;
 use crate::graph::Graph;
@@ -28,6 +28,7 @@ use crate::stages::levels::Levels;
 use crate::stages::outcomes::{ShotFigures, ShotOutcome};
 use crate::stages::{Progress, code};
 use crate::store::Key;
+use crate::study::StudyError;
 use crate::wording::hexadecimal;
 
 /// A draw.
@@ -85,8 +86,8 @@ pub(super) struct Planned {
 /// Makes the requested draws on a graph, and reports their number on `progress`.
 ///
 /// # Errors
-/// Those of the chain of the design itself; [`Error::NothingDrawn`] where no candidate is accepted; [`Error::NoLevels`]
-/// where those of no draw can be computed.
+/// Those of the chain of the design itself; [`StudyError::NothingDrawn`] where no candidate is accepted;
+/// [`StudyError::NoLevels`] where those of no draw can be computed.
 pub fn draws(graph: &Graph, design: &Design, request: &Request, progress: &Progress) -> Result<Draws, Error> {
     let made = common_draws(graph, &[design], request, progress)?;
     Ok(made.into_iter().next().unwrap_or_default())
@@ -124,10 +125,11 @@ pub fn common_draws(
     if let (true, Some((_, reason))) = (draws.iter().all(Vec::is_empty), failures.first())
         && request.part != Subset::Kept
     {
-        return Err(Error::NoLevels {
+        return Err(StudyError::NoLevels {
             draws: failures.len(),
             reason: reason.clone(),
-        });
+        }
+        .into());
     }
     let of_design = |draws: Vec<Draw>| Draws {
         open_ends: open_ends(&sampler, &draws),
@@ -230,11 +232,13 @@ pub(super) fn levels(
                 None => Chain::new(graph, &own, options),
                 Some(held) => {
                     let mut bodies = design.clone();
-                    bodies.set(&sampler.changes(&held)).map_err(|error| Error::NoDesign {
-                        reason: error.to_string(),
-                    })?;
+                    bodies
+                        .set(&sampler.changes(&held))
+                        .map_err(|error| StudyError::NoDesign {
+                            reason: error.to_string(),
+                        })?;
                     bodies.draw_law(drawn_scores(sampler.variables(), &point.shares));
-                    Chain::with_cycle(graph, &bodies, cycle_stage(&own)?, options)
+                    Chain::with_engine(graph, &bodies, engine(&own)?, options)
                 }
             }
         };
@@ -286,7 +290,7 @@ fn check_joint(designs: &[&Design], request: &Request) -> Result<(), Error> {
     let joint = |design: &&Design| design.study().draws.clone();
     let mut all = designs.iter().filter_map(joint);
     let Some(first) = all.next() else { return Ok(()) };
-    let refuse = |problem: &'static str, help: &'static str| Err(Error::JointDraws { problem, help });
+    let refuse = |problem: &'static str, help: &'static str| Err(StudyError::JointDraws { problem, help }.into());
     if first.code != code_of_joint_draws() {
         return refuse(
             "were made by other code of the nailing cycle",
@@ -326,7 +330,7 @@ fn held_bodies(sampler: &Sampler, point: &Point) -> Option<Point> {
 
 /// The design of a point.
 fn design_of(design: &Design, sampler: &Sampler, point: &Point) -> Result<Design, Error> {
-    drawn(design, sampler, design, point).map_err(|reason| Error::NoDesign { reason })
+    drawn(design, sampler, design, point).map_err(|reason| StudyError::NoDesign { reason }.into())
 }
 
 /// The shapes of a drawn structure that other structures may have too: those that depend only on its alternatives. A

@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use super::normal;
-use crate::design::inputs::cycle::parameters as cycle_parameters;
+use crate::chain::engine;
 use crate::design::{Design, Distribution, Entry, Provenance, Value};
 use crate::error::Error;
 
@@ -216,15 +216,15 @@ impl Parameter {
 /// have no effect on the cycle.
 ///
 /// # Errors
-/// As [`parameters`](cycle_parameters).
+/// Values of the design that do not yield inputs.
 pub fn taking_part(design: &Design) -> Result<Vec<Parameter>, Error> {
-    let base = cycle_parameters(design)?;
+    let base = engine(design)?;
     let takes_part = |parameter: &Parameter| {
         let [low, high] = parameter.range;
         let other = if low == parameter.number() { high } else { low };
         let mut changed = design.clone();
         changed.set(&[(parameter.change(), parameter.hold(other))]).is_ok()
-            && cycle_parameters(&changed).is_ok_and(|parameters| parameters != base)
+            && engine(&changed).is_ok_and(|engine| engine != base)
     };
     let parameters = Parameter::all(design).into_iter().map(|(parameter, _)| parameter);
     Ok(parameters.filter(takes_part).collect())

@@ -37,6 +37,10 @@ pub struct Sampler {
     variables: Vec<Variable>,
     components: Vec<Component>,
     seed: u64,
+    /// Names of the variables that are literals of an assembly, which no rule compares.
+    literals: BTreeSet<String>,
+    /// Keys that an assembly leaves without effect.
+    idle: BTreeSet<String>,
     /// Values that take the place of the sequence.
     joint: Option<JointShares>,
 }
@@ -120,11 +124,14 @@ impl Sampler {
     pub fn new(design: &Design, variables: Vec<Variable>, seed: u64) -> Self {
         let rules = rules(design, &variables);
         let components = components(&variables, &rules, &design.study().correlations);
+        let literal = |variable: &&Variable| design.is_literal(&variable.name);
         let joint = design.study().draws.as_ref().map(|own| JointShares {
             draws: Arc::clone(own),
             shares: joint_shares(own, &variables),
         });
         Self {
+            literals: variables.iter().filter(literal).map(|own| own.name.clone()).collect(),
+            idle: design.idle_keys(),
             joint,
             variables,
             components,
@@ -291,7 +298,7 @@ impl Sampler {
             let mut around = given.clone();
             let own = component.members.iter().filter(|member| frame.active[**member]);
             own.for_each(|&member| around.shares[member] = f64::NAN);
-            let changes = self.changes(&around);
+            let changes = self.changes_of_values(&self.changes(&around));
             for base in &mut bases {
                 // The given point was accepted, so that its values can be set.
                 let _ = base.set(&changes);
@@ -303,8 +310,8 @@ impl Sampler {
     /// Keys of the rule that is broken when members are drawn; none if their values are compatible.
     fn broken_rule(&self, base: &Values, members: &[usize], point: &Point) -> Option<String> {
         let mut values = base.clone();
-        match values.set(&self.changes_of(members, point)) {
-            Ok(()) => Some(values.conflict()?.keys().join(", ")),
+        match values.set(&self.changes_of_values(&self.changes_of(members, point))) {
+            Ok(()) => Some(values.conflict_without(&self.idle)?.keys().join(", ")),
             Err(error) => Some(error.key().to_owned()),
         }
     }
@@ -315,6 +322,12 @@ impl Sampler {
             Some(variable.changes(&variable.drawn(point.shares[m])?))
         });
         changes.flatten().collect()
+    }
+
+    /// Those of some changes that set values of the design, not literals of an assembly.
+    fn changes_of_values<'a>(&self, changes: &[(&'a str, Value)]) -> Vec<(&'a str, Value)> {
+        let of_values = changes.iter().filter(|(key, _)| !self.literals.contains(*key));
+        of_values.cloned().collect()
     }
 
     /// Keys and values that a point sets.
@@ -397,12 +410,13 @@ impl CommonFactor {
 fn rules(design: &Design, variables: &[Variable]) -> BTreeSet<Vec<usize>> {
     /// Apart from any seed of a study: the rules do not depend on it.
     const SEED: u64 = 0x5EED_0F9A_0BE5;
-    let base: &Values = design;
+    let (base, idle): (&Values, _) = (design, design.idle_keys());
     let conflict = |members: &[usize], drawn: &[Drawn]| {
         let mut values = base.clone();
-        let changes: Vec<_> = members.iter().flat_map(|&m| variables[m].changes(&drawn[m])).collect();
+        let changes = members.iter().flat_map(|&m| variables[m].changes(&drawn[m]));
+        let changes: Vec<_> = changes.filter(|(key, _)| !design.is_literal(key)).collect();
         match values.set(&changes) {
-            Ok(()) => values.conflict(),
+            Ok(()) => values.conflict_without(&idle),
             Err(_) => None,
         }
     };

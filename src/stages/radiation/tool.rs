@@ -25,6 +25,7 @@ use serde::Serialize;
 use super::boundary_elements::{LOWEST_SAMPLE, MOST_AT_GAPS, MeshRanges, Places, Resolution, Solution};
 use crate::error::Error;
 use crate::stages::Progress;
+use crate::stages::bodies::BodyError;
 use crate::stages::bodies::MovingSurface;
 
 /// How far a node may be off the cap that it belongs to, as a share of the cap's radius.
@@ -48,7 +49,7 @@ impl CapSurface {
     /// Which panels of a boundary are part of it.
     ///
     /// # Errors
-    /// [`Error::NoCapSurface`] where none or all are.
+    /// [`BodyError::NoCapSurface`] where none or all are.
     fn panels(&self, mesh: &BoundaryMesh) -> Result<Vec<bool>, Error> {
         let inside = |panel: &Panel| match *self {
             Self::Above { height, radius } => panel.corners().iter().all(|&node| {
@@ -60,13 +61,14 @@ impl CapSurface {
         let panels: Vec<bool> = mesh.panels.iter().map(inside).collect();
         let own = panels.iter().filter(|own| **own).count();
         if own == 0 || own == panels.len() {
-            return Err(Error::NoCapSurface {
+            return Err(BodyError::NoCapSurface {
                 surface: match self {
                     Self::Above { .. } => None,
                     Self::Named(name) => Some(name),
                 },
                 panels: [own, panels.len()],
-            });
+            }
+            .into());
         }
         Ok(panels)
     }
@@ -111,7 +113,7 @@ impl ToolRadiation {
     /// motion.
     ///
     /// # Errors
-    /// As [`Self::compute`], and [`Error::NoCapSurface`].
+    /// As [`Self::compute`], and [`BodyError::NoCapSurface`].
     pub fn compute_with_cap(
         &self,
         bodies: &[MovingSurface<'_>],
@@ -155,7 +157,7 @@ impl ToolRadiation {
     /// required, before it has modes.
     ///
     /// # Errors
-    /// As [`Self::level`], [`Error::NoCapSurface`], and those of the microphones.
+    /// As [`Self::level`], [`BodyError::NoCapSurface`], and those of the microphones.
     pub fn check(&self, surface: &Surface, cap: Option<&CapSurface>, places: &Places) -> Result<(), Error> {
         let modes = DMatrix::zeros(3 * surface.points.len(), 0);
         let body = MovingSurface {
@@ -163,7 +165,7 @@ impl ToolRadiation {
             surface,
             modes: &modes,
         };
-        places.check(&self.levels(&[body], cap, &Air::default())?)
+        places.check(&self.mesh_hierarchy(&[body], cap, &Air::default())?)
     }
 
     /// The housing's own mesh, its nose closed, up to the frequency that it resolves.
@@ -188,7 +190,7 @@ impl ToolRadiation {
     /// surfaces differ.
     ///
     /// # Errors
-    /// As [`Self::level`], [`Error::OpenCavity`], and [`Error::NoCapSurface`].
+    /// As [`Self::level`], [`BodyError::OpenCavity`], and [`BodyError::NoCapSurface`].
     pub fn finest(
         &self,
         bodies: &[MovingSurface<'_>],
@@ -307,7 +309,7 @@ impl ToolRadiation {
     ///
     /// # Errors
     /// As [`Self::finest`].
-    pub fn levels(
+    pub fn mesh_hierarchy(
         &self,
         bodies: &[MovingSurface<'_>],
         cap: Option<&CapSurface>,
@@ -369,17 +371,18 @@ fn of_panels(boundary: &Boundary, part: impl Fn(usize) -> bool) -> Vec<bool> {
 fn refuse_open_cavities(outline: &BoundaryMesh) -> Result<(), Error> {
     let name = |panel: &Panel| outline.patches[panel.patch].as_str();
     match outline.panels.iter().map(name).find(|name| ENCLOSED.contains(name)) {
-        Some(surface) => Err(Error::OpenCavity {
+        Some(surface) => Err(BodyError::OpenCavity {
             surface: surface.to_owned(),
-        }),
+        }
+        .into()),
         None => Ok(()),
     }
 }
 
 /// Bodies whose surfaces differ have no common modes.
-const OTHER_SURFACE: Error = Error::OtherModes {
-    body: "standard bodies",
-};
+const OTHER_SURFACE: Error = Error::Body(BodyError::OtherModes {
+    body: "reference bodies",
+});
 
 /// Appends the motions of another mesh of the same surface from number `first` on; false where the surfaces differ.
 fn append(to: &mut MeshRange, from: &MeshRange, first: usize) -> bool {
