@@ -36,7 +36,9 @@ pub(super) fn page(result: &CalibrationResult, charts: &[Chart]) -> Page {
     if !result.next.is_empty() {
         sections.push(Section::new("next", "What to measure next", next(result)));
     }
-    sections.push(Section::new("sampler", "The sampler", sampler(result)));
+    if !result.steps.is_empty() {
+        sections.push(Section::new("sampler", "The sampler", sampler(result)));
+    }
     Page {
         title: format!("{}: calibration", result.design.name),
         compared: None,
