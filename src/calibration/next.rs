@@ -11,7 +11,6 @@ use rayon::prelude::*;
 use serde::Serialize;
 
 use super::quantities::{Chamber, Moment, Quantity, Spread};
-use super::result::Table;
 use super::tool::{Tool, shot};
 use crate::design::{Design, JointDraws, Value};
 use crate::error::Error;
@@ -146,9 +145,8 @@ pub struct NextRow {
 pub(super) struct Levelled<'a> {
     pub(super) tool: &'a Tool,
     pub(super) design: &'a Design,
-    /// The draws of the keys, with the rows of `table`.
+    /// The draws of the keys.
     pub(super) joint: JointDraws,
-    pub(super) table: &'a Table,
     /// Points of the rows.
     pub(super) points: Vec<&'a [f64]>,
 }
@@ -224,7 +222,7 @@ impl Levelled<'_> {
             if !PARTS.iter().any(|part| name.starts_with(part)) || !MEASURABLE.contains(&unit) {
                 continue;
             }
-            let predictions: Vec<f64> = rows.iter().map(|&row| self.table.rows[row][variable]).collect();
+            let predictions: Vec<f64> = rows.iter().map(|&row| self.joint.rows[row][variable]).collect();
             let scale = match unit {
                 "m" => DIRECT_LENGTH,
                 _ => DIRECT_SHARE * median(&predictions).abs(),
