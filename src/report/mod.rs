@@ -24,6 +24,7 @@ mod picture;
 mod raster;
 mod rows;
 mod scene;
+mod sheet;
 mod sound;
 mod study;
 mod surface;
@@ -36,6 +37,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::calibration::CalibrationResult;
 use crate::comparison::Comparison;
+use crate::declaration;
 use crate::design::Design;
 use crate::error::Error;
 use crate::figures;
@@ -297,6 +299,11 @@ pub fn measurement(result: &MeasurementResult, charts: &[figures::Chart]) -> Str
 /// with a sound for each design that has one.
 pub fn comparison(comparison: &Comparison, paired: &[PairedStudy], identity: &str, recordings: &[Recording]) -> String {
     compared::page(comparison, paired, identity, recordings).html()
+}
+
+/// The declaration sheet of a finished result, for a use of the tool.
+pub fn declaration(of: &declaration::Finished, usage: declaration::Use) -> String {
+    sheet::page(of, usage).html()
 }
 
 fn ranking(result: &RunResult) -> Markup {
