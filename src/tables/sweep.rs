@@ -20,7 +20,7 @@ fn axis_columns(axes: &[Axis]) -> impl Iterator<Item = Column> {
     })
 }
 
-/// Levels of the design at each point, and how its shot ends.
+/// Levels of the design and outcome of its shot at each point.
 pub(crate) fn points(axes: &[Axis], points: &[SweptPoint]) -> Table {
     let sources = sources(points);
     let row = |point: &SweptPoint| {
@@ -52,7 +52,7 @@ pub(crate) fn points(axes: &[Axis], points: &[SweptPoint]) -> Table {
     )
 }
 
-/// Levels over the draws that all points have in common; none without draws.
+/// Levels over the common draws of all points; `None` without draws.
 pub(crate) fn over_draws(axes: &[Axis], points: &[SweptPoint]) -> Option<Table> {
     let first = points.iter().find_map(|point| point.drawn.as_ref())?;
     let span = |own: &Quantiles| Cell::from(format!("{} .. {}", decibels(own.p05.value), decibels(own.p95.value)));

@@ -1,4 +1,4 @@
-//! Thin-walled and layered structures by 20-node solid elements.
+//! Thin-walled and layered structures with 20-node solid elements.
 
 use std::f64::consts::FRAC_PI_2;
 
@@ -27,13 +27,13 @@ const COMPOSITE: Case = Case {
     source: "NASA Lewis, measured by laser holography",
 };
 
-/// Whether a coordinate is zero but for rounding.
+/// Whether a coordinate is zero apart from rounding.
 fn is_zero(c: f64) -> bool {
     c.abs() < 1e-9
 }
 
-/// A membrane 10 m long, 5 m high at its root and 1 m at its tip, 0.05 m thick. Half its thickness is meshed, above the
-/// midplane, which stays plane.
+/// A membrane 10 m long, 5 m high at its root and 1 m at its tip, 0.05 m thick. The half above the midplane is meshed;
+/// the midplane stays plane.
 pub(super) fn membrane() -> Result<Vec<Row>, Error> {
     let [length, root, tip, thickness] = [10.0, 5.0, 1.0, 0.05];
     let mut mesh = block(&Block {
@@ -59,8 +59,8 @@ pub(super) fn membrane() -> Result<Vec<Row>, Error> {
     Ok(frequencies(FV32, &basis, &reference, 5e-3))
 }
 
-/// A cylinder of mean radius 0.1 m, length 0.4 m and wall 10 mm, clamped at both ends. A quarter of it, antisymmetric
-/// in both planes, has the torsion.
+/// A cylinder of mean radius 0.1 m, length 0.4 m and wall 10 mm, clamped at both ends. A quarter of it with
+/// antisymmetry in both planes has the torsion modes.
 pub(super) fn cylinder() -> Result<Vec<Row>, Error> {
     let [radius, length, wall] = [0.1, 0.4, 0.01];
     let [e, nu, rho]: [f64; 3] = [200e9, 0.3, 7800.0];
@@ -75,7 +75,7 @@ pub(super) fn cylinder() -> Result<Vec<Row>, Error> {
     let mut constraints = Constraints::free();
     for (node, p) in mesh.nodes.iter().enumerate() {
         let ends = is_zero(p.z) || is_zero(p.z - length);
-        // Antisymmetry in a plane holds the displacements within it.
+        // Antisymmetry in a plane constrains the displacements in it.
         let held = [
             ends || is_zero(p.y),
             ends || is_zero(p.x),
@@ -97,7 +97,7 @@ pub(super) fn cylinder() -> Result<Vec<Row>, Error> {
     Ok(vec![row.within_part(1e-3)])
 }
 
-/// Lines of a grid across cells between walls of a thickness about equidistant middles; `parts` elements a cell.
+/// Grid lines across cells whose walls of a given thickness have equidistant centres; `parts` elements per cell.
 fn lines(cells: usize, pitch: f64, wall: f64, parts: usize) -> Vec<f64> {
     let clear = pitch - wall;
     let cell = |c: usize| {
@@ -110,13 +110,13 @@ fn lines(cells: usize, pitch: f64, wall: f64, parts: usize) -> Vec<f64> {
     lines
 }
 
-/// Two square cells of 1.27 m side by side, 2.54 m long, walls of 12.7 mm, clamped at one end.
+/// Two adjacent square cells of 1.27 m, 2.54 m long, with walls of 12.7 mm, clamped at one end.
 pub(super) fn double_cell_box() -> Result<Vec<Row>, Error> {
     let [pitch, length, wall] = [1.27, 2.54, 0.0127];
     let parts = 10;
     let along = (0..=16).map(|i| length * f64::from(i) / 16.0).collect();
     let grid = Grid::new(along, lines(2, pitch, wall, parts), lines(1, pitch, wall, parts))?;
-    // A wall lies before, between and behind the cells.
+    // A wall is before, between and after the cells.
     let in_wall = |index: usize| index.is_multiple_of(parts + 1);
     let mesh = grid.mesh(
         &["box"],
@@ -132,10 +132,10 @@ pub(super) fn double_cell_box() -> Result<Vec<Row>, Error> {
     Ok(frequencies(BOX, &basis, &[20.28, 25.43], 2e-2))
 }
 
-/// Angles of the plies of one half of the laminate, from its face \[degrees\].
+/// Angles of the plies in one half of the laminate, starting at its face \[degrees\].
 const PLIES: [f64; 10] = [22.5, -22.5, 0.0, 0.0, -22.5, 0.0, 0.0, 22.5, 0.0, 0.0];
 
-/// A layer of elements a ply, transversely isotropic about its fibres.
+/// One layer of elements per ply, transversely isotropic about its fibres.
 pub(super) fn composite() -> Result<Vec<Row>, Error> {
     let [length, width, thickness] = [228.6e-3, 76.2e-3, 2.54e-3];
     let mut mesh: Mesh = block(&Block {

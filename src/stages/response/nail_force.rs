@@ -1,16 +1,16 @@
-//! The nail's forces on the wood, spread over stations along its axis.
+//! The forces of the nail on the wood, distributed over stations along its axis.
 //!
-//! The cycle gives one force F_pen. In the wood there are three: friction along the embedded shank, a force of the tip
-//! that wedges the fibres apart, and, once the head meets the surface, a force under the head. With z the deepest tip
-//! depth, l_n the nail's length, F_r the penetration law and k_w the stiffness under the head, the envelope is
+//! The cycle gives one force F_pen. In the wood, there are three: friction along the embedded shank, a force at the tip
+//! that wedges the fibres apart and, once the head meets the surface, a force below the head. With the deepest tip
+//! depth z, the nail's length l_n, the penetration law F_r and the stiffness k_w below the head, the envelope is
 //!
 //! ```text
 //! E(z) = F_r(z) + k_w max(0, z - l_n),     shank S(z) = phi F_r(l_n) z/l_n  (at most F_r(z)),     tip = F_r(z) - S(z)
 //! ```
 //!
-//! S is linear in depth and reaches the share phi of F_r at full depth: the published second drive into the same hole
-//! (Nili Ahmadabadi 2016, sec. 2.4.3: 81 % for a smooth 6d nail in poplar plywood). While the nail is unloaded
-//! (F_pen < E) all parts shrink in proportion.
+//! S is linear in depth and reaches the fraction phi of F_r at full depth, from the published second drive into the
+//! same hole (Nili Ahmadabadi 2016, sec. 2.4.3: 81 % for a smooth 6d nail in poplar plywood). While the nail is
+//! unloaded (F_pen < E) all parts shrink in proportion.
 
 use nailnoise_dynamics::{CycleRecord, Parameters};
 use nailnoise_penetration::Envelope;
@@ -34,7 +34,7 @@ pub(super) fn forces(parameters: &Parameters, friction_share: f64, record: &Cycl
     forces
 }
 
-/// Shares of the stations in F_pen with the tip at a depth; all of it acts at the surface before it is in.
+/// Fractions of F_pen at the stations for a tip depth; before the tip enters the wood, all of it acts at the surface.
 pub(super) fn shares(envelope: &Envelope, length: f64, friction_share: f64, depth: f64) -> [f64; STATIONS] {
     let mut shares = [0.0; STATIONS];
     if depth > 0.0 && envelope.shank(depth) + envelope.head(depth) > 0.0 {
@@ -46,7 +46,7 @@ pub(super) fn shares(envelope: &Envelope, length: f64, friction_share: f64, dept
     shares
 }
 
-/// Adds a force with the tip at a depth to the stations.
+/// Adds a force at a tip depth to the stations.
 fn spread(envelope: &Envelope, length: f64, full_friction: f64, (force, depth): (f64, f64), stations: &mut [f64]) {
     let embedded = depth.min(length);
     let (law, head) = (envelope.shank(depth), envelope.head(depth));
@@ -63,7 +63,7 @@ fn spread(envelope: &Envelope, length: f64, full_friction: f64, (force, depth): 
     stations[below + 1] += scale * (law - shank) * upper;
 }
 
-/// A uniform load from station 0 to `position` (in stations) of total 1, lumped by linear interpolation.
+/// A uniform load with total 1 from station 0 to `position` (in stations), lumped by linear interpolation.
 fn uniform(position: f64) -> impl Iterator<Item = (usize, f64)> {
     let share = move |k: usize| {
         // Integral of the hat function of station k from its foot to x, both in stations.

@@ -1,4 +1,4 @@
-//! Effects of a shot on workpiece and support: supports, loads, duration.
+//! Actions of a shot on workpiece and support: supports, loads, duration.
 
 use nailnoise_dynamics::{CycleRecord, Parameters, Settings as CycleSettings};
 use nailnoise_fem::vibration::{Loads, ModalBody, ModalResponse, Settings, Support, SupportLaw, respond};
@@ -13,13 +13,13 @@ use crate::stages::bodies::{Body, ContactCells, STATIONS};
 /// Largest gap that [`open_gaps`] opens \[m\].
 const GAP: f64 = 1e-6;
 
-/// Inputs of a response, except the bodies and the cycle.
+/// Inputs of a response, without the bodies and the cycle.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ShotInputs {
-    /// Parameters of the cycle. One way, they give gravity, the nail's length and the penetration resistance over
-    /// depth.
+    /// Parameters of the cycle. With one-way coupling, gravity, the nail's length and the penetration resistance over
+    /// depth are taken from them.
     pub parameters: Parameters,
-    /// Share of the penetration resistance at full depth that is friction along the shank.
+    /// Fraction of the penetration resistance at full depth that is friction along the shank.
     pub friction_share: f64,
     /// Springs and dashpots, in the order of the columns of [`Body::contacts`].
     pub supports: Vec<Support>,
@@ -27,7 +27,7 @@ pub struct ShotInputs {
     pub added_sand: Option<(f64, ContactCells)>,
     /// Step \[s\].
     pub step: f64,
-    /// Longest time simulated \[s\].
+    /// Maximum simulated time \[s\].
     pub duration: f64,
     /// Number of the start, which sets the gaps of supports that can lose contact; 0 for none.
     pub start: u32,
@@ -41,13 +41,13 @@ impl ShotInputs {
             .any(|support| support.law == SupportLaw::Unilateral)
     }
 
-    /// The same from another start.
+    /// The same shot with another start.
     #[must_use]
     pub fn with_start(&self, start: u32) -> Self {
         Self { start, ..self.clone() }
     }
 
-    /// The same on supports that cannot open.
+    /// The same shot on supports that cannot open.
     #[must_use]
     pub fn bonded(&self) -> Self {
         let bonded = |support: &Support| Support {
@@ -63,7 +63,7 @@ impl ShotInputs {
     /// Response to the forces of a cycle on the wood, times `force_scale`.
     ///
     /// # Errors
-    /// Those of the transient solver.
+    /// The errors of the transient solver.
     pub fn one_way(
         &self,
         bodies: &[ModalBody],
@@ -77,7 +77,7 @@ impl ShotInputs {
     /// Cycle and response together, each acting on the other.
     ///
     /// # Errors
-    /// Those of the cycle and of the transient solver, and that the two do not agree.
+    /// The errors of the cycle and of the transient solver, and an error if the two do not converge.
     pub fn two_way(&self, bodies: &[ModalBody], cycle: &CycleSettings) -> Result<Coupled, Error> {
         let transient = self.settings();
         couple(
@@ -90,8 +90,8 @@ impl ShotInputs {
         )
     }
 
-    /// A body with its loss factor as the transient solver takes it. Loads of the shot act only on the workpiece,
-    /// gravity on every body.
+    /// A body with its loss factor, in the form that the transient solver needs. Loads of the shot act only on the
+    /// workpiece, gravity on every body.
     pub(super) fn modal_body(&self, body: &Body, loss_factor: f64, workpiece: bool) -> ModalBody {
         let gravity = self.parameters.ambient.gravity;
         let weight = match self.added_sand {
@@ -126,10 +126,10 @@ impl ShotInputs {
         supports
     }
 
-    /// Loads of the shot: the nail's stations, nose with guard spring, gravity.
+    /// Loads of the shot: the nail stations, nose with guard spring, gravity.
     ///
-    /// After the record the tool is off the wood and the nail at rest: the forces of the shot go to zero, gravity
-    /// stays.
+    /// After the record, the tool is off the wood and the nail at rest: the forces of the shot vanish, and only gravity
+    /// remains.
     fn loads(&self, record: &CycleRecord, force_scale: f64) -> Loads {
         let nail = nail_force::forces(&self.parameters, self.friction_share, record);
         let mut history = DMatrix::zeros(COUPLED_LOADS, record.len());

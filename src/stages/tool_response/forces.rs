@@ -14,12 +14,13 @@
 //! handle                  F_hm, evenly
 //! ```
 //!
-//! and weight: their sum is the force on the tool in the cycle's equation of motion. In addition, gas presses on walls
-//! without moving the tool: p_1 and p_2 on the bore on both sides of the piston, p_ext within the handle and around the
+//! and weight: their sum is the force on the tool in the cycle's equation of motion. Gas also presses on walls without
+//! moving the tool: p_1 and p_2 on the bore on both sides of the piston, p_ext inside the handle and around the
 //! cylinder above the check-ring holes, p_r around it below them, and the plenum's pressure in the cap.
 //!
-//! The head valve leaves a stiff cap or seat within less than a sampling interval. The impulse of the contact follows
-//! from the valve's velocity; their means around each sample take the place of the samples ([`impulse_correction`]).
+//! The head valve leaves a stiff cap or seat in less than a sampling interval. The impulse of the contact is therefore
+//! computed from the valve's velocity, and the mean force around each sample replaces the sample
+//! ([`impulse_correction`]).
 
 use nailnoise_dynamics::{CycleRecord, Form, Geometry, Parameters, Volume};
 use nailnoise_meshes::{Mesh, MeshError};
@@ -75,7 +76,7 @@ pub(super) fn histories(parameters: &Parameters, mesh: &Mesh, record: &CycleReco
     Ok(histories)
 }
 
-/// The stop that the head valve is nearer to at a sample.
+/// The stop that is closer to the head valve at a sample.
 fn nearest_stop(parameters: &Parameters, record: &CycleRecord, sample: usize) -> Axial {
     if record.motion.valve_lift[sample] > 0.5 * parameters.head_valve.lift {
         Axial::Cap
@@ -84,11 +85,11 @@ fn nearest_stop(parameters: &Parameters, record: &CycleRecord, sample: usize) ->
     }
 }
 
-/// Mean force of the head valve on its stops around each sample, less the sampled one, down \[N\].
+/// Mean force of the head valve on its stops around each sample, minus the sampled force, positive downwards \[N\].
 ///
-/// Between two samples at an interval h, the valve's momentum changes by M_h (v' - v). Gas, spring, friction and
-/// weight, M_h a + cap + seat, change it by their mean, for they are smooth; the rest is the impulse of cap and seat.
-/// Half of it counts at either sample.
+/// Between two samples at an interval h, the valve's momentum changes by M_h (v' - v). The mean of the smooth forces,
+/// gas, spring, friction and weight (M_h a + cap + seat), accounts for part of the change; the rest is the impulse of
+/// cap and seat. Half of it is assigned to each of the two samples.
 pub(super) fn impulse_correction(parameters: &Parameters, record: &CycleRecord) -> Vec<f64> {
     let (valve, interval, mass) = (&record.head_valve, record.sample_interval, parameters.head_valve.mass);
     let sampled = |n: usize| record.forces.cap[n] + record.forces.seat[n];
@@ -100,7 +101,7 @@ pub(super) fn impulse_correction(parameters: &Parameters, record: &CycleRecord) 
         forces[n - 1] += 0.5 * force;
         forces[n] += 0.5 * force;
     }
-    // Half an interval is missing at either end, while the valve rests.
+    // Half an interval is missing at each end, where the valve is at rest.
     for end in [0, record.len() - 1] {
         forces[end] += 0.5 * sampled(end);
     }
