@@ -34,7 +34,7 @@ const CHANGES: [(&str, &str); 17] = [
     ),
     // New modes of the tool on the same mesh.
     ("tool's mass", "tool.mass = \"4.0 kg\""),
-    // New meshes of the tool; the first of these also needs the tool's second standard structure, once.
+    // New meshes of the tool; the first one also needs its second reference structure, once.
     ("tool's first wall", "body.magazine_wall = \"3.4 mm\""),
     ("tool's next wall", "body.cap_wall = \"3.5 mm\""),
 ];

@@ -8,18 +8,17 @@ mod context;
 mod cycle;
 mod motion;
 mod radiation;
-mod shape;
+mod reference;
 mod shot;
 
 use std::time::Instant;
-
-use nailnoise_dynamics::CycleRecord;
 
 use crate::design::{Design, inputs};
 use crate::error::Error;
 use crate::graph::Graph;
 use crate::model::sources::{self, SourceStages};
 use crate::stages::bodies::BodyKind;
+use crate::stages::cycle::{Engine, ShotRecord};
 use crate::stages::levels::{Levels, ShotLevels};
 use crate::stages::requirements::Preflight;
 use crate::stages::response::{CouplingReport, Reported, ResponseChecks, ResponseReport, Vibration};
@@ -32,11 +31,11 @@ use crate::stages::{Digest, Stored};
 use bodies::Bodies;
 pub use bodies::{BodyStages, CheckedBody, check_bodies, solved_bodies};
 pub(crate) use context::Context;
-pub(crate) use cycle::cycle_stage;
-pub use cycle::{cycle, cycle_as_published};
+pub(crate) use cycle::engine;
+pub use cycle::{cycle, cycle_as_published, shot};
 pub(crate) use motion::{Drive, Motions};
 use radiation::Radiators;
-pub use shape::SharedShapes;
+pub use reference::SharedShapes;
 pub(crate) use shot::ShotStages;
 
 /// Modifications of the physics for a run of the same design, used by studies and by tests of physical laws.
@@ -68,8 +67,10 @@ pub struct Chain {
     pub(crate) usable: Vec<Stored<Preflight>>,
     /// Start time of the run.
     pub(crate) begin: Instant,
+    /// The engine of the cycle.
+    pub(crate) engine: Engine,
     /// The nailing cycle.
-    pub cycle: Stored<CycleRecord>,
+    pub cycle: Stored<ShotRecord>,
     /// Workpiece, and worktable if there is one.
     pub structure: Vec<BodyStages>,
     /// The tool's body, unless it is rigid.
@@ -105,7 +106,7 @@ pub struct Chain {
 /// A shot with two-way coupling and the same design's shot with one-way coupling.
 pub(crate) struct OneWay {
     pub(crate) report: Stored<Reported>,
-    pub(crate) cycle: Stored<CycleRecord>,
+    pub(crate) cycle: Stored<ShotRecord>,
 }
 
 impl Chain {
@@ -114,6 +115,15 @@ impl Chain {
     /// # Errors
     /// If the values of the design do not yield valid inputs.
     pub fn new(graph: &Graph, design: &Design, options: Options) -> Result<Self, Error> {
+        Self::with_engine(graph, design, cycle::engine(design)?, options)
+    }
+
+    /// The same with the nailing cycle of another design, whose modes and radiation matrices need not be computed. The
+    /// cycle drives the bodies one way.
+    ///
+    /// # Errors
+    /// As [`new`](Self::new).
+    pub(crate) fn with_engine(graph: &Graph, design: &Design, engine: Engine, options: Options) -> Result<Self, Error> {
         let begin = Instant::now();
         let context = Context {
             graph,
@@ -124,12 +134,14 @@ impl Chain {
         let bodies = Bodies::add(graph, design)?;
         let radiators = Radiators::add(context, &bodies)?;
         let drive = Drive {
-            lumped: graph.add(cycle_stage(design)?),
+            lumped: graph.add(engine.clone()),
+            engine: engine.clone(),
             force_scale: options.workpiece_force_scale,
         };
         let motions = Motions::new(context, &bodies, &radiators, drive)?;
         let shot = ShotStages::add(context, &motions, options.noise_seed)?;
-        let added = sources::ALL.into_iter().map(|source| source.add(&shot));
+        let present = sources::ALL.into_iter().filter(|source| source.is_present(&engine));
+        let added = present.map(|source| source.add(&shot));
         let sources = added.collect::<Result<Vec<SourceStages>, Error>>()?;
         let sensors = Sensors {
             accelerometers: inputs::sensors::accelerometers(design)?,
@@ -147,6 +159,7 @@ impl Chain {
         });
         let modal = bodies.modal().map(|body| *body.key());
         Ok(Self {
+            engine: engine.clone(),
             moving: shot.moving(),
             graph: graph.clone(),
             begin,
@@ -176,6 +189,13 @@ impl Chain {
             structure: bodies.structure.clone(),
             tool: bodies.tool.clone(),
         })
+    }
+}
+
+impl Chain {
+    /// Names of the sources of the tool.
+    pub fn source_names(&self) -> impl Iterator<Item = &'static str> {
+        self.sources.iter().map(|own| own.source.name())
     }
 }
 

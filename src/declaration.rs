@@ -122,6 +122,7 @@ mod tests {
             median_db: Some(101.0),
             high_db: Some(105.4),
             first: None,
+            silencing_db: None,
         };
         RunStudy::Known(Box::new(StudySummary {
             design: DesignId {

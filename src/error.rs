@@ -8,7 +8,10 @@ use nailnoise_dynamics::network::RunError;
 use nailnoise_pipeline::{PipelineError, StageError};
 use thiserror::Error;
 
+use crate::comparison::ComparisonError;
 use crate::design::DesignError;
+use crate::stages::bodies::BodyError;
+use crate::study::StudyError;
 
 /// Reason why a command failed.
 #[derive(Debug, Error, Diagnostic)]
@@ -63,43 +66,19 @@ pub enum Error {
         /// The most similar parameter, if one is close.
         nearest: Option<String>,
     },
-    /// No draw of a study has levels.
-    #[error("the levels of none of {draws} draws can be computed; first reason: {reason}")]
-    NoLevels {
-        /// Number of draws that count.
-        draws: usize,
-        /// Why the levels of the first draw cannot be computed.
-        reason: String,
-    },
-    /// Levels of a draw that another process should have computed.
-    #[error("its levels are not kept")]
-    LevelsNotKept,
-    /// No candidate of a study is a design whose shot counts.
-    #[error(
-        "none of {candidates} candidates gives a shot that counts: {}",
-        outcomes_and_reasons(outcomes, refused)
-    )]
-    #[diagnostic(help("{}", if require.is_empty() {
-        "narrow the ranges: their values are incompatible".to_owned()
-    } else {
-        format!("remove `require = \"{require}\"` from [study], or narrow the ranges")
-    }))]
-    NothingDrawn {
-        /// Number of candidates drawn.
-        candidates: u64,
-        /// Number of candidates by outcome.
-        outcomes: String,
-        /// Number of candidates that are not valid designs, by reason.
-        refused: String,
-        /// Outcomes that count.
-        require: String,
-    },
+    /// A study or a sweep cannot be computed.
+    #[error(transparent)]
+    #[diagnostic(transparent)]
+    Study(#[from] StudyError),
+    /// An optimisation cannot begin.
+    #[error(transparent)]
+    #[diagnostic(transparent)]
+    Optimisation(#[from] crate::optimisation::OptimisationError),
     /// The Python package cannot be called.
     #[error("{python} cannot import nailnoise and {needed}: {reason}")]
     #[diagnostic(help(
-        "install it in the repository, pip install './python[{}]', or name an interpreter that has it in \
-         NAILNOISE_PYTHON",
-        if *needed == "optuna" { "optimise" } else { "cluster" }
+        "install it in the repository, pip install './python[cluster]', or name an interpreter that has it in \
+         NAILNOISE_PYTHON"
     ))]
     NoPython {
         /// The interpreter.
@@ -127,18 +106,6 @@ pub enum Error {
         /// Its name.
         design: String,
     },
-    /// A ranking of input groups over drawn structures.
-    #[error(
-        "`--groups` and `--structures` exclude each other: every partner of a draw would need a structure of its own"
-    )]
-    #[diagnostic(help(
-        "rank the groups on the structures of the design, without --structures; `{study} --structures` states beside \
-         it what structures add"
-    ))]
-    GroupsOfStructures {
-        /// The command without either option.
-        study: String,
-    },
     /// A cluster did not complete its work.
     #[error("the cluster of the scheduler {scheduler} did not compute all of it")]
     #[diagnostic(help(
@@ -150,72 +117,14 @@ pub enum Error {
         /// Exit status of the client.
         status: u8,
     },
-    /// Draws that tasks should have computed are missing.
-    #[error("the levels of {missing} of {draws} draws are not in {}", store.display())]
-    #[diagnostic(help(
-        "run the tasks that are missing, with the same design, draws and seed; without --collect, this command \
-         computes what is missing"
-    ))]
-    NotCollected {
-        /// Number of draws that are not stored.
-        missing: usize,
-        /// Total number of draws.
-        draws: usize,
-        /// The store that should contain them.
-        store: PathBuf,
-    },
-    /// A finished result contains no ranges to draw from.
-    #[error("{} is a finished result, from which nothing can be drawn", path.display())]
-    #[diagnostic(help("give the design file itself, or leave --draws out"))]
-    NothingToDraw {
-        /// The result.
-        path: PathBuf,
-    },
-    /// The variable of a sweep is not a possible value of a design.
-    #[error("the sweep cannot vary this: {error}")]
-    #[diagnostic(help("give a key of the design and its values, as in supply.pressure=80psig..110psig:7"))]
-    NoAxis {
-        /// The fault.
-        error: crate::design::AssignmentError,
-    },
-    /// A sweep with too many points.
-    #[error("the grid of the sweep has more than {most} points")]
-    #[diagnostic(help("give fewer values, or sweep the keys one after the other"))]
-    SweptTooMuch {
-        /// Maximum number of points of a grid.
-        most: usize,
-    },
-    /// A key that a sweep would vary twice.
-    #[error("the sweep varies `{key}` twice")]
-    #[diagnostic(help("give all its values at once, as in {key}=3,5,12"))]
-    VariedTwice {
-        /// The key.
-        key: String,
-    },
-    /// A sweep without a variable.
-    #[error("the sweep has no key to vary")]
-    #[diagnostic(help("give a key of the design and its values, as in supply.pressure=80psig..110psig:7"))]
-    NothingToVary,
-    /// The values of a draw conflict.
-    #[error("the values drawn are no design: {reason}")]
-    NoDesign {
-        /// The conflicting keys, or the fault of one of them.
-        reason: String,
-    },
+    /// Results cannot be compared.
+    #[error(transparent)]
+    #[diagnostic(transparent)]
+    Comparison(#[from] ComparisonError),
     /// Penetration laws could not be compared.
     #[error(transparent)]
     #[diagnostic(transparent)]
     Penetration(#[from] crate::penetration::PenetrationError),
-    /// A single design has nothing to be compared with.
-    #[error("{} alone has nothing to be compared with", path.display())]
-    #[diagnostic(help(
-        "name a second design or result, or give measurements: --measured measurement.json, or --measured n80cb for \
-         the published ones"
-    ))]
-    NothingToCompare {
-        /// The design.
-        path: std::path::PathBuf,
-    },
     /// A design with a support that the wrapping test does not use.
     #[error("{design}: a wrapping test has its workpiece on the worktable or in the sandbox, not on \"{support}\"")]
     #[diagnostic(help("set support.kind = \"worktable\" or \"sandbox\""))]
@@ -224,22 +133,6 @@ pub enum Error {
         design: String,
         /// Its support.
         support: &'static str,
-    },
-    /// Measured levels over a range other than that of a design.
-    #[error("{} has levels over {:.0} to {:.0} Hz, the design {design} over {:.0} to {:.0} \
-        Hz", path.display(), measured[0], measured[1],
-        predicted[0], predicted[1])]
-    #[diagnostic(help("add --set \"analysis.range_low={} Hz\" --set \"analysis.range_high={} \
-        Hz\"", measured[0], measured[1]))]
-    MeasuredRange {
-        /// The file of measurements.
-        path: PathBuf,
-        /// Its range \[Hz\].
-        measured: [f64; 2],
-        /// Name of the design.
-        design: String,
-        /// Its range \[Hz\].
-        predicted: [f64; 2],
     },
     /// A measurement cannot be used.
     #[error(transparent)]
@@ -283,44 +176,10 @@ pub enum Error {
         /// Support of its workpiece.
         support: &'static str,
     },
-    /// A part of the user's mesh without a material in the design.
-    #[error("the mesh has the part \"{part}\", for which the design has no material")]
-    #[diagnostic(help("name its volumes {known}"))]
-    UnknownPart {
-        /// Name of the part.
-        part: String,
-        /// The permitted names.
-        known: String,
-    },
-    /// A spring is not on its body.
-    #[error("the spring \"{spring}\" is {:.1} mm outside its body", distance * 1e3)]
-    #[diagnostic(help("move its x, y and z onto the body"))]
-    SpringOutside {
-        /// Its name.
-        spring: String,
-        /// Its distance from the body \[m\].
-        distance: f64,
-    },
-    /// The meshed tool is heavier than the tool.
-    #[error("the meshed tool body weighs {meshed:.3} kg, more than `tool.mass` = {tool:.3} kg")]
-    #[diagnostic(help("thin its walls, or raise `tool.mass`"))]
-    TooHeavy {
-        /// Mass of the mesh \[kg\].
-        meshed: f64,
-        /// Mass of the cycle's tool \[kg\].
-        tool: f64,
-    },
-    /// The meshed tool does not have the mass of the cycle's tool.
-    #[error("the tool body weighs {found:.3} kg, the tool of the cycle `tool.mass` = {tool:.3} kg")]
-    #[diagnostic(help(
-        "set `body.lumped = true` for what the mesh lacks of the mass, or set `tool.mass = \"{found:.3} kg\"`"
-    ))]
-    OtherMass {
-        /// Mass of the meshed tool with its lumped masses \[kg\].
-        found: f64,
-        /// Mass of the cycle's tool \[kg\].
-        tool: f64,
-    },
+    /// A body cannot be used.
+    #[error(transparent)]
+    #[diagnostic(transparent)]
+    Body(#[from] BodyError),
     /// Several faults, each of which prevents a run from using a body.
     #[error("the {body} cannot be used: {} problems", problems.len())]
     #[diagnostic(help("`nailnoise check DESIGN --body {body}` shows the mesh with its surfaces"))]
@@ -330,172 +189,6 @@ pub enum Error {
         /// The problems.
         #[related]
         problems: Vec<Self>,
-    },
-    /// The user's mesh of the tool does not have a surface for a lumped mass.
-    #[error(
-        "{mass:.3} kg of the tool's mass belong on the surface \"{group}\"; the mesh has no such surface; it has: \
-         {known}"
-    )]
-    #[diagnostic(help(
-        "name that surface (gmsh: Physical Surface(\"{group}\") = ...), give its place in the design ([surfaces.NAME] \
-         with \
-         surface = \"{group}\"), set its share in `body.lumped_nose` and `body.lumped_magazine`, or set \
-         `body.lumped = false` and `tool.mass` to that of the mesh"
-    ))]
-    NoSeat {
-        /// Name of the surface.
-        group: &'static str,
-        /// Mass that it would carry \[kg\].
-        mass: f64,
-        /// Existing names.
-        known: String,
-    },
-    /// The mesh of the tool body has no named surface where a force of the shot acts.
-    #[error("the mesh of the tool body has no surface \"{group}\" for {what}; it has: {known}")]
-    #[diagnostic(help(
-        "name that surface (gmsh: Physical Surface(\"{group}\") = ...), give its place in the design ([surfaces.NAME] \
-         with \
-         surface = \"{group}\"), or set `body.model = \"rigid\"`; the axis of the cylinder is x = y = 0, its bore \
-         `piston.bore`, z is up from the tip of the nose"
-    ))]
-    NoLoadSurface {
-        /// Name of the surface.
-        group: &'static str,
-        /// The load that acts there.
-        what: &'static str,
-        /// Existing names.
-        known: String,
-    },
-    /// A surface of the tool body is not where the design applies a force.
-    #[error("no part of the surface \"{group}\" of the tool body is where {what} act")]
-    #[diagnostic(help(
-        "put the axis of the cylinder on x = y = 0, or correct `head_valve.inner_diameter` and \
-         `head_valve.outer_diameter`: \
-         the valve strikes the cap between them"
-    ))]
-    NoneOfSurface {
-        /// Name of the surface.
-        group: &'static str,
-        /// The load that acts there.
-        what: &'static str,
-    },
-    /// A place of the design is not on any face of its body.
-    #[error("no face with that outward direction lies at the position of the surface \"{entry}\"")]
-    #[diagnostic(help("move its x, y and z onto the face; along_x, along_y and along_z point out of the body there"))]
-    SurfaceOutside {
-        /// Its name in the design.
-        entry: String,
-        /// Distance to the nearest face with the given orientation \[m\]; `None` if there is none.
-        distance: Option<f64>,
-    },
-    /// A cap that cannot be separated from the rest of the body.
-    #[error("{} of {} panels of the tool's outline are its cap", panels[0], panels[1])]
-    NoCapSurface {
-        /// Name of the surface in the file of a body; none for the parametric one.
-        surface: Option<&'static str>,
-        /// Number of panels on the cap and on the complete outline.
-        panels: [usize; 2],
-    },
-    /// A surface within the tool that is open to the outside.
-    #[error("the tool's surface `{surface}`, the wall of an enclosed volume of air, lies in the open air")]
-    #[diagnostic(help("close the gap in the wall around that volume"))]
-    OpenCavity {
-        /// Name of the surface.
-        surface: String,
-    },
-    /// Pieces of a body without a connection.
-    #[error(
-        "the {body} falls into {pieces} pieces that nothing joins or holds; the smallest has {:.2} cm3 around ({:.1}, \
-         {:.1}, \
-         {:.1}) mm", volume * 1e6, centre[0] * 1e3, centre[1] * 1e3, centre[2] * 1e3
-    )]
-    #[diagnostic(help(
-        "let the pieces share nodes (gmsh: BooleanFragments or Coherence), name their contact surfaces NAME_slave and \
-         NAME_master to tie them, or remove the loose piece"
-    ))]
-    LoosePiece {
-        /// The body.
-        body: &'static str,
-        /// Number of pieces.
-        pieces: usize,
-        /// Volume of the smallest piece \[m3\].
-        volume: f64,
-        /// Its centroid \[m\].
-        centre: [f64; 3],
-    },
-    /// Pieces of a body cannot be tied according to its surfaces.
-    #[error("the pieces of the {body} cannot be joined: {cause}")]
-    #[diagnostic(help(
-        "the surfaces NAME_slave and NAME_master must lie on each other within a tenth of the longest element side; \
-         mesh \
-         curved ones more finely"
-    ))]
-    NotTied {
-        /// The body.
-        body: &'static str,
-        /// The cause.
-        cause: nailnoise_fem::FemError,
-    },
-    /// A file that is read in a wrong unit.
-    #[error("{} shows {what} that is {found}; expected are {expected}", path.display())]
-    #[diagnostic(help("{remedy}"))]
-    Extent {
-        /// The file.
-        path: PathBuf,
-        /// The part that it represents.
-        what: &'static str,
-        /// Its length, with the unit.
-        found: String,
-        /// The permitted length.
-        expected: String,
-        /// The unit to give.
-        remedy: String,
-    },
-    /// A sensor that is not on its body.
-    #[error("the sensor \"{sensor}\" is {:.4} mm outside the {body}", 1e3 * distance)]
-    SensorOffBody {
-        /// Its name.
-        sensor: String,
-        /// Its body.
-        body: &'static str,
-        /// Its distance from the body \[m\].
-        distance: f64,
-    },
-    /// The sides of a mesh of block or table differ from those that radiate.
-    #[error(
-        "block and table radiate as boxes of the design's dimensions; the sides of `workpiece.mesh` or \
-         `support.worktable.mesh` are others"
-    )]
-    #[diagnostic(help(
-        "give the mesh's dimensions (workpiece.length, width, thickness; support.worktable.length, width, height, \
-         top_thickness, leg_width), or set acoustics.method = \"erp\"; on a floor, clamped or on springs a block \
-         radiates from the faces of its own mesh"
-    ))]
-    NotBoxes {
-        /// Place of the difference.
-        #[source]
-        cause: nailnoise_acoustics::AcousticsError,
-    },
-    /// A microphone or the operator's ear is too close to a body for the pressure there to be computed.
-    #[error("a microphone or the operator's ear is too close to a body")]
-    #[diagnostic(help(
-        "move the ear (`acoustics.ear_along`, `acoustics.ear_across`, `acoustics.ear_height`); the other microphones \
-         follow the \
-         nail's place and the tool's height"
-    ))]
-    MicrophoneNearSurface {
-        /// The place and its distance.
-        #[source]
-        cause: nailnoise_acoustics::ReceiverError,
-    },
-    /// Modes that the cache had lost differ after being computed again.
-    #[error("the modes of the {body} are not those to which the cache keeps motions and radiation")]
-    #[diagnostic(help(
-        "they come from another machine or were damaged: empty it with `nailnoise cache clear` and run again"
-    ))]
-    OtherModes {
-        /// The body.
-        body: &'static str,
     },
     /// The mode does not exist.
     #[error("mode {mode} cannot be shown: the body has {modes} modes")]
@@ -522,40 +215,6 @@ pub enum Error {
     #[diagnostic(help("leave --drawing out, or name a design file (.toml)"))]
     DrawingOfMesh {
         /// The file given.
-        path: PathBuf,
-    },
-    /// A geometry without a design has no frequency.
-    #[error("a geometry alone does not tell how fine its mesh must be")]
-    #[diagnostic(help(
-        "give the largest element side, as --size \"10 mm\", or name the file in a design (`body.mesh`)"
-    ))]
-    NoSize,
-    /// A unit given for a file that states its own.
-    #[error(
-        "{} states the unit of its lengths, and {given_in} gives {given} for one unit", path.display()
-    )]
-    #[diagnostic(help(
-        "leave {given_in} out: STEP and IGES files, and meshes written by this program, are read in the unit that \
-         they state; a file \
-         that states a wrong one must be exported again"
-    ))]
-    StatedUnit {
-        /// The file.
-        path: PathBuf,
-        /// The unit given.
-        given: String,
-        /// The option or key that gives it.
-        given_in: &'static str,
-    },
-    /// A solid was requested of a file that is not a solid geometry.
-    #[error("{} is no solid geometry, so that --solid has nothing to choose from", path.display())]
-    #[diagnostic(help(
-        "give a solid geometry (.step, .stp, .brep, .igs) in the place of a design or a mesh; `mesh FILE --solid \
-         NUMBER --write PART.msh` \
-         makes a mesh that a design can name"
-    ))]
-    NoSolids {
-        /// The file.
         path: PathBuf,
     },
     /// A universal file cannot be used.
@@ -683,30 +342,6 @@ pub enum Error {
         /// Message of the operating system.
         source: std::io::Error,
     },
-    /// A file is not a result of a run.
-    #[error("{} is no result that can be compared: {reason}", path.display())]
-    #[diagnostic(help("give the `result.json` of this version's `nailnoise run`, or the design, which is then run"))]
-    NotAResult {
-        /// The file.
-        path: PathBuf,
-        /// The fault of the file.
-        reason: String,
-    },
-    /// The numbers of a finished result are impossible or inconsistent.
-    #[error("{} is no result that can be compared: `{at}` is {found}, expected is {expected}", path.display())]
-    #[diagnostic(help(
-        "the file was changed or damaged: compute it anew with `nailnoise run`, or give the design, which is then run"
-    ))]
-    Inconsistent {
-        /// The file.
-        path: PathBuf,
-        /// Path of the number in it.
-        at: String,
-        /// Actual content.
-        found: String,
-        /// Expected content.
-        expected: String,
-    },
     /// A name that is not in a list.
     #[error("there is no \"{name}\" among the {list} that nailnoise knows")]
     #[diagnostic(help("{}`nailnoise list {list}` prints all names",
@@ -789,16 +424,6 @@ impl StageError for Error {
     }
 }
 
-/// Text about the candidates when none counts: outcomes of shots, and reasons why others are not valid designs.
-fn outcomes_and_reasons(outcomes: &str, refused: &str) -> String {
-    let refused = (!refused.is_empty()).then(|| format!("no designs: {refused}"));
-    let parts = (!outcomes.is_empty())
-        .then(|| outcomes.to_owned())
-        .into_iter()
-        .chain(refused);
-    parts.collect::<Vec<_>>().join("; ")
-}
-
 impl Error {
     /// Fails if a body has problems; a single problem is returned as the error itself.
     ///
@@ -822,7 +447,7 @@ impl Error {
 
     /// Whether the error is that a surface for a force is missing.
     pub(crate) fn lacks(&self, surface: &str) -> bool {
-        matches!(self, Self::NoLoadSurface { group, .. } if *group == surface)
+        matches!(self, Self::Body(BodyError::NoLoadSurface { group, .. }) if *group == surface)
     }
 
     /// The error in one line, with causes and remedy.
@@ -838,7 +463,8 @@ impl Error {
         match self {
             Self::Acoustics(cause) if cause.is_of_the_design() => 2,
             Self::Unusable { problems, .. } => problems.iter().map(Self::exit_status).min().unwrap_or(2),
-            Self::Fem(_) | Self::Transient(_) | Self::Acoustics(_) | Self::Json(_) | Self::NoLevels { .. } => 3,
+            Self::Fem(_) | Self::Transient(_) | Self::Acoustics(_) | Self::Json(_) => 3,
+            Self::Study(StudyError::NoLevels { .. }) => 3,
             Self::PythonEnded { .. } => 3,
             Self::Network(error) => match **error {
                 RunError::Integration { .. }

@@ -29,6 +29,7 @@ pub mod graph;
 pub mod headline;
 mod interrupt;
 pub mod model;
+pub mod optimisation;
 pub mod output;
 pub mod penetration;
 pub mod report;

@@ -3,11 +3,13 @@
 //! The JSON Schema of `run --json` and of `result.json` is derived from these types.
 
 mod design_id;
+mod performance;
 mod study;
 
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 
+use crate::stages::cycle::{EventTimes, SummaryFigures};
 pub use nailnoise_acoustics::radiation::radiator::{
     FluidLoading, Loading, ModeShare, RadiationBand, RadiationReport, Uncertainty,
 };
@@ -25,6 +27,8 @@ use crate::design::Design;
 use crate::stages::headline::Headline;
 
 pub use design_id::DesignId;
+pub use performance::Performance;
+pub(crate) use performance::PerformanceFigure;
 pub use study::{DecidingInput, Ends, LevelSpread, NoStudy, OrderShare, Provided, RunStudy, StudySummary, Weighting};
 
 /// Version of the layout of [`RunResult`]; it changes when a reader of the old layout would misread the new one.
@@ -48,17 +52,20 @@ pub struct RunResult {
     pub total: Total,
     /// Intervals of the levels and P(first) from the draws of a study, or why they are not stated.
     pub study: RunStudy,
-    /// Outcome of the shot: `drives`, `strikes_bumper`, `underdriven`, `overdriven`, `does_not_open`,
-    /// `does_not_release` or `does_not_exhaust`.
-    pub outcome: Outcome,
+    /// What the shot did: `drives`, `strikes_bumper`, `underdriven`, `overdriven`, `does_not_open`, `does_not_release`
+    /// or `does_not_exhaust`; for an assembly the name of its outcome, or `unnamed` if none applies.
+    pub outcome: String,
     /// If the nail is not driven or the exhaust does not open: the outcome, the figure by which the shot misses, and
     /// the inputs that would change it most. Absent for a shot that drives.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub headline: Option<Headline>,
     /// Figures of the shot.
-    pub cycle: Summary,
-    /// Event times t0..t18 \[s\]; null for an event that does not occur.
-    pub events: Events,
+    pub cycle: SummaryFigures,
+    /// Reserve of the drive, air a shot, and rate; absent for an assembly.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub performance: Option<Performance>,
+    /// Event times \[s\], t0..t18 or those that an assembly names; null where one does not occur.
+    pub events: EventTimes,
     /// Effect of the structures on the shot and its sound, compared with a lumped workpiece; absent from a one-way run.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub coupling: Option<Coupling>,

@@ -3,7 +3,6 @@
 use std::sync::Arc;
 
 use nailnoise_acoustics::signals::{SourceSpectrum, Weighting, energy_level};
-use nailnoise_dynamics::CycleRecord;
 
 use crate::chain::{Chain, Options};
 use crate::declaration;
@@ -13,11 +12,13 @@ use crate::error::Error;
 use crate::graph::Graph;
 use crate::headline::{headline, sentence};
 use crate::model::sources::{ImpedanceComparison, SourceStages};
-use crate::result::{Check, DesignId, FluidLoadingChange, RunResult, RunStudy, SCHEMA, Starts};
+use crate::result::{Check, DesignId, FluidLoadingChange, Performance, RunResult, RunStudy, SCHEMA, Starts};
 use crate::stages::apart::Apart;
 use crate::stages::bodies::{FoundSurface, Origin};
 use crate::stages::convention::{counted, received, spectra};
+use crate::stages::cycle::{EngineRecord, EventTimes, ShotRecord};
 use crate::stages::microphones::Microphones;
+use crate::stages::notes::SourceNotes;
 use crate::stages::ranking::SoundPower;
 use crate::stages::sensors::SensorRecord;
 use crate::stages::sound::{SoundSource, SourceHistory};
@@ -31,7 +32,7 @@ pub struct Run {
     /// The ranked sources with events, checks and notes.
     pub result: RunResult,
     /// The nailing cycle.
-    pub record: Arc<CycleRecord>,
+    pub record: Arc<ShotRecord>,
     /// A-weighted sound power of every source over time, loudest source first.
     pub powers: Vec<SoundPower>,
     /// Quantities of the sources at every sample of the cycle.
@@ -173,18 +174,30 @@ impl Chain {
         let truncations: Vec<&Truncation> = sounds.iter().flat_map(|sound| &sound.truncations).collect();
         let named = self.sources.iter().zip(&sounds);
         let of_sources = named.clone().map(|(own, sound)| (own.notes)(sound));
+        let absent = SourceNotes {
+            shot: inputs::assembly::absent_sources(&self.engine),
+            methods: Vec::new(),
+        };
         let fluid_loading = named.filter_map(|(own, sound)| {
             let report = sound.source().radiation.as_ref()?;
             Some((own.source.name(), report.fluid_loading.as_ref()?))
         });
-        let parameters = inputs::cycle::parameters(design)?;
-        let headline = headline(&self.graph, design, &record)?;
+        let (headline, sentence, performance) = match &record.record {
+            EngineRecord::Keys(own) => {
+                let parameters = inputs::cycle::parameters(design)?;
+                let performance = Performance::of(own, &parameters);
+                (
+                    headline(&self.graph, design, own)?,
+                    sentence(own, &parameters),
+                    Some(performance),
+                )
+            }
+            EngineRecord::Assembly(_) => (None, inputs::notes::outcome_of_assembly(&record), None),
+        };
         let notes = notes::notes(
             &notes::NoteInputs {
-                shot: headline
-                    .as_ref()
-                    .map_or_else(|| sentence(&record, &parameters), |own| own.text.clone()),
-                sources: of_sources.collect::<Result<_, Error>>()?,
+                shot: headline.as_ref().map_or(sentence, |own| own.text.clone()),
+                sources: of_sources.chain([Ok(absent)]).collect::<Result<_, Error>>()?,
                 fluid_loading: fluid_loading.collect(),
                 fluid_loading_changes: &fluid_loading_changes,
                 truncations: truncations.iter().map(|truncation| truncation.note()).collect(),
@@ -252,10 +265,11 @@ impl Chain {
             inputs: design.entries().into_iter().map(Into::into).collect(),
             ranking,
             total,
-            outcome: record.outcome,
+            outcome: record.outcome.clone(),
             headline,
-            cycle: record.summary.clone(),
-            events: record.events,
+            cycle: record.figures.clone(),
+            performance,
+            events: EventTimes(record.events.clone()),
             coupling,
             fluid_loading_changes,
             starts: starts.map(|(_, starts)| starts),

@@ -27,6 +27,18 @@ pub const DESIGNS: &[(&str, &str)] = files![
     "quieter/muffler.toml",
     "quieter/muffler-on-worktable.toml",
     "quieter/small-holes.toml",
+    "quieter/expansion-chamber.toml",
+    "tools/stapler.toml",
+    "tools/gas-spring-nailer.toml",
+    "tools/blow-gun.toml",
+];
+
+/// Designs of [`DESIGNS`] without a study among [`STUDIES`]: those with an assembly of their own.
+pub const WITHOUT_STUDY: &[&str] = &[
+    "quieter/expansion-chamber.toml",
+    "tools/stapler.toml",
+    "tools/gas-spring-nailer.toml",
+    "tools/blow-gun.toml",
 ];
 
 /// Published measurements, for `compare --measured`.
@@ -44,6 +56,12 @@ pub fn design(name: &str) -> Option<(&'static str, &'static str)> {
 /// The measurements with this name, which may be written like that of a [`design`].
 pub fn measured(name: &str) -> Option<(&'static str, &'static str)> {
     find(MEASURED, name)
+}
+
+/// Paths of the designs that have a study.
+pub fn studied() -> impl Iterator<Item = &'static str> {
+    let paths = DESIGNS.iter().map(|(path, _)| *path);
+    paths.filter(|path| !WITHOUT_STUDY.contains(path))
 }
 
 /// Names of all designs, as users write them.
@@ -99,6 +117,15 @@ mod tests {
         found.sort();
         own.sort_unstable();
         assert_eq!(own, found);
+    }
+
+    #[test]
+    fn every_design_has_a_study_or_is_listed_without_one() {
+        for (path, _) in DESIGNS {
+            let study = format!("studies/{}.json", stem(path).replace('/', "-"));
+            let has_study = STUDIES.iter().any(|(own, _)| *own == study);
+            assert_ne!(has_study, WITHOUT_STUDY.contains(path), "{path}");
+        }
     }
 
     #[test]

@@ -2,6 +2,7 @@
 
 pub mod conflict;
 pub mod likelihood;
+pub mod next;
 pub mod normal;
 mod random;
 pub mod sampler;

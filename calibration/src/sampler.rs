@@ -58,8 +58,10 @@ const MEANS_APART: f64 = 4.0;
 const NOT_FORGOTTEN: f64 = 0.985;
 const SMALLEST_SIZE: f64 = 0.05;
 
-/// Largest number of particles per surviving ancestor in a converged run.
-const PARTICLES_PER_ANCESTOR: usize = 20;
+/// Particles for each initial ancestor that a converged run has at most, and its fewest ancestors: the width of a 90 %
+/// interval of n independent normal draws has the relative standard error 0.9/sqrt(n), 16 % of 32.
+const PARTICLES_PER_ANCESTOR: usize = 8;
+const FEWEST_ANCESTORS: usize = 32;
 
 /// Settings of a sampler.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -508,7 +510,7 @@ impl<'a, S: Simulator> Sampler<'a, S> {
                 faults.push(NotConverged::Mean { name, errors });
             }
         }
-        let least = state.particles.len() / PARTICLES_PER_ANCESTOR;
+        let least = (state.particles.len() / PARTICLES_PER_ANCESTOR).max(FEWEST_ANCESTORS);
         if ancestors < least {
             faults.push(NotConverged::Ancestors { ancestors, least });
         }

@@ -190,7 +190,12 @@ impl<'t, 'i> Keys<'t, 'i> {
         if (low..=high).contains(&value) {
             return Ok(value);
         }
-        let problem = format!("is {value} {unit}, outside {low} to {high} {unit}");
+        let unit = if unit.is_empty() {
+            String::new()
+        } else {
+            format!(" {unit}")
+        };
+        let problem = format!("is {value}{unit}, outside {low} to {high}{unit}");
         Err(self.error(
             key,
             problem,

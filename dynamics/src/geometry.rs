@@ -67,7 +67,7 @@ impl Geometry {
             valve_cylinder_area: p.head_valve.cylinder_area(),
             exhaust_area: p.exhaust.area(),
             head_gap: p.nail.head_gap(&p.piston),
-            tip_gap: p.nail.tip_gap(&p.piston),
+            tip_gap: p.nail.tip_gap(&p.piston) + p.workpiece.groove,
             nail_mass: p.nail.mass(),
             workpiece_mass,
             channel_delay: p.trigger.delay(&p.ambient),

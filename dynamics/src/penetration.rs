@@ -22,9 +22,10 @@ impl Parameters {
             shanks: Shanks {
                 legs: self.nail.legs,
                 friction_share: self.friction_share,
+                coating: self.nail.coating,
             },
         };
-        Envelope::new(&driven, self.model.nail == Form::Corrected)
+        Envelope::new(&driven, self.nail.head_diameter, self.model.nail == Form::Corrected)
     }
 
     /// Envelope of the penetration resistance \[N\] for the nail's tip at its deepest `depth` \[m\].

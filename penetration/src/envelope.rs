@@ -1,6 +1,7 @@
 //! Resistance of the wood to a nail as a function of its deepest penetration.
 
 use super::dual::Real;
+use super::rate::HeadContact;
 use super::resistance::{Driven, Resistance};
 
 /// Envelope E(z) of the penetration resistance of one design, where z is the deepest position of the nail's tip.
@@ -8,6 +9,7 @@ use super::resistance::{Driven, Resistance};
 /// ```text
 /// E(z) = F_r(min(z, l_n)) + k_w max(0, z - l_n),   k_w = scale H_M
 /// ```
+/// where the head does not yield ([`HeadContact`]),
 /// where F_r is the design's law times its scale factor; a published law is evaluated at
 /// [`REFERENCE_SPEED`](super::REFERENCE_SPEED). The published nail model drops F_r once the head meets the wood: E(z) =
 /// k_w (z - l_n) for z > l_n (C-09).
@@ -15,7 +17,7 @@ use super::resistance::{Driven, Resistance};
 pub struct Envelope {
     law: Resistance,
     length: f64,
-    head_stiffness: f64,
+    head: HeadContact,
     /// Whether the shank force persists beyond l_n.
     seated: bool,
     /// Assumed impact speed if none is known \[m/s\].
@@ -24,15 +26,15 @@ pub struct Envelope {
 
 impl Envelope {
     /// Creates the envelope of a fastener. `seated`: the shank force persists after the head meets the wood, unlike in
-    /// the published nail model.
-    pub fn new(driven: &Driven<'_>, seated: bool) -> Self {
+    /// the published nail model. The head has a diameter \[m\].
+    pub fn new(driven: &Driven<'_>, head_diameter: f64, seated: bool) -> Self {
         let law = Resistance::new(driven);
         Self {
             seated,
             usual_impact: law.fitted().map_or(0.0, |fitted| fitted.usual_impact()),
             law,
             length: driven.specimen.length,
-            head_stiffness: driven.wood.head_stiffness_scale * driven.wood.hardness_modulus,
+            head: HeadContact::new(driven.wood, head_diameter),
         }
     }
 
@@ -55,13 +57,23 @@ impl Envelope {
     /// Head contribution to E(z) \[N\]; zero until the head meets the wood.
     #[inline]
     pub fn head(&self, depth: f64) -> f64 {
-        self.head_stiffness * (depth - self.length).max(0.0)
+        self.head.evaluate((depth - self.length).max(0.0))
     }
 
     /// E(z) \[N\].
     #[inline]
     pub fn force(&self, depth: f64) -> f64 {
         self.shank(depth) + self.head(depth)
+    }
+
+    /// Friction along the shank, force of the tip and force under the head \[N\] at the nail's speed `v` \[m/s\] in the
+    /// wood; zero at or above the surface.
+    pub fn parts(&self, depth: f64, v: f64, impact: f64) -> [f64; 3] {
+        if depth <= 0.0 || (depth > self.length && !self.seated) {
+            return [0.0, 0.0, self.head(depth)];
+        }
+        let [friction, tip] = self.law.parts(depth.min(self.length), v, impact);
+        [friction, tip, self.head(depth)]
     }
 
     /// E(z) of a nail at rest after an impact at `impact` \[m/s\], from which unloading starts \[N\].
@@ -79,9 +91,10 @@ impl Envelope {
         &self.law
     }
 
-    /// k_w \[N/m\].
-    pub fn head_stiffness(&self) -> f64 {
-        self.head_stiffness
+    /// The force under the head where the tip's depth is beyond l_n, with its derivatives.
+    #[inline]
+    pub fn head_at<S: Real>(&self, depth: S) -> S {
+        self.head.evaluate(depth + -self.length)
     }
 
     /// Shank force beyond l_n \[N\].

@@ -21,6 +21,7 @@ mod extension;
 pub mod fit;
 mod law;
 mod penetration_curve;
+mod rate;
 mod resistance;
 mod resistance_law;
 mod table;
@@ -33,11 +34,12 @@ pub use error::RangeError;
 pub use extension::LENGTH_FACTOR;
 pub use law::{Curve, PenetrationLaw, Specimen};
 pub use penetration_curve::{CurveError, CurveLaw, PenetrationCurve};
+pub use rate::{HeadContact, HeadLaw, RateLaw};
 pub use resistance::{Driven, Resistance, Shanks};
 pub use resistance_law::ResistanceLaw;
 pub use table::{ForceTable, TableError};
 pub use tables::{FitQuality, NAILS, NailSize, Shank, WOODS, WoodKind};
-pub use wood::Wood;
+pub use wood::{NailedWood, Wood};
 
 /// Lowest penetration speed of the tests behind the laws, 20 mm/min \[m/s\].
 pub const LOWEST_SPEED: f64 = 20e-3 / 60.0;

@@ -4,7 +4,8 @@ use super::dual::Real;
 use super::extension::extended;
 use super::fit::{FittedLaw, LawOfDrive};
 use super::law::Curve;
-use super::{ForceTable, PenetrationLaw, REFERENCE_SPEED, ResistanceLaw, Specimen, Wood};
+use super::rate::RateSplit;
+use super::{ForceTable, NailedWood, PenetrationLaw, REFERENCE_SPEED, ResistanceLaw, Specimen};
 
 /// How the fastener's resistance differs from that of a single shank.
 #[derive(Debug, Clone, Copy)]
@@ -13,6 +14,8 @@ pub struct Shanks {
     pub legs: u32,
     /// Friction along the shank as a fraction of the force at full depth.
     pub friction_share: f64,
+    /// Factor of a coating on the friction along the shank; 1 for a bright nail.
+    pub coating: f64,
 }
 
 impl Shanks {
@@ -21,6 +24,7 @@ impl Shanks {
     pub const SMOOTH: Self = Self {
         legs: 1,
         friction_share: 0.81,
+        coating: 1.0,
     };
 }
 
@@ -28,7 +32,7 @@ impl Shanks {
 #[derive(Debug, Clone, Copy)]
 pub struct Driven<'a> {
     /// The wood.
-    pub wood: &'a Wood,
+    pub wood: &'a NailedWood,
     /// Tabulated resistance, which replaces the law of the wood.
     pub table: Option<&'a ForceTable>,
     /// The fitted law, used if the design chooses `fitted`.
@@ -46,6 +50,7 @@ pub struct Driven<'a> {
 pub struct Resistance {
     law: Law,
     scale: f64,
+    split: RateSplit,
 }
 
 #[derive(Debug, Clone)]
@@ -91,13 +96,42 @@ impl Resistance {
                 None => Law::Constant(0.0),
             },
         };
-        Self { law, scale }
+        let quasi_static = Self {
+            law,
+            scale,
+            split: RateSplit::inert(&shanks, 0.0, specimen.length),
+        };
+        let impact = quasi_static.fitted().map_or(0.0, LawOfDrive::usual_impact);
+        let full = quasi_static.evaluate(specimen.length, 0.0, impact);
+        // A fitted law contains the effects of speed and coating of its own tests.
+        let split = match quasi_static.law {
+            Law::Fitted(_) => RateSplit::inert(&shanks, full, specimen.length),
+            _ => RateSplit::new(wood, &shanks, full, specimen.length),
+        };
+        Self { split, ..quasi_static }
     }
 
     /// Force at depth `z` and nail speed `v` in the wood, after an impact of the rod at `impact` \[m/s\], with its
     /// derivatives, smoothly continued above the surface.
     #[inline]
     pub fn evaluate<S: Real>(&self, z: S, v: S, impact: f64) -> S {
+        let force = self.quasi_static(z, v, impact);
+        if self.split.changes() {
+            let [friction, tip] = self.split.parts(force, z, v);
+            friction + tip
+        } else {
+            force
+        }
+    }
+
+    /// Friction along the shank and force of the tip, whose sum is [`evaluate`](Self::evaluate).
+    #[inline]
+    pub fn parts<S: Real>(&self, z: S, v: S, impact: f64) -> [S; 2] {
+        self.split.parts(self.quasi_static(z, v, impact), z, v)
+    }
+
+    #[inline]
+    fn quasi_static<S: Real>(&self, z: S, v: S, impact: f64) -> S {
         let force = match &self.law {
             Law::Published(curve) => curve.evaluate(z),
             Law::Constant(force) => S::constant(*force),

@@ -35,7 +35,7 @@ struct Found {
 }
 
 /// Runs work that serialises values; also returns the distinct inputs found in them.
-pub(crate) fn during<T, E: 'static>(work: impl FnOnce() -> T) -> (T, Vec<Arc<dyn Input<E>>>) {
+pub(crate) fn collect<T, E: 'static>(work: impl FnOnce() -> T) -> (T, Vec<Arc<dyn Input<E>>>) {
     let outer = FOUND.replace(Some(Vec::new()));
     let value = work();
     let found = FOUND.replace(outer).unwrap_or_default();
@@ -47,7 +47,7 @@ pub(crate) fn during<T, E: 'static>(work: impl FnOnce() -> T) -> (T, Vec<Arc<dyn
 }
 
 /// Records the output of the stage `key` as an input of the stage being serialised, if any.
-pub(crate) fn found<E: 'static>(key: &Digest, input: impl FnOnce() -> Arc<dyn Input<E>>) {
+pub(crate) fn register<E: 'static>(key: &Digest, input: impl FnOnce() -> Arc<dyn Input<E>>) {
     FOUND.with_borrow_mut(|found| {
         let Some(found) = found else { return };
         if found.iter().all(|known| known.key != *key) {

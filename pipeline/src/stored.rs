@@ -66,7 +66,7 @@ impl<T, E> Clone for Stored<T, E> {
 
 impl<T: Send + Sync + 'static, E: 'static> Serialize for Stored<T, E> {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        inputs::found(&self.key, || -> Arc<dyn Input<E>> { Arc::new(self.clone()) });
+        inputs::register(&self.key, || -> Arc<dyn Input<E>> { Arc::new(self.clone()) });
         serializer.serialize_bytes(&self.key)
     }
 }

@@ -2,8 +2,6 @@
 
 use std::fmt;
 
-use crate::units::{Unit, UnitError};
-
 /// Exponents of length, mass, time, temperature, plane angle and electric current.
 ///
 /// Plane angle has its own dimension, so that a plain ratio given in degrees is an error.
@@ -56,14 +54,6 @@ impl Dimension {
         let even = exponents.iter().all(|exponent| exponent % 2 == 0);
         let [length, mass, time, temperature, angle, current] = exponents.map(|exponent| exponent / 2);
         even.then_some(Self::new(length, mass, time, temperature, angle, current))
-    }
-
-    /// The dimension of a unit; dimensionless for an empty string.
-    ///
-    /// # Errors
-    /// [`UnitError`] if the text is not a unit.
-    pub fn of_unit(unit: &str) -> Result<Self, UnitError> {
-        Unit::parse(unit).map(|unit| unit.dimension)
     }
 
     /// The SI unit of the design file for this dimension; empty for a plain number.

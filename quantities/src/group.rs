@@ -135,7 +135,11 @@ macro_rules! group {
                         kind: $kind,
                     }),*],
                     $(
-                        <$Part as $crate::Group>::SPEC.only_keys(),
+                        {
+                            const COUNT: usize = <$Part as $crate::Group>::SPEC.key_count();
+                            const KEYS: [$crate::KeySpec; COUNT] = <$Part as $crate::Group>::SPEC.joined_keys();
+                            &KEYS
+                        },
                         &[$($crate::KeySpec {
                             name: stringify!($late),
                             symbol: $late_symbol,

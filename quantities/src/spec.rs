@@ -3,7 +3,7 @@
 use crate::kind::Kind;
 
 /// A key of the design file.
-#[derive(Debug)]
+#[derive(Debug, Clone, Copy)]
 pub struct KeySpec {
     /// Its name in its group.
     pub name: &'static str,
@@ -57,11 +57,37 @@ impl GroupSpec {
         self.keys.iter().copied().flatten()
     }
 
-    /// The keys of a group without a part.
+    /// Number of the keys in the group itself.
     #[doc(hidden)]
-    pub const fn only_keys(&self) -> &'static [KeySpec] {
-        assert!(self.keys.len() == 1, "the part of a group has no part of its own");
-        self.keys[0]
+    pub const fn key_count(&self) -> usize {
+        let (mut count, mut slice) = (0, 0);
+        while slice < self.keys.len() {
+            count += self.keys[slice].len();
+            slice += 1;
+        }
+        count
+    }
+
+    /// The keys in the group itself as one array of [`key_count`](Self::key_count) keys.
+    #[doc(hidden)]
+    pub const fn joined_keys<const COUNT: usize>(&self) -> [KeySpec; COUNT] {
+        const BLANK: KeySpec = KeySpec {
+            name: "",
+            symbol: "",
+            doc: &[],
+            kind: Kind::Switch,
+        };
+        let mut all = [BLANK; COUNT];
+        let (mut place, mut slice) = (0, 0);
+        while slice < self.keys.len() {
+            let mut key = 0;
+            while key < self.keys[slice].len() {
+                all[place] = self.keys[slice][key];
+                (place, key) = (place + 1, key + 1);
+            }
+            slice += 1;
+        }
+        all
     }
 
     /// Finds a key directly in this group.

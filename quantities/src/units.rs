@@ -149,6 +149,16 @@ impl Unit {
     }
 }
 
+impl Dimension {
+    /// The dimension of a unit; a plain number for the empty text.
+    ///
+    /// # Errors
+    /// [`UnitError`], the text is not a unit.
+    pub fn of_unit(unit: &str) -> Result<Self, UnitError> {
+        Unit::parse(unit).map(|unit| unit.dimension)
+    }
+}
+
 /// A pressure unit with the suffix g, such as psig, barg or kPag.
 fn gauge(text: &str) -> Option<Unit> {
     let unit = atom(text.strip_suffix('g')?)?;

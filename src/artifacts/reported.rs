@@ -63,6 +63,11 @@ impl ReportedRun {
         self.run.result.state_study(study);
     }
 
+    /// The sound of all sources together in the report.
+    pub fn sound_of_all(&self) -> Option<&Recording> {
+        self.recordings.first()
+    }
+
     /// The report page for the current result.
     pub fn page(&self, design: &Design) -> String {
         report::run(design, &self.run, &self.pictures, &self.recordings)

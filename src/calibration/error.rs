@@ -54,6 +54,12 @@ pub enum CalibrationError {
         /// Draws requested.
         wanted: usize,
     },
+    /// The design has joint draws already.
+    #[error("the design is calibrated already, with {measured}")]
+    Calibrated {
+        /// The file of measurements.
+        measured: String,
+    },
     /// No key of the design that affects the cycle has a range.
     #[error("no key that takes part in the nailing cycle has a range, so that there is nothing to calibrate")]
     NoVariables,
@@ -84,6 +90,9 @@ impl Diagnostic for CalibrationError {
             )),
             Self::TooFewAccepted { .. } => {
                 Box::new("reduce --draws, leave out outcomes, or narrow the ranges of the design by `direct`")
+            }
+            Self::Calibrated { .. } => {
+                Box::new("calibrate its base with all measurements in one file: draws are not drawn from draws")
             }
             Self::NoVariables => Box::new("give keys a range, as { value = \"131 g\", range = \"+-5 %\" }"),
         })

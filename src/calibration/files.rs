@@ -5,14 +5,20 @@ use std::path::Path;
 
 use super::posterior::Posterior;
 use super::result::{CalibrationResult, MovedKey, Table, moved_keys};
-use crate::design::{Design, Value};
+use crate::design::{Design, JointDraws, Value};
 use crate::error::Error;
 use crate::output;
+use crate::study::code_of_joint_draws;
+
+/// Name of the file with the joint draws.
+pub const JOINT: &str = "calibrated.draws";
 
 /// Contents of the files.
 pub struct Files {
     /// `posterior.csv`: one row per draw.
     pub draws: Vec<u8>,
+    /// `calibrated.draws`: the draws of the keys.
+    pub joint: Vec<u8>,
     /// `calibrated.toml` without its first line, which names its base relative to a folder.
     design: String,
     base: std::path::PathBuf,
@@ -71,18 +77,29 @@ pub(super) fn files(
     });
     Ok(Files {
         draws: output::table(header, rows)?,
+        joint: serde_json::to_vec(&joint(posterior, result, table)).map_err(Error::Json)?,
         design: calibrated(design, result, &moved),
         base: design.path().to_owned(),
     })
+}
+
+/// The draws of the keys, in the order of the table.
+pub(super) fn joint(posterior: &Posterior, result: &CalibrationResult, table: &Table) -> JointDraws {
+    let keys = posterior.tool.keys();
+    let rows = table.rows.iter().map(|row| row[..keys].to_vec());
+    JointDraws::new(
+        result.measured.clone(),
+        code_of_joint_draws(),
+        table.names[..keys].to_vec(),
+        rows.collect(),
+    )
 }
 
 /// The design file without its base.
 fn calibrated(design: &Design, result: &CalibrationResult, moved: &[MovedKey<'_>]) -> String {
     let mut text = format!(
         "# {} calibrated with {}: {} draws, seed {}.\n\
-         # Values are those of the draw in the middle of all; ranges are 95 % of the draws of each key alone.\n\
-         # The draws are correlated: a study of this file draws the keys independently, so that its intervals are\n\
-         # wider than those of the draws in posterior.csv.\n",
+         # Values are those of the draw in the middle of all; ranges contain the draws of each key.\n",
         design.name(),
         result.measured,
         result.draws,
@@ -91,6 +108,7 @@ fn calibrated(design: &Design, result: &CalibrationResult, moved: &[MovedKey<'_>
     if !result.converged {
         text.push_str("# The sampler had not converged.\n");
     }
+    let _ = writeln!(text, "study.draws = \"{JOINT}\"");
     let entries = design.entries();
     // Writing to a string cannot fail.
     for own in moved {

@@ -6,7 +6,7 @@ use super::quantities::Quantity;
 use crate::design::Design;
 
 /// The user's measurements.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default)]
 pub(super) struct Measurements {
     /// Keys that were measured directly.
     pub(super) direct: Vec<Direct>,

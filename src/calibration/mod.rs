@@ -6,6 +6,7 @@
 mod error;
 mod files;
 mod measurements;
+mod next;
 mod posterior;
 mod quantities;
 mod reader;
@@ -18,16 +19,22 @@ mod twins;
 use std::path::Path;
 
 pub use error::CalibrationError;
-pub use files::Files;
+pub use files::{Files, JOINT};
+pub use next::NextRow;
 pub use posterior::{Request, Treatment, Work};
 pub use result::{CalibrationResult, ConflictRow, FigureRow, InputRow, MeasurementRow, PairRow, Verdict};
 
 use crate::design::{Assignment, Design};
 use crate::error::Error;
+use crate::graph::Graph;
 use crate::stages::{Progress, code};
 use crate::store::{Key, Store};
 
-/// Calibrates the design in a file, with further assignments, using the measurements in another file.
+/// Name of the measurements where there are none.
+const NO_MEASUREMENTS: &str = "no measurements";
+
+/// Calibrates the design in a file, with further assignments, using the measurements in another file. Without measurements
+/// the draws are those of the ranges.
 ///
 /// Completed blocks of candidates and completed moves of the sampler are stored, so that repeating the call resumes an
 /// interrupted one.
@@ -38,15 +45,21 @@ pub fn calibrate(
     store: &Store,
     design: &Design,
     assignments: &[Assignment],
-    measured: &Path,
+    measured: Option<&Path>,
     request: &Request,
     progress: &Progress,
 ) -> Result<(CalibrationResult, Files), Error> {
-    let document = reader::text(measured)?;
+    if let Some(joint) = &design.study().draws {
+        let measured = joint.measured.clone();
+        return Err(CalibrationError::Calibrated { measured }.into());
+    }
     let with = |own: &[Assignment]| Design::load_with(design.path(), &[assignments, own].concat());
     let reader = reader::Reader { design, with: &with };
-    let file = measured.display().to_string();
-    let measured = reader.read(&document)?;
+    let file = measured.map_or_else(|| NO_MEASUREMENTS.to_owned(), |path| path.display().to_string());
+    let measured = match measured {
+        Some(path) => reader.read(&reader::text(path)?)?,
+        None => measurements::Measurements::default(),
+    };
     let held_out = request.hold_out.iter().map(|name| {
         let known = measured.data.iter().map(|own| own.name.as_str());
         known
@@ -69,7 +82,18 @@ pub fn calibrate(
         progress,
     };
     let posterior = calibration.posterior(held_out)?;
-    let (result, table) = result::result(&posterior, design, &measured, request, &file);
+    let (mut result, table) = result::result(&posterior, design, &measured, request, &file);
+    if let Some(count) = request.next {
+        let levelled = next::Levelled {
+            tool: &posterior.tool,
+            design,
+            joint: files::joint(&posterior, &result, &table),
+            table: &table,
+            points: posterior.state.particles.iter().map(|own| own.z.as_slice()).collect(),
+        };
+        let graph = Graph::quiet(store, progress.observer());
+        result.next = levelled.next(&graph, count, request.seed, progress)?;
+    }
     let files = files::files(&posterior, design, &result, &table)?;
     Ok((result, files))
 }

@@ -151,6 +151,19 @@ impl Quantity {
         }
     }
 
+    /// Whether it is never below 0.
+    pub(super) fn is_positive(self) -> bool {
+        !matches!(self, Self::HeadDepth | Self::PistonTravel(_))
+    }
+
+    /// The time from the trigger pull at which it is read, if it is not read at an event \[s\].
+    pub(super) fn time(self) -> Option<f64> {
+        match self {
+            Self::PistonTravel(Moment::Time(time)) | Self::Pressure(_, Moment::Time(time)) => Some(time),
+            _ => None,
+        }
+    }
+
     /// Whether a gauge pressure is converted to an absolute one.
     pub(super) fn is_absolute_pressure(self) -> bool {
         matches!(self, Self::Pressure(..) | Self::PeakPressure(_))

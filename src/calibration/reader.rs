@@ -85,7 +85,7 @@ impl Reader<'_> {
         let root = Keys::of_document(document, &keys, "file of measurements");
         root.only(&["schema", "correlation", "direct", "instrument", "condition", "measured"])?;
         root.required("schema", &format!("\"{SCHEMA}\""))?;
-        if root.text("schema", SCHEMA)? != Some(SCHEMA) {
+        if root.text("schema", &format!("\"{SCHEMA}\""))? != Some(SCHEMA) {
             return Err(root
                 .error("schema", "is another layout", format!("give \"{SCHEMA}\""))
                 .into());
@@ -94,7 +94,18 @@ impl Reader<'_> {
         let instruments = tables(&root, "instrument", "{ error = \"1 %\" }")?;
         for (_, table) in &instruments {
             table.only(&["error"])?;
-            table.required("error", "\"1 %\"")?;
+            let value = table.required("error", "\"1 %\"")?;
+            // Its unit is that of the readings, so that only digits tell here.
+            let is_zero = |text: &str| !text.contains(|digit: char| ('1'..='9').contains(&digit));
+            if value
+                .get_ref()
+                .as_str()
+                .is_some_and(|text| text.contains('0') && is_zero(text))
+            {
+                return Err(table
+                    .error("error", "is 0", "no instrument is exact: give its error")
+                    .into());
+            }
         }
         let conditions = tables(&root, "condition", "{ set = { \"supply.pressure\" = \"96 psig\" } }")?;
         let conditions: Vec<Condition> = conditions
@@ -144,9 +155,17 @@ impl Reader<'_> {
     fn direct(&self, root: &Keys<'_, '_>) -> Result<Vec<Direct>, KeyError> {
         let all = tables(root, "direct", "{ value = \"11.4 mm\", error = \"0.1 mm\" }")?;
         let read = |(key, table): &(String, Keys<'_, '_>)| {
+            if let Some(inner) = table.keys().iter().find(|(_, value)| value.get_ref().is_table()) {
+                let name = inner.0.get_ref();
+                let help = format!("write the whole key in quotes: \"{key}.{name}\" = {{ .. }}");
+                return Err(table.error(name, "is not a key of a measured value", help));
+            }
             table.only(&["value", "error", "rounding", "k"])?;
-            let dimension = self.dimension(key).ok_or_else(|| self.unknown(table, key))?;
             let entry = self.design.entries().into_iter().find(|entry| entry.key == *key);
+            let dimension = self.dimension(key).ok_or_else(|| match &entry {
+                Some(_) => table.error("", "is not a quantity", "set it in the design, or under each condition"),
+                None => self.unknown(table, key),
+            })?;
             let Some([low, high]) = entry.and_then(|entry| entry.range).filter(|[low, high]| low < high) else {
                 let help = "give it a range in the design, or set its value there";
                 return Err(table.error("", "has no range in the design, so that nothing can be narrowed", help));
@@ -213,7 +232,7 @@ impl Reader<'_> {
             if direct.iter().any(|own| own.key == key) {
                 return Err(wrong(
                     "is set here and measured in [direct]".to_owned(),
-                    "leave one of both out: a set value has the error of its instrument",
+                    "leave out one of the two: a set value has the error of its instrument",
                 ));
             }
             let text = match value.get_ref() {
@@ -221,7 +240,10 @@ impl Reader<'_> {
                 DeValue::Integer(number) => number.as_str().to_owned(),
                 DeValue::Float(number) => number.as_str().to_owned(),
                 DeValue::Boolean(on) => on.to_string(),
-                other => return Err(wrong(format!("is {}", found(other)), "give a value of the key")),
+                other => {
+                    let help = "write the whole key in quotes and give one value, as \"supply.pressure\" = \"96 psig\"";
+                    return Err(wrong(format!("is {}", found(other)), help));
+                }
             };
             let assignment: Assignment = format!("{key}={text}")
                 .parse()
@@ -335,7 +357,7 @@ fn error(table: &Keys<'_, '_>, dimension: Dimension) -> Result<Spread, KeyError>
     const EXACT: &str = "no instrument is exact: give `error`, or `rounding` as half of the last digit";
     let factor = match (table.get("error"), table.get("rounding"), table.get("k")) {
         (Some(_), Some(_), _) => {
-            return Err(table.error("rounding", "stands beside `error`", "give one of both"));
+            return Err(table.error("rounding", "cannot be combined with `error`", "give one of the two"));
         }
         (None, Some(_), Some(_)) => {
             return Err(table.error("k", "belongs to an expanded `error`", "remove it"));
@@ -432,7 +454,12 @@ fn correlations(root: &Keys<'_, '_>, data: &[Measured]) -> Result<Vec<Correlatio
     };
     let mut all = Vec::new();
     for own in list {
-        let entry = |key: &str| own.get_ref().as_table().and_then(|own| own.get(key));
+        let table = own.get_ref().as_table();
+        let is_known = |key: &str| ["ids", "r"].contains(&key);
+        if let Some(key) = table.and_then(|own| own.keys().find(|key| !is_known(key.get_ref()))) {
+            return Err(wrong(format!("has the unknown key `{}`", key.get_ref())));
+        }
+        let entry = |key: &str| table.and_then(|own| own.get(key));
         let names = entry("ids").and_then(|own| own.get_ref().as_array());
         let names = names.and_then(|own| own.iter().map(|own| own.get_ref().as_str()).collect::<Option<Vec<_>>>());
         let (Some(names), Some(r)) = (names, entry("r")) else {
@@ -441,6 +468,10 @@ fn correlations(root: &Keys<'_, '_>, data: &[Measured]) -> Result<Vec<Correlatio
         let known = data.iter().map(|own| own.name.as_str());
         let place = |name: &str| place(root, "correlation", name, known.clone(), "measurement");
         let data: Vec<usize> = names.into_iter().map(place).collect::<Result<_, KeyError>>()?;
+        let distinct: std::collections::BTreeSet<usize> = data.iter().copied().collect();
+        if distinct.len() < data.len() {
+            return Err(wrong("names a measurement twice".to_owned()));
+        }
         let r = root.number("correlation", r, |text| measure(text, NUMBER))?;
         if data.len() < 2 || !(-1.0..1.0).contains(&r) {
             return Err(wrong(
@@ -481,6 +512,11 @@ impl Of<'_, '_, '_> {
         let known = self.conditions.iter().map(|own| own.name.as_str());
         let condition = place(table, "condition", condition, known, "condition")?;
         let quantity = self.quantity()?;
+        let of_design = self.conditions[condition].design.analysis.cycle_end;
+        if let Some(time) = quantity.time().filter(|time| *time > quantity.end(of_design)) {
+            let problem = format!("is {time} s, after the end of the record at {of_design} s");
+            return Err(table.error("at", problem, "give an earlier time, or raise `analysis.cycle_end`"));
+        }
         let dimension = quantity.dimension();
         let repeats = self.repeats(quantity, &self.conditions[condition])?;
         let own = error(table, dimension)?.at(repeats.typical);
@@ -504,6 +540,10 @@ impl Of<'_, '_, '_> {
             Some(_) => spread(table, "discrepancy", dimension)?.at(repeats.typical),
             None => quantity.discrepancy(repeats.typical),
         };
+        if variance + discrepancy * discrepancy <= 0.0 {
+            let help = "give the error as an amount: percentages of 0 are 0";
+            return Err(table.error("error", "is 0 at this value", help));
+        }
         let instrument = match table.get("instrument") {
             Some(_) => {
                 let instrument = named(table, "instrument", self.instruments)?;
@@ -605,7 +645,14 @@ impl Of<'_, '_, '_> {
         let ambient = quantity
             .is_absolute_pressure()
             .then_some(condition.design.ambient.pressure);
-        let read = |key: &str, value: &Value<'_>| scalar(table, key, value, dimension, ambient);
+        let read = |key: &str, value: &Value<'_>| {
+            let own = scalar(table, key, value, dimension, ambient)?;
+            if own < 0.0 && quantity.is_positive() {
+                let problem = format!("is {}, below 0", found(value.get_ref()));
+                return Err(table.wrong(key, value.span(), problem, "correct the sign".to_owned()));
+            }
+            Ok(own)
+        };
         let get = |key: &str| table.get(key).map(|value| read(key, value)).transpose();
         let (value, most, least) = (get("value")?, get("at_most")?, get("at_least")?);
         let given = ["value", "values", "at_most", "at_least"];
@@ -632,13 +679,13 @@ impl Of<'_, '_, '_> {
             if let Some(other) = ["shots", "scatter"].into_iter().find(|key| table.get(key).is_some()) {
                 return Err(table.error(other, "follows from `values`", "remove it"));
             }
-            let list = values.get_ref().as_array().filter(|list| !list.is_empty());
-            let list = list.ok_or_else(|| {
-                table.error(
-                    "values",
-                    format!("is {}", found(values.get_ref())),
-                    "give a list of values",
-                )
+            let list = values.get_ref().as_array();
+            let list = list.filter(|list| !list.is_empty()).ok_or_else(|| {
+                let problem = match list {
+                    Some(_) => "is empty".to_owned(),
+                    None => format!("is {}", found(values.get_ref())),
+                };
+                table.error("values", problem, "give a list of values")
             })?;
             let list: Vec<f64> = list.iter().map(|own| read("values", own)).collect::<Result<_, _>>()?;
             let n = list.len() as f64;
@@ -663,7 +710,7 @@ impl Of<'_, '_, '_> {
             (Some(value), ..) => Reading::Value(of_one * value),
             (None, Some(most), Some(least)) if least < most => Reading::Within([of_one * least, of_one * most]),
             (None, Some(_), Some(_)) => {
-                return Err(table.error("at_least", "is not below `at_most`", "exchange both"));
+                return Err(table.error("at_least", "is not below `at_most`", "swap the two"));
             }
             (None, Some(most), None) => Reading::AtMost(of_one * most),
             (None, None, least) => Reading::AtLeast(of_one * least.unwrap_or_default()),
@@ -829,6 +876,42 @@ mod tests {
                 &["does not exist", "t0 to t18"],
             ),
             (
+                format!("m = {{ {depth}, rounding = \"1 mm\", error = \"1 mm\" }}"),
+                &["cannot be combined"],
+            ),
+            (
+                format!("m = {{ {depth}, error = \"1 mm\", k = 0 }}"),
+                &["is 0, outside 1 to 10"],
+            ),
+            (
+                "m = { condition = \"a\", quantity = \"head_depth\", values = [], error = \"1 mm\" }".to_owned(),
+                &["`measured.m.values` is empty"],
+            ),
+            (
+                "m = { condition = \"a\", quantity = \"head_depth\", value = 0, error = \"2 %\", \
+                 scatter = \"0 mm\", discrepancy = \"5 %\" }"
+                    .to_owned(),
+                &["is 0 at this value", "as an amount"],
+            ),
+            (
+                "m = { condition = \"a\", quantity = \"interval\", events = [\"t6\", \"t9\"], \
+                 value = \"-4 ms\", error = \"1 ms\" }"
+                    .to_owned(),
+                &["below 0", "correct the sign"],
+            ),
+            (
+                "m = { condition = \"a\", quantity = \"pressure\", of = \"supply\", at = \"3 s\", \
+                 value = \"4 bar\", error = \"1 %\" }"
+                    .to_owned(),
+                &["`measured.m.at` is 3 s", "analysis.cycle_end"],
+            ),
+            (
+                "m = { condition = \"a\", quantity = \"head_depth\", at_most = \"1 mm\", at_least = \"2 mm\", \
+                 error = \"1 mm\" }"
+                    .to_owned(),
+                &["is not below `at_most`"],
+            ),
+            (
                 "m = { condition = \"a\", quantity = \"level\", value = \"100\" }".to_owned(),
                 &["this version cannot calibrate"],
             ),
@@ -872,6 +955,36 @@ mod tests {
                 "[instrument]",
                 "correlation = [{ ids = [\"m\", \"n\"], r = 0.3 }]\n[instrument]",
                 "is no measurement",
+            ),
+            (
+                "[instrument]",
+                "correlation = [{ ids = [\"m\", \"m\"], r = 0.3 }]\n[instrument]",
+                "names a measurement twice",
+            ),
+            (
+                "[instrument]",
+                "correlation = [{ ids = [\"m\"], r = 0.3, rho = 1 }]\n[instrument]",
+                "unknown key `rho`",
+            ),
+            (
+                "[instrument]",
+                "[direct]\npiston.mass = { value = \"131 g\", error = \"1 g\" }\n[instrument]",
+                "\"piston.mass\" = { .. }",
+            ),
+            (
+                "[instrument]",
+                "[direct]\n\"wood.species\" = { value = \"pine\", error = \"1 g\" }\n[instrument]",
+                "is not a quantity; set it in the design",
+            ),
+            (
+                "caliper = { error = \"1 % + 0.05 mm\" }",
+                "caliper = { error = \"0.0 mm\" }",
+                "no instrument is exact",
+            ),
+            (
+                "set = { \"supply.pressure\" = \"96 psig\" }",
+                "set = { supply.pressure = \"96 psig\" }",
+                "write the whole key in quotes",
             ),
         ] {
             assert!(good.contains(from), "{from}");

@@ -2,14 +2,15 @@
 
 use nailnoise_calibration::conflict::{CONFLICT, left_out_probability, left_over};
 use nailnoise_calibration::likelihood::Reading;
-use nailnoise_calibration::normal;
 use nailnoise_calibration::sampler::Step;
 use nailnoise_calibration::statistics::{quantile_of, rank_correlation};
 use nailnoise_dynamics::CycleRecord;
+use nailnoise_quantities::rounded;
 use rayon::prelude::*;
 use serde::Serialize;
 
 use super::measurements::Measurements;
+use super::next::NextRow;
 use super::posterior::{Found, Posterior, Request, Work};
 use super::tool::{Tool, shot};
 use crate::design::{Design, Value};
@@ -80,6 +81,8 @@ pub struct CalibrationResult {
     pub unidentified: usize,
     /// Figures of the design's own shot.
     pub figures: Vec<FigureRow>,
+    /// What to measure next, what an hour of work makes narrowest first; empty if it was not asked.
+    pub next: Vec<NextRow>,
     /// Notes for the reader.
     pub notes: Vec<String>,
 }
@@ -171,7 +174,8 @@ pub struct InputRow {
     pub name: String,
     /// SI unit.
     pub unit: String,
-    /// P5 and P95 of its distribution in the design.
+    /// P5 and P95 of candidates: of its distribution in the design, given the rules between values and the observed
+    /// outcomes.
     pub before: [f64; 2],
     /// P5 and P95 of the draws.
     pub now: [f64; 2],
@@ -295,11 +299,11 @@ fn interval(values: &[f64]) -> [f64; 2] {
     [0.05, 0.95].map(|p| quantile(values.iter().copied(), p))
 }
 
-/// The value of a variable for a standard normal number.
-fn value(posterior: &Posterior, variable: usize, z: f64) -> f64 {
+/// The value of a variable at a point.
+fn value(posterior: &Posterior, variable: usize, z: &[f64]) -> f64 {
     match posterior.tool.sampler.variables().get(variable) {
-        Some(own) => number(own, normal::cumulative(z)),
-        None => z,
+        Some(own) => number(own, posterior.tool.point(z).shares[variable]),
+        None => z[variable],
     }
 }
 
@@ -348,16 +352,11 @@ pub(super) fn result(
     let particles = &posterior.state.particles;
     let variables = particles.first().map_or(0, |own| own.z.len());
     let values: Vec<Vec<f64>> = (0..variables)
-        .map(|k| {
-            let point = |z: &[f64]| match k < posterior.tool.keys() {
-                true => normal::quantile(posterior.tool.point(z).shares[k]),
-                false => z[k],
-            };
-            particles.iter().map(|own| value(posterior, k, point(&own.z))).collect()
-        })
+        .map(|k| particles.iter().map(|own| value(posterior, k, &own.z)).collect())
         .collect();
     let rows: Vec<InputRow> = (0..variables).map(|k| input(posterior, k, &values[k])).collect();
-    let by_chance = BEYOND_CHANCE / (posterior.diagnostics.ancestors.max(1) as f64).sqrt();
+    let parts = [posterior.diagnostics.ancestors, posterior.start.accepted.len()];
+    let by_chance = BEYOND_CHANCE * parts.map(|n| 1.0 / n.max(1) as f64).iter().sum::<f64>().sqrt();
     let moved_below = MOVED.min(1.0 - ERROR_OF_WIDTH * by_chance);
     let mut moved: Vec<usize> = (0..variables).filter(|&k| rows[k].ratio < moved_below).collect();
     moved.sort_by(|&a, &b| rows[a].ratio.total_cmp(&rows[b].ratio));
@@ -416,6 +415,7 @@ pub(super) fn result(
         pairs,
         unidentified,
         figures: figures.collect(),
+        next: Vec::new(),
         notes: notes(posterior, measured),
     };
     let names = (0..variables).map(|k| posterior.tool.name(k).to_owned());
@@ -436,7 +436,12 @@ pub(super) fn result(
 }
 
 fn input(posterior: &Posterior, variable: usize, values: &[f64]) -> InputRow {
-    let before = [0.05, 0.95].map(|p| value(posterior, variable, normal::quantile(p)));
+    let candidates = posterior.start.accepted.iter();
+    let before = interval(
+        &candidates
+            .map(|own| value(posterior, variable, &own.z))
+            .collect::<Vec<_>>(),
+    );
     let now = interval(values);
     let own = posterior.tool.sampler.variables().get(variable);
     let ratio = (now[1] - now[0]) / (before[1] - before[0]);
@@ -451,16 +456,20 @@ fn input(posterior: &Posterior, variable: usize, values: &[f64]) -> InputRow {
     }
 }
 
+/// Pairs that the measurements tie together: rules correlate inputs of the candidates, too, and so do the points of a
+/// low-discrepancy sequence where they are few.
 fn pairs(posterior: &Posterior, values: &[Vec<f64>], least: f64) -> Vec<PairRow> {
+    let column = |k: usize| posterior.start.accepted.iter().map(|own| own.z[k]).collect();
+    let before: Vec<Vec<f64>> = (0..values.len()).map(column).collect();
     let mut found = Vec::new();
     for a in 0..values.len() {
         for b in 0..a {
-            let rank_correlation = rank_correlation(&values[a], &values[b]);
-            if rank_correlation.abs() > least {
+            let [now, then] = [values, before.as_slice()].map(|own| rank_correlation(&own[a], &own[b]));
+            if now.abs() > least && (now - then).abs() > least {
                 let inputs = [b, a].map(|k| posterior.tool.name(k).to_owned());
                 found.push(PairRow {
                     inputs,
-                    rank_correlation,
+                    rank_correlation: now,
                 });
             }
         }
@@ -536,20 +545,28 @@ fn conflict(posterior: &Posterior, measured: &Measurements, found: &Found) -> Co
         });
     }
     let reading = posterior.likelihood.data()[found.datum].reading;
-    for (outcome, [low, high]) in &posterior.start.reached[found.datum] {
-        let allowed = &posterior.tool.conditions[measured.data[found.datum].condition].outcomes;
-        let is_reached = [low, high].iter().any(|end| reading.nearest(**end) == **end)
-            || matches!(reading, Reading::Value(value) if (*low..=*high).contains(&value));
-        if found.unreached.is_some() && is_reached && !allowed.contains(outcome) {
-            let bound = bound_of(outcome).map_or_else(String::new, |key| format!(", which `{key}` bounds"));
+    let allowed = &posterior.tool.conditions[measured.data[found.datum].condition].outcomes;
+    for (outcome, &[low, high]) in &posterior.start.reached[found.datum] {
+        let Some(unreached) = found.unreached.filter(|_| !allowed.contains(outcome)) else {
+            continue;
+        };
+        // The value of these shots that is nearest to the reading.
+        let wanted = reading.nearest(unreached.nearest);
+        let nearest = wanted.clamp(low, high);
+        if (wanted - nearest).abs() < (wanted - unreached.nearest).abs() {
+            let how = match nearest == wanted {
+                true => "reach it".to_owned(),
+                false => format!("come nearer, to {}", rounded(nearest, 3, 1e5)),
+            };
+            let bound = bound_of(outcome).map_or_else(String::new, |key| format!("; `{key}` bounds that outcome"));
             remedies.push(format!(
-                "shots with the outcome \"{}\" reach it{bound}",
+                "shots with the outcome \"{}\" {how}{bound}",
                 outcome.replace('_', " ")
             ));
         }
     }
     if let Some((outcome, count)) = found.refusals.iter().max_by_key(|(_, count)| **count) {
-        let bound = bound_of(outcome).map_or_else(String::new, |key| format!(", which `{key}` bounds"));
+        let bound = bound_of(outcome).map_or_else(String::new, |key| format!("; `{key}` bounds that outcome"));
         remedies.push(format!(
             "{count} proposals were refused for the outcome \"{}\"{bound}",
             outcome.replace('_', " ")
@@ -569,6 +586,9 @@ fn conflict(posterior: &Posterior, measured: &Measurements, found: &Found) -> Co
 
 fn notes(posterior: &Posterior, measured: &Measurements) -> Vec<String> {
     let mut notes = measured.notes.clone();
+    if measured.data.is_empty() {
+        return notes;
+    }
     notes.push(
         "the draws are of this tool with the wood, nails and support as measured; keys of bodies (bore, valve \
          diameters, masses) are drawn for the cycle"
@@ -584,7 +604,7 @@ fn notes(posterior: &Posterior, measured: &Measurements) -> Vec<String> {
         .collect();
     if !left_out.is_empty() {
         notes.push(format!(
-            "all intervals are without {}, which are in conflict",
+            "all intervals leave out {} because of the conflict",
             left_out.join(", ")
         ));
     }
@@ -600,7 +620,8 @@ fn notes(posterior: &Posterior, measured: &Measurements) -> Vec<String> {
     notes
 }
 
-/// Keys of the design that moved, with the range of their draws: P2.5 and P97.5.
+/// The keys of the design that moved. The normal distribution over a range is cut at 3/4 of its width from its middle;
+/// the ends are P2.5 and P97.5, further apart where the cut would exclude a draw.
 pub(super) struct MovedKey<'a> {
     pub(super) key: &'a str,
     pub(super) value: Value,
@@ -615,12 +636,16 @@ pub(super) fn moved_keys<'a>(posterior: &'a Posterior, result: &CalibrationResul
             return None;
         };
         let row = result.inputs.iter().find(|own| own.name == variable.name)?;
-        let ends = [0.025, 0.975].map(|p| quantile(table.rows.iter().map(|row| row[k]), p));
+        let values = table.rows.iter().map(|row| row[k]);
+        let [low, high] = [0.025, 0.975].map(|p| quantile(values.clone(), p));
+        let middle = 0.5 * (low + high);
+        let furthest = values.map(|value| (value - middle).abs()).fold(0.0, f64::max);
+        let half = (0.5 * (high - low)).max(furthest / 1.499);
+        let ends = [middle - half, middle + half];
         (row.ratio < result.moved_below).then(|| MovedKey {
             key: &variable.name,
             value: parameter.hold(row.medoid),
-            // The range of a value must include it.
-            ends: [ends[0].min(row.medoid), ends[1].max(row.medoid)],
+            ends,
         })
     });
     moved.collect()

@@ -182,6 +182,7 @@ fn calibrated(design: &Design, text: &str, store: &Store, seed: u64) -> Calibrat
         seed,
         hold_out: Vec::new(),
         treatment: Treatment::LeaveOut,
+        next: None,
     };
     let tool = Tool::new(design, &measured, seed).unwrap();
     let calibration = Calibration {

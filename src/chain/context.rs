@@ -2,7 +2,7 @@
 
 use nailnoise_acoustics::Air;
 
-use super::shape::SharedShapes;
+use super::reference::SharedShapes;
 use crate::design::Design;
 use crate::graph::Graph;
 

@@ -2,7 +2,6 @@
 //! cycle.
 
 use nailnoise_acoustics::radiation::radiator::Loading;
-use nailnoise_dynamics::{CycleRecord, Settings};
 
 use super::bodies::{Bodies, BodyStages};
 use super::context::Context;
@@ -12,6 +11,7 @@ use crate::error::Error;
 use crate::graph::Graph;
 use crate::stages::Stored;
 use crate::stages::bodies::BodySensors;
+use crate::stages::cycle::{Engine, ShotRecord};
 use crate::stages::response::{
     Coupled, CoupledCycle, CoupledResponse, CoupledVibration, LinearResponse, Response, ShotInputs, Structure,
     Vibration,
@@ -27,8 +27,9 @@ pub(crate) struct Motions<'a> {
     /// How they radiate.
     pub(crate) radiators: &'a Radiators,
     /// The cycle with a lumped workpiece.
-    pub(crate) lumped: Stored<CycleRecord>,
-    settings: Settings,
+    pub(crate) lumped: Stored<ShotRecord>,
+    /// The engine of the cycle.
+    pub(crate) engine: Engine,
     /// The shot on workpiece and support.
     pub(crate) shot: ShotInputs,
     /// The shot on the tool.
@@ -48,8 +49,10 @@ pub(crate) struct Motions<'a> {
 
 /// The cycle that drives the bodies.
 pub(crate) struct Drive {
+    /// The engine of the cycle.
+    pub(crate) engine: Engine,
     /// The cycle with a lumped workpiece.
-    pub(crate) lumped: Stored<CycleRecord>,
+    pub(crate) lumped: Stored<ShotRecord>,
     /// Factor on the forces of the shot on the workpiece if the cycle is coupled one way \[-\].
     pub(crate) force_scale: f64,
 }
@@ -65,7 +68,7 @@ pub(crate) struct ToolMotion {
 /// Motion of workpiece and support, with the cycle that drives it.
 pub(crate) struct DrivenVibration {
     /// The cycle.
-    pub(crate) cycle: Stored<CycleRecord>,
+    pub(crate) cycle: Stored<ShotRecord>,
     /// The motion.
     pub(crate) vibration: Stored<Vibration>,
     /// Both combined, if they are coupled two ways.
@@ -95,9 +98,8 @@ impl<'a> Motions<'a> {
             bodies,
             radiators,
             lumped: drive.lumped,
-            settings: inputs::cycle::cycle_settings(design),
-            shot: inputs::response::shot(design)?,
-            tool_shot: inputs::response::tool(design)?,
+            shot: inputs::response::shot(design, &drive.engine)?,
+            tool_shot: inputs::response::tool(design, &drive.engine),
             structure: Structure {
                 bodies: bodies.structure_bodies(),
                 loss_factors: bodies.structure.iter().map(|stages| stages.loss_factor).collect(),
@@ -105,6 +107,7 @@ impl<'a> Motions<'a> {
             },
             on_structure: on_structure.collect::<Result<_, _>>()?,
             on_tool: on_tool.transpose()?.flatten(),
+            engine: drive.engine,
             force_scale: drive.force_scale,
             range_hz: [design.analysis.range_low, design.analysis.range_high],
             two_way: design.support.coupling == Coupling::TwoWay,
@@ -120,17 +123,18 @@ impl<'a> Motions<'a> {
     /// The shot from one of its initial states, with the radiation impedance frozen at each mode's resonance.
     pub(crate) fn driven(&self, start: u32, two_way: bool) -> DrivenVibration {
         let shot = self.shot.with_start(start);
-        if !two_way {
+        // A design couples two ways only if the engine can.
+        let (true, Engine::Keys(cycle)) = (two_way, &self.engine) else {
             return DrivenVibration {
                 cycle: self.lumped.clone(),
                 vibration: self.one_way(shot),
                 coupled: None,
             };
-        }
+        };
         let both = self.graph.add(CoupledResponse {
             shot,
             structure: self.structure.clone(),
-            cycle: self.settings.clone(),
+            cycle: cycle.clone(),
         });
         DrivenVibration {
             cycle: self.graph.add(CoupledCycle(both.clone())),
@@ -182,7 +186,7 @@ impl<'a> Motions<'a> {
     }
 
     /// Motion and spectra of an elastic tool in a cycle, with the radiation impedance that applies.
-    pub(crate) fn tool(&self, cycle: &Stored<CycleRecord>) -> Option<ToolMotion> {
+    pub(crate) fn tool(&self, cycle: &Stored<ShotRecord>) -> Option<ToolMotion> {
         let stages = self.bodies.tool.as_ref()?;
         let frozen = self.frozen_tool(stages, cycle);
         let complete = self.radiators.tool.as_ref();
@@ -204,13 +208,13 @@ impl<'a> Motions<'a> {
     }
 
     /// Spectra of an elastic tool with the frozen radiation impedance, for comparison with the full one.
-    pub(crate) fn tool_with_frozen_impedance(&self, cycle: &Stored<CycleRecord>) -> Option<Stored<BodyMotion>> {
+    pub(crate) fn tool_with_frozen_impedance(&self, cycle: &Stored<ShotRecord>) -> Option<Stored<BodyMotion>> {
         let stages = self.bodies.tool.as_ref()?;
         self.radiators.tool.as_ref()?;
         Some(self.tool_analysed(stages, &self.frozen_tool(stages, cycle)))
     }
 
-    fn frozen_tool(&self, stages: &BodyStages, cycle: &Stored<CycleRecord>) -> Stored<Vibration> {
+    fn frozen_tool(&self, stages: &BodyStages, cycle: &Stored<ShotRecord>) -> Stored<Vibration> {
         let loads = self.radiators.tool.as_ref().map(|tool| tool.loads.clone());
         self.graph.add(ToolResponse {
             shot: self.tool_shot.clone(),

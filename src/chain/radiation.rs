@@ -5,7 +5,7 @@ use nailnoise_acoustics::radiation::radiator::{FluidLoads, Loading, Radiator};
 
 use super::bodies::{Bodies, BodyStages};
 use super::context::Context;
-use super::shape::{Standards, by_shape, standards};
+use super::reference::{ReferenceStructures, from_references, references};
 use crate::design::inputs;
 use crate::error::Error;
 use crate::stages::bodies::{Body, BodyKind};
@@ -121,13 +121,13 @@ fn tool_radiation(context: Context<'_>, stages: &BodyStages, acts: Loading) -> R
     };
     // A user's housing has its own modes: most of the tool's mass is lumped on it, and the motion that standard
     // structures of its shape cannot represent may amount to a decibel.
-    let standards = match design.body.mesh.is_empty() && shared.tool {
-        true => standards(graph, design, &[BodyKind::Tool])?,
-        false => Standards::new(),
+    let references = match design.body.mesh.is_empty() && shared.tool {
+        true => references(graph, design, &[BodyKind::Tool])?,
+        false => ReferenceStructures::new(),
     };
     let places = inputs::radiation::tool_places(design);
     let of = |shape: &RadiatingShape| {
-        let radiation = by_shape(graph, shape, &places, &standards, std::slice::from_ref(&stages.body));
+        let radiation = from_references(graph, shape, &places, &references, std::slice::from_ref(&stages.body));
         let at_microphones = radiation.at_microphones(graph);
         let key = *radiation.matrix.key();
         let [radiator, at_microphones] =
@@ -171,13 +171,13 @@ pub(crate) fn workpiece_radiation(context: Context<'_>, bodies: &[Stored<Body>])
     Ok(match inputs::radiation::workpiece(design)? {
         WorkpieceRadiation::BoundaryElements(elements) => {
             let kinds = [BodyKind::Workpiece, BodyKind::Worktable];
-            let standards = match shared.workpiece {
-                true => standards(graph, design, &kinds[..bodies.len()])?,
-                false => Standards::new(),
+            let references = match shared.workpiece {
+                true => references(graph, design, &kinds[..bodies.len()])?,
+                false => ReferenceStructures::new(),
             };
             let shape = RadiatingShape::Workpiece(elements.clone());
             let places = inputs::radiation::workpiece_places(design);
-            let radiation = by_shape(graph, &shape, &places, &standards, bodies);
+            let radiation = from_references(graph, &shape, &places, &references, bodies);
             let (at_microphones, matrix) = (radiation.at_microphones(graph), radiation.matrix);
             WorkpieceStages {
                 radiator: radiator(WorkpieceMethod::BoundaryElements(matrix.clone())),

@@ -1,7 +1,6 @@
 //! The shot whose sound is computed: its cycle, and the motion of its bodies.
 
 use nailnoise_acoustics::signals::SourceSpectrum;
-use nailnoise_dynamics::CycleRecord;
 
 use super::bodies::{Bodies, BodyStages};
 use super::context::Context;
@@ -11,6 +10,7 @@ use crate::design::inputs;
 use crate::error::Error;
 use crate::stages::Stored;
 use crate::stages::apart::Apart;
+use crate::stages::cycle::ShotRecord;
 use crate::stages::microphones::MicrophoneArray;
 use crate::stages::response::{Coupled, End, Vibration};
 use crate::stages::sources::{AnalysedSource, Analysis, Emission, Energy};
@@ -32,7 +32,7 @@ pub(crate) struct ShotStages<'a> {
     /// Seed of the jet noise at the microphones.
     pub(crate) noise_seed: u32,
     /// The nailing cycle.
-    pub(crate) cycle: Stored<CycleRecord>,
+    pub(crate) cycle: Stored<ShotRecord>,
     /// Cycle and structure combined, if they are coupled two ways.
     pub(crate) coupled: Option<Stored<Coupled>>,
     /// Response of workpiece and support with the radiation impedance frozen at each mode's resonance.

@@ -18,6 +18,7 @@ use crate::design::inputs::assembly::AssembledTool;
 use crate::design::inputs::{bodies as inputs, located};
 use crate::design::{Design, Values};
 use crate::error::Error;
+use crate::stages::bodies::BodyError;
 use crate::stages::bodies::{BodyKind, FileUnit, MeshFile, Meshed, states_unit};
 
 /// Cost of the modes of a body below a frequency \[Hz\].
@@ -75,7 +76,7 @@ impl Own {
     /// Enters the file in the design.
     ///
     /// # Errors
-    /// [`Error::StatedUnit`] if a unit is given for a file that states its own.
+    /// [`BodyError::StatedUnit`] where a unit is given for a file that states its own.
     pub(super) fn replace(&self, design: &mut Design, kind: BodyKind) -> Result<(), Error> {
         let values: &mut Values = design;
         let (mesh, unit) = match kind {
@@ -90,11 +91,12 @@ impl Own {
             *mesh = path.to_string_lossy().into_owned();
         }
         if let (Some(given), true) = (self.unit, states_unit(Path::new(mesh))) {
-            return Err(Error::StatedUnit {
+            return Err(BodyError::StatedUnit {
                 path: PathBuf::from(&*mesh),
                 given: format!("{} mm", 1e3 * given),
                 given_in: UNIT,
-            });
+            }
+            .into());
         }
         *unit = match &self.mesh {
             // The design's unit belongs to the file named in the design.
@@ -160,11 +162,12 @@ impl Input {
             let file = MeshFile::new(&self.path, unit, self.size, None)?.with_solid(self.solid.map(usize::from))?;
             let mut imported = file.import()?;
             if let Some(given_in) = unit.given_in.filter(|_| imported.states_metres && unit.metres != 1.0) {
-                return Err(Error::StatedUnit {
+                return Err(BodyError::StatedUnit {
                     path: self.path.clone(),
                     given: format!("{} mm", 1e3 * unit.metres),
                     given_in,
-                });
+                }
+                .into());
             }
             // `check` lists the faults of a damaged mesh; other commands reject it.
             if !for_run {
@@ -188,9 +191,10 @@ impl Input {
         let kind = BodyKind::from(self.body.ok_or(Error::NoBody)?);
         self.own.replace(&mut design, kind)?;
         if self.solid.is_some() {
-            return Err(Error::NoSolids {
+            return Err(BodyError::NoSolids {
                 path: self.path.clone(),
-            });
+            }
+            .into());
         }
         if let Some(size) = self.size {
             set_size(&mut design, kind, size);

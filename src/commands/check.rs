@@ -25,8 +25,8 @@ use crate::tables::fixed;
 pub(super) struct Arguments {
     #[command(flatten)]
     input: Input,
-    /// Draw the tool at the dimensions of the design, every key at its place, in place of the check
-    /// [default FILE: out/NAME/drawing.svg]
+    /// Draw the tool at the dimensions of the design, every key at its place, in place of the check; of an assembly,
+    /// its network [default FILE: out/NAME/drawing.svg, out/NAME/network.svg]
     #[arg(long, value_name = "FILE", num_args = 0..=1, conflicts_with = "body",
         value_parser = super::drawing::svg_path)]
     drawing: Option<Option<PathBuf>>,
@@ -85,7 +85,11 @@ struct Group {
 pub(super) fn execute(arguments: &Arguments) -> Result<Status, Error> {
     arguments.input.start_threads()?;
     if let Some(tool) = arguments.input.assembled()? {
-        return super::assembly::check(&tool, arguments.input.path(), arguments.json);
+        let path = arguments.input.path();
+        return match &arguments.drawing {
+            Some(file) => super::assembly::draw(&tool, path, file.as_deref(), arguments.json),
+            None => super::assembly::check(&tool, path, arguments.json),
+        };
     }
     let design = arguments.input.whole_design()?;
     if let Some(file) = &arguments.drawing {

@@ -6,8 +6,8 @@ use clap::{CommandFactory as _, Parser, Subcommand};
 
 use super::{
     Status, cache, calibrate, check, coloured, compare, compare_measured, completions, cycle, faults, init, list,
-    manual, measure, mesh, migrate, modes, optimise, prf, printed, progress, provide, report, run, schema, study,
-    sweep, test, verify, watch,
+    manual, measure, mesh, migrate, modes, optimise, penetration, printed, progress, provide, report, run, schema,
+    study, sweep, test, verify, watch,
 };
 use crate::error::Error;
 
@@ -75,7 +75,7 @@ enum Command {
     Check(check::Arguments),
     /// Penetration laws: evaluate published ones, fit own tests, plan tests, compute a test machine
     #[command(visible_alias = "prf")]
-    Penetration(prf::Arguments),
+    Penetration(penetration::Arguments),
     /// Record a virtual wrapping test of a design as EN 12549 measures it
     Test(test::Arguments),
     /// Levels of the sources from the recordings of a wrapping test
@@ -150,7 +150,7 @@ fn execute(cli: &Cli) -> Result<Status, Error> {
         Command::Modes(arguments) => modes::execute(arguments),
         Command::Mesh(arguments) => mesh::execute(arguments),
         Command::Check(arguments) => check::execute(arguments),
-        Command::Penetration(arguments) => prf::execute(arguments),
+        Command::Penetration(arguments) => penetration::execute(arguments),
         Command::Test(arguments) => test::execute(arguments),
         Command::Measure(arguments) => measure::execute(arguments),
         Command::Verify(arguments) => verify::execute(arguments),

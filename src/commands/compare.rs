@@ -12,6 +12,7 @@ use super::{
 };
 use crate::artifacts::Delivery;
 use crate::atomic_write;
+use crate::comparison::ComparisonError;
 use crate::comparison::{Comparison, Finished, Labelled, Limit};
 use crate::cost;
 use crate::design::Design;
@@ -84,12 +85,12 @@ pub(super) fn execute(arguments: &Arguments) -> Result<Status, Error> {
     let progress = progress();
     let cache = arguments.keeping.cache()?;
     if let [design] = arguments.designs.as_slice() {
-        return Err(Error::NothingToCompare { path: design.clone() });
+        return Err(ComparisonError::NothingToCompare { path: design.clone() }.into());
     }
     if arguments.draws.is_some()
         && let Some(path) = arguments.designs.iter().find(|path| Finished::is_at(path).is_some())
     {
-        return Err(Error::NothingToDraw { path: path.clone() });
+        return Err(ComparisonError::NothingToDraw { path: path.clone() }.into());
     }
     let (mut results, mut checks): (Vec<Finished>, Vec<Check>) = (Vec::new(), Vec::new());
     let mut folders = Vec::new();
@@ -225,6 +226,9 @@ fn text(comparison: &Comparison, bands: bool, intervals: bool) -> String {
     }
     text.push_str("\nA-weighted single-event sound power levels, dB re 1 pW s; changes from the first\n\n");
     text.push_str(&table::text(&comparison.level_table()));
+    if let Some(performance) = comparison.performance_table() {
+        text.push_str(&format!("\n{}", table::text(&performance)));
+    }
     if let Some(intervals) = comparison.interval_table() {
         text.push_str(&format!("\nintervals of the levels\n\n{}", table::text(&intervals)));
     }

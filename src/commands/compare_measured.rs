@@ -7,6 +7,7 @@ use nailnoise_pipeline::PipelineError;
 use super::{Status, compare::Arguments};
 use super::{print, print_json, progress, table};
 use crate::atomic_write;
+use crate::comparison::ComparisonError;
 use crate::cost;
 use crate::design::Design;
 use crate::error::Error;
@@ -34,12 +35,13 @@ pub(super) fn execute(arguments: &Arguments, file: &Path) -> Result<Status, Erro
     for design in &designs {
         let predicted = [design.analysis.range_low, design.analysis.range_high];
         if let Some(range) = measured.range_hz.filter(|range| *range != predicted) {
-            return Err(Error::MeasuredRange {
+            return Err(ComparisonError::MeasuredRange {
                 path: file.to_owned(),
                 measured: range,
                 design: design.name().to_owned(),
                 predicted,
-            });
+            }
+            .into());
         }
         cost::refuse(design, &cost::of_run(design)?, arguments.memory.limit())?;
     }

@@ -18,7 +18,7 @@ use crate::figures::{self, Chart};
 use crate::output::{self, Exports};
 use crate::penetration;
 use crate::result::{CycleFigures, DesignId};
-use crate::stages::cycle::Preset;
+use crate::stages::cycle::{Preset, event_times};
 use crate::tables::{self, dash, fixed};
 use crate::wording::figure;
 
@@ -195,7 +195,7 @@ fn write(folder: &Path, record: &CycleRecord, charts: &[Chart]) -> Result<Vec<Pa
         histories: true,
         ..Exports::default()
     };
-    for file in output::of_cycle(record, exports)? {
+    for file in output::of_keys(record, exports)? {
         staging.write(&file.path, &file.content)?;
     }
     let figures = figures::write(&staging, Path::new("figures"), charts)?;
@@ -209,7 +209,7 @@ fn text(form: &str, result: &CycleResult<'_>, record: &CycleRecord) -> String {
         result.design.name,
         record.outcome.name().replace('_', " ")
     );
-    text.push_str(&table::text(&tables::cycle::events(record)));
+    text.push_str(&table::text(&tables::cycle::events(&event_times(&record.events))));
     text.push('\n');
     let summary = serde_json::to_value(&record.summary).unwrap_or_default();
     let rows: Vec<Vec<String>> = summary

@@ -8,7 +8,7 @@ use crate::design::{Design, Measurement, Provenance, facts};
 use crate::error::Error;
 use crate::graph::Graph;
 use crate::stages::Progress;
-use crate::stages::cycle::Cycle;
+use crate::stages::cycle::{Cycle, Engine};
 use crate::stages::outcomes::{Outcomes, ShotOutcome};
 use crate::study::{self, Draws, OneAtATime, Request, Serving, StudyResult, Tally, taking_part};
 
@@ -137,7 +137,8 @@ impl Effects {
                 }
             }
         }
-        let outcomes = graph.get(Outcomes { cycles })?;
+        let engines = cycles.into_iter().map(|cycle| Engine::Keys(Box::new(cycle))).collect();
+        let outcomes = graph.get(Outcomes { engines })?;
         let depth = |outcome: &ShotOutcome| match outcome {
             ShotOutcome::Shot(shot) => Some(1e3 * shot.penetration),
             _ => None,

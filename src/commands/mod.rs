@@ -35,7 +35,7 @@ mod mesh;
 mod migrate;
 mod modes;
 mod optimise;
-mod prf;
+mod penetration;
 mod progress;
 mod provide;
 mod python;
@@ -91,12 +91,17 @@ struct Common {
 }
 
 impl Common {
-    /// Starts the threads, reads the design and prints warnings.
+    /// Starts the threads, reads the design and prints warnings. Refuses an assembly.
     fn begin(&self) -> Result<Design, Error> {
-        self.threads.start()?;
-        let design = self.changes.load(&self.design)?;
+        let design = self.begin_with_any_tool()?;
         design.refuse_assembly()?;
         Ok(design)
+    }
+
+    /// Starts the threads, reads the design and prints its warnings.
+    fn begin_with_any_tool(&self) -> Result<Design, Error> {
+        self.threads.start()?;
+        self.changes.load(&self.design)
     }
 
     /// The folder for the output files of this design.

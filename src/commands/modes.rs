@@ -79,7 +79,7 @@ struct Mode {
 
 pub(super) fn execute(arguments: &Arguments) -> Result<Status, Error> {
     let common = &arguments.common;
-    let mut design = common.begin()?;
+    let mut design = common.begin_with_any_tool()?;
     arguments.own.replace(&mut design, arguments.body.into())?;
     let folder = common.out(&design)?;
     // An unusable file is detected before time is spent on computing.

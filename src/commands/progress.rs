@@ -18,11 +18,6 @@ pub(super) fn silence() {
     QUIET.store(true, Ordering::Relaxed);
 }
 
-/// Whether progress is suppressed.
-pub(super) fn is_quiet() -> bool {
-    QUIET.load(Ordering::Relaxed)
-}
-
 /// Prints a remark of a command without progress.
 pub(super) fn note(text: &str) {
     if !QUIET.load(Ordering::Relaxed) {

@@ -98,9 +98,9 @@ impl Studies<'_> {
     /// If a study fails, its design is reported and the others are still made.
     fn provide(&self) -> Result<Status, Error> {
         let (mut failed, mut counts) = (Vec::new(), [0; 3]);
-        for (number, (path, _)) in (1..).zip(shipped::DESIGNS) {
-            self.progress
-                .note(&format!("study {number} of {}: {path}", shipped::DESIGNS.len()));
+        let all = shipped::studied().count();
+        for (number, path) in (1..).zip(shipped::studied()) {
+            self.progress.note(&format!("study {number} of {all}: {path}"));
             let Some(design) = Design::shipped(path) else {
                 failed.push(format!("{path}: the design cannot be read"));
                 continue;

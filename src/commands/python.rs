@@ -1,4 +1,4 @@
-//! Commands implemented by the Python package, because optimisers and schedulers are available there.
+//! Work that the Python package does: schedulers of clusters are at home there.
 
 use std::ffi::OsString;
 use std::path::Path;
@@ -6,7 +6,6 @@ use std::path::Path;
 use nailnoise_meshes::child;
 
 use super::Common;
-use super::Status;
 use crate::design::Design;
 use crate::error::Error;
 
@@ -15,11 +14,6 @@ const PYTHON: &str = "NAILNOISE_PYTHON";
 
 /// Runs `python -m nailnoise COMMAND`, which needs the Python package `needed`; returns the exit status. The child ends
 /// when this process ends, however that happens.
-pub(super) fn call(needed: &'static str, command: &str, arguments: &[OsString]) -> Result<Status, Error> {
-    let status = status(needed, command, arguments)?;
-    Ok(Status::from(status))
-}
-
 fn status(needed: &'static str, command: &str, arguments: &[OsString]) -> Result<u8, Error> {
     let python = std::env::var_os(PYTHON).unwrap_or_else(|| "python3".into());
     let missing = |reason: String| Error::NoPython {
@@ -42,7 +36,6 @@ fn status(needed: &'static str, command: &str, arguments: &[OsString]) -> Result
     let code = status.map_err(|error| missing(error.to_string()))?.code();
     match code.and_then(|code| u8::try_from(code).ok()) {
         Some(code) if code < KILLED => Ok(code),
-        // Status 1 would be a result: no design meets the constraints.
         code => Err(Error::PythonEnded {
             signal: code.map_or(0, |code| code - KILLED),
         }),

@@ -46,7 +46,7 @@ pub(super) struct Arguments {
 
 pub(super) fn execute(arguments: &Arguments) -> Result<Status, Error> {
     let common = &arguments.common;
-    let design = common.begin()?;
+    let design = common.begin_with_any_tool()?;
     let folder = common.out(&design)?;
     let cache = arguments.keeping.cache()?;
     let progress = progress();
@@ -149,6 +149,9 @@ fn levels(result: &RunResult) -> String {
         text.push_str(&format!("\n  check against the draws FAILED: {}\n", check.name));
     }
     let [power, peak] = declaration::lines(&result.declaration, &result.ear);
+    if let Some(performance) = &result.performance {
+        text.push_str(&format!("\n  the shot: {}\n", performance.in_words()));
+    }
     text.push_str(&format!("\n  declared: {power}\n  {peak}\n"));
     text
 }

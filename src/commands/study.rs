@@ -18,6 +18,7 @@ use crate::graph::Graph;
 use crate::headline::{self, Headline};
 use crate::stages::Progress;
 use crate::store::Store;
+use crate::study::StudyError;
 use crate::study::{self, Draws, Estimate, ProvidedStudy, Request, StudyResult, Subset};
 use crate::{figures, report, shipped};
 
@@ -158,7 +159,7 @@ impl Until {
 
 pub(super) fn execute(arguments: &Arguments) -> Result<Status, Error> {
     let common = &arguments.common;
-    let design = common.begin()?;
+    let design = common.begin_with_any_tool()?;
     let folder = common.out(&design)?.join("study");
     let shipped = shipped::design(design.name()).map(|(path, _)| path);
     if arguments.provide.is_some() && shipped.is_none() {
@@ -167,9 +168,10 @@ pub(super) fn execute(arguments: &Arguments) -> Result<Status, Error> {
         });
     }
     if arguments.groups && arguments.structures.is_some() {
-        return Err(Error::GroupsOfStructures {
+        return Err(StudyError::GroupsOfStructures {
             study: format!("nailnoise study {}", design.path().display()),
-        });
+        }
+        .into());
     }
     cost::refuse(&design, &cost::of_run(&design)?, common.memory.limit())?;
     let progress = progress();

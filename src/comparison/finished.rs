@@ -6,8 +6,9 @@ use std::path::{Path, PathBuf};
 use serde::Deserialize;
 
 use super::consistency;
+use crate::comparison::ComparisonError;
 use crate::error::Error;
-use crate::result::{DesignId, RankedSource, RunStudy, SCHEMA, StudySummary, Total};
+use crate::result::{DesignId, Performance, RankedSource, RunStudy, SCHEMA, StudySummary, Total};
 use crate::stages::headline::Headline;
 
 /// A finished result.
@@ -21,6 +22,8 @@ pub struct Finished {
     pub(super) outcome: String,
     #[serde(default)]
     headline: Option<Headline>,
+    #[serde(default)]
+    pub(super) performance: Option<Performance>,
     #[serde(default)]
     study: Option<RunStudy>,
     pub(super) events: BTreeMap<String, Option<f64>>,
@@ -54,7 +57,7 @@ impl Finished {
     /// Reads a `result.json` and checks that its numbers are consistent.
     ///
     /// # Errors
-    /// [`Error::Unreadable`], [`Error::NotAResult`] or [`Error::Inconsistent`].
+    /// [`Error::Unreadable`], [`ComparisonError::NotAResult`] or [`ComparisonError::Inconsistent`].
     pub fn read(path: &Path) -> Result<Self, Error> {
         let text = std::fs::read_to_string(path).map_err(|source| Error::Unreadable {
             path: path.to_owned(),
@@ -63,7 +66,7 @@ impl Finished {
         let result = Self::parse(path, &text)?;
         let value = serde_json::from_str(&text).map_err(Error::Json)?;
         let consistent = consistency::numbers(&value).and_then(|()| consistency::sums(&result.ranking, &result.total));
-        consistent.map_err(|fault| Error::Inconsistent {
+        consistent.map_err(|fault| ComparisonError::Inconsistent {
             path: path.to_owned(),
             at: fault.at,
             found: fault.found,
@@ -75,11 +78,14 @@ impl Finished {
     /// Parses the contents of a `result.json`; `path` is used in errors.
     ///
     /// # Errors
-    /// [`Error::NotAResult`].
+    /// [`ComparisonError::NotAResult`].
     pub fn parse(path: &Path, text: &str) -> Result<Self, Error> {
-        let wrong = |reason: String| Error::NotAResult {
-            path: path.to_owned(),
-            reason,
+        let wrong = |reason: String| {
+            ComparisonError::NotAResult {
+                path: path.to_owned(),
+                reason,
+            }
+            .into()
         };
         let value: serde_json::Value = serde_json::from_str(text).map_err(|error| wrong(error.to_string()))?;
         match value["schema"].as_str() {

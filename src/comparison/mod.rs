@@ -4,16 +4,18 @@
 //! just run. The first result is the reference, to which changes refer.
 
 mod consistency;
+mod error;
 mod finished;
 mod ranges;
 
 use serde::Serialize;
 
 use crate::model::sources;
-use crate::result::{RankedSource, StudySummary, TOTAL};
+use crate::result::{Performance, RankedSource, StudySummary, TOTAL};
 use crate::stages::headline::{Headline, unlike};
 use crate::wording::{Placed, unit_of_figure};
 
+pub use error::ComparisonError;
 pub use finished::{Finished, Input};
 
 /// Version of the layout of [`Comparison`].
@@ -43,6 +45,8 @@ pub struct Comparison {
     pub total: Levels,
     /// Intervals of the levels of each design from the study that applies to it; null without one.
     pub studies: Vec<Option<StudySummary>>,
+    /// Reserve of the drive, air a shot, and rate of each design; null for a result of an earlier version.
+    pub performance: Vec<Option<Performance>>,
     /// Sources of each design, loudest first.
     pub rankings: Vec<Vec<String>>,
     /// Figures of the cycle, SI units.
@@ -198,6 +202,7 @@ impl Comparison {
             sources: sources.iter().map(|source| source_row(source, results)).collect(),
             total: Levels::new(each(&|r| r.total.lwa_db)),
             studies: results.iter().map(Finished::study).collect(),
+            performance: results.iter().map(|r| r.performance).collect(),
             rankings: results
                 .iter()
                 .map(|r| r.ranking.iter().map(|s| s.source.clone()).collect())

@@ -65,6 +65,11 @@ impl FromStr for Assignment {
 }
 
 impl Assignment {
+    /// The key, as it was given.
+    pub(crate) fn key(&self) -> &str {
+        self.line.split_once(" = ").map_or(&self.line, |(key, _)| key)
+    }
+
     /// The assignment as a one-line design file; file names in its value are relative to the working directory.
     pub(crate) fn file(&self) -> File {
         File::new(Path::new(COMMAND_LINE), &self.line)

@@ -2,6 +2,8 @@
 //!
 //! Each rule uses plain values, so that a design changed by a program can be checked as well as a file.
 
+use std::collections::BTreeSet;
+
 use nailnoise_acoustics::muffler::plane_wave_limit;
 use nailnoise_acoustics::signals::{Band, THIRD_OCTAVES};
 
@@ -15,24 +17,30 @@ impl Values {
     ///
     /// A loaded design has none; a program that changes values should check again.
     pub fn conflict(&self) -> Option<Conflict> {
-        check(self).err()
+        self.conflict_without(&BTreeSet::new())
+    }
+
+    /// The first conflict between the values other than those of keys without effect.
+    pub(crate) fn conflict_without(&self, idle: &BTreeSet<String>) -> Option<Conflict> {
+        let acts = |conflict: &Conflict| !conflict.keys().iter().any(|key| idle.contains(*key));
+        RULES.iter().filter_map(|rule| rule(self).err()).find(acts)
     }
 }
 
 /// Applies the rules in order; the first violation is reported.
-fn check(v: &Values) -> Result<(), Conflict> {
-    nail(v)?;
-    tool(v)?;
-    exhaust(v)?;
-    friction("piston.friction", &v.piston.friction)?;
-    friction("head_valve.friction", &v.head_valve.friction)?;
-    seated(v)?;
-    nose(v)?;
-    body(v)?;
-    supports::of(v).check()?;
-    elastic("wood.elastic", &v.wood.elastic.axes())?;
-    analysis(v)
-}
+const RULES: [fn(&Values) -> Result<(), Conflict>; 11] = [
+    nail,
+    tool,
+    exhaust,
+    |v| friction("piston.friction", &v.piston.friction),
+    |v| friction("head_valve.friction", &v.head_valve.friction),
+    seated,
+    nose,
+    body,
+    |v| supports::of(v).check(),
+    |v| elastic("wood.elastic", &v.wood.elastic.axes()),
+    analysis,
+];
 
 fn nail(v: &Values) -> Result<(), Conflict> {
     let (length, thickness) = (v.nail.length, v.workpiece.thickness);

@@ -119,7 +119,8 @@ derived! {
     "nail.gap_to_rod" "y_pbin" LENGTH "Piston travel at which the rod strikes the nail's head."
         ["piston.stroke", "piston.rod_protrusion", "nail.feed_height"] |v| v.nail.head_gap(&v.piston);
     "nail.gap_to_wood" "y_pbp" LENGTH "Piston travel at which the nail's tip touches the wood."
-        ["piston.stroke", "piston.rod_protrusion", "nail.length"] |v| v.nail.tip_gap(&v.piston);
+        ["piston.stroke", "piston.rod_protrusion", "nail.length", "workpiece.groove"]
+        |v| v.nail.tip_gap(&v.piston) + v.workpiece.groove;
     "nail.mass" "M_n" MASS "Mass of the nail."
         ["nail.length", "nail.diameter", "nail.head_diameter", "nail.head_thickness", "nail.density"]
         |v| v.nail.mass();

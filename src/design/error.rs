@@ -99,10 +99,28 @@ pub enum Problem {
     #[error(transparent)]
     Assembly(Box<AssemblyError>),
     /// The design has its own assembly, but the command only supports tools described by keys.
-    #[error("`[cycle]` describes the tool as the assembly \"{name}\", whose sound is not computed yet")]
+    #[error("`[cycle]` describes the tool as the assembly \"{name}\"; this command computes only the tool of the keys")]
     OwnAssembly {
         /// Name of the assembly.
         name: String,
+    },
+    /// An assembly without the workpiece, support and air that its sound needs.
+    #[error("the assembly \"{name}\" describes a tool, but no workpiece, support and microphones for its sound")]
+    OnlyAssembly {
+        /// Name of the assembly.
+        name: String,
+    },
+    /// A key whose value an assembly does not follow.
+    #[error("`{key}` = \"{value}\" has no effect on the assembly \"{name}\"")]
+    NotOfAssembly {
+        /// Full name of the key.
+        key: String,
+        /// Its value.
+        value: String,
+        /// Name of the assembly.
+        name: String,
+        /// What to do instead.
+        remedy: &'static str,
     },
     /// The name of a list member is not suitable for results and files.
     #[error("\"{name}\" cannot be a name")]
@@ -460,10 +478,16 @@ impl Problem {
             Self::UnknownGroup { nearest, known, .. } => meant(nearest.as_deref(), known, "the groups here are"),
             Self::Assembly(error) => error.help(),
             Self::OwnAssembly { .. } => {
-                "`nailnoise check` lists its network, and `nailnoise cycle` computes its motion, pressures, forces, \
-                 flows and events; without `[cycle]` the sound of the tool of the keys is computed"
+                "`check`, `cycle`, `run`, `compare`, `study` and `sweep` take assemblies; without `[cycle]` every \
+                 command computes the tool of the keys"
                     .to_owned()
             }
+            Self::OnlyAssembly { .. } => {
+                "add `base = \"n80cb.toml\"` in front of `[cycle]`: workpiece, support, air and microphones of that \
+                 design count, and its tool is replaced; `check` and `cycle` need no base"
+                    .to_owned()
+            }
+            Self::NotOfAssembly { remedy, .. } => (*remedy).to_owned(),
             Self::BadName { .. } => "use letters, digits, `_` and `-` alone: [sensors.block_top]".to_owned(),
             Self::Sensor { problem, .. } => problem.remedy(),
             Self::TooCostly { keys, .. } => {
@@ -572,6 +596,8 @@ impl Problem {
             Self::UnknownGroup { .. } => ["unknown_group", "unknown group"],
             Self::Assembly(_) => ["assembly", "here"],
             Self::OwnAssembly { .. } => ["own_assembly", "its own assembly"],
+            Self::OnlyAssembly { .. } => ["only_assembly", "without a base"],
+            Self::NotOfAssembly { .. } => ["not_of_assembly", "has no effect"],
             Self::BadName { .. } => ["bad_name", "no name"],
             Self::Sensor { .. } => ["sensor", "of this sensor"],
             Self::TooCostly { .. } => ["too_costly", "too costly"],

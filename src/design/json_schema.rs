@@ -83,6 +83,8 @@ fn study() -> Value {
                           "description": "Draws of `nailnoise run` for a design without a study."},
             "default_range": {"type": "string", "pattern": "^\\s*(base|exact|(\\+-|\u{b1}).*%)\\s*$",
                               "description": "Range of values given without one, where a base states a range."},
+            "draws": {"type": "string",
+                      "description": "File with joint draws of keys, which `nailnoise calibrate` writes."},
             "alternatives": {"type": "object", "additionalProperties": {"type": ["object", "array"]},
                              "description": "Values of a key with weights, or a list of options of a group."},
             "model": {"type": "object", "properties": SOURCES.map(|source| (source.to_owned(), band.clone()))

@@ -26,6 +26,7 @@ mod error;
 mod facts;
 mod groups;
 pub mod inputs;
+mod joint_draws;
 mod json_schema;
 mod lists;
 mod merged;
@@ -49,6 +50,7 @@ mod suggest;
 mod surfaces;
 mod transducers;
 
+use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write as _;
 use std::ops::{Deref, DerefMut};
 use std::path::{Path, PathBuf};
@@ -68,6 +70,7 @@ pub use entry::Entry;
 pub use error::{DesignError, Problem, Warning};
 pub use facts::{KeyFacts, Measurement, OutsideValue, facts};
 pub use groups::*;
+pub use joint_draws::JointDraws;
 pub use json_schema::json_schema;
 pub use migration::{Migration, RenamedKey, ReplacedKey};
 pub use nailnoise_documents::Place;
@@ -85,6 +88,7 @@ pub use surfaces::{NamedSurface, SurfaceName, SurfaceOf, SurfaceProblem};
 pub use transducers::{Chamber, Transducer};
 
 use crate::wording::hexadecimal;
+use assembly::OwnAssembly;
 use derived_range::DerivedRange;
 use resolve::{Record, Records, Resolved};
 
@@ -110,8 +114,8 @@ pub struct Design {
     derived: Arc<Vec<DerivedRange>>,
     study: StudySettings,
     report: ReportSettings,
-    /// Network given by the tables `[cycle]`; `None` for a tool like the N80CB.
-    assembly: Option<Arc<AssemblyText>>,
+    /// The network of its tables `[cycle]`; none for the tool of the keys.
+    assembly: Option<OwnAssembly>,
     warnings: Vec<Warning>,
     /// Standard normal scores with which the fitted penetration law is drawn; empty for the fitted law itself.
     law_scores: Vec<f64>,
@@ -151,9 +155,9 @@ impl Design {
 
     fn resolve(path: &Path, file: File, assignments: &[Assignment]) -> Result<Self, DesignError> {
         let over = assignments.iter().rev().map(Assignment::file);
-        let chain: Vec<File> = over.chain(file.chain()?).collect();
+        let chain = assembly::with_assemblies(over.chain(file.chain()?).collect())?;
         let Resolved {
-            values,
+            mut values,
             records,
             derived,
             study,
@@ -165,7 +169,13 @@ impl Design {
         let name = path
             .file_stem()
             .map_or_else(String::new, |stem| stem.to_string_lossy().into_owned());
-        Ok(Self {
+        if assembly
+            .as_ref()
+            .is_some_and(|text| !inputs::assembly::loads_housing(text))
+        {
+            values.body.model = BodyModel::Rigid;
+        }
+        let mut design = Self {
             name,
             path: path.to_owned(),
             values,
@@ -173,10 +183,18 @@ impl Design {
             derived: Arc::new(derived),
             study,
             report,
-            assembly: assembly.map(Arc::new),
+            assembly: assembly.map(OwnAssembly::new),
             warnings,
             law_scores: Vec::new(),
-        })
+        };
+        let read = inputs::assembly::keys(&design);
+        if let (Some(own), Ok(keys)) = (&mut design.assembly, read) {
+            own.read(&keys)?;
+        }
+        match design.conflict() {
+            Some(conflict) => Err(resolve::conflicting(conflict, &design.records)),
+            None => Ok(design),
+        }
     }
 
     /// The assembly of a file and those it inherits from, together with the design whose keys it uses; alone if no base
@@ -207,7 +225,69 @@ impl Design {
 
     /// Network given by the tables `[cycle]`; `None` for a design without such tables.
     pub fn assembly(&self) -> Option<&AssemblyText> {
-        self.assembly.as_deref()
+        self.assembly.as_ref().map(OwnAssembly::text)
+    }
+
+    /// Literals of its assembly that were set since it was read, by full name.
+    pub(crate) fn set_literals(&self) -> impl Iterator<Item = (&str, f64, Dimension)> {
+        self.assembly.iter().flat_map(OwnAssembly::changed)
+    }
+
+    /// Sets keys and literals of an assembly by their full names, as [`Values::set`].
+    ///
+    /// # Errors
+    /// [`SetError`] for the first that cannot be set; nothing is changed then.
+    pub fn set(&mut self, changes: &[(&str, Value)]) -> Result<(), SetError> {
+        let Some(own) = &self.assembly else {
+            return self.values.set(changes);
+        };
+        let (literals, keys): (Vec<_>, Vec<_>) = changes.iter().cloned().partition(|(key, _)| own.is_literal(key));
+        let mut own = own.clone();
+        for (key, value) in literals {
+            own.set(key, &value)?;
+        }
+        self.values.set(&keys)?;
+        self.assembly = Some(own);
+        Ok(())
+    }
+
+    /// Keys that an assembly leaves without effect; none for the tool of the keys.
+    pub(crate) fn idle_keys(&self) -> BTreeSet<String> {
+        let mut idle = BTreeSet::new();
+        if let Some(own) = &self.assembly {
+            self.values.visit("", &mut |key, _, _| {
+                if !own.uses(key) {
+                    idle.insert(key.to_owned());
+                }
+            });
+        }
+        idle
+    }
+
+    /// Whether a key is a literal of its assembly.
+    pub(crate) fn is_literal(&self, key: &str) -> bool {
+        self.assembly.as_ref().is_some_and(|own| own.is_literal(key))
+    }
+
+    /// The first conflict between values that have an effect, if there is one.
+    pub fn conflict(&self) -> Option<Conflict> {
+        self.values.conflict_without(&self.idle_keys())
+    }
+
+    /// The error that an assembly does not follow the value of a key, at that key.
+    pub(crate) fn refuse_for_assembly(&self, key: &str, remedy: &'static str) -> DesignError {
+        let record = self.records.get(key);
+        let value = record.map_or_else(String::new, |record| match &record.value {
+            Value::Choice(word) => (*word).to_owned(),
+            other => self.value_in_words(key, other.clone()),
+        });
+        Problem::NotOfAssembly {
+            key: key.to_owned(),
+            value,
+            name: self.assembly().map_or_else(String::new, |text| text.name().to_owned()),
+            remedy,
+        }
+        .at(record.map(|record| record.place.clone()))
     }
 
     /// Rejects a design with its own assembly, for operations that support only the built-in tool.
@@ -235,6 +315,13 @@ impl Design {
     /// Settings of a study other than ranges, and the definition of shots that count.
     pub fn study(&self) -> &StudySettings {
         &self.study
+    }
+
+    /// The design with joint draws of keys in place of those that its file names.
+    pub(crate) fn with_joint_draws(&self, draws: std::sync::Arc<JointDraws>) -> Self {
+        let mut design = self.clone();
+        design.study.draws = Some(draws);
+        design
     }
 
     /// Texts in the head of the report, apart from the design. No result depends on it.
@@ -287,8 +374,11 @@ impl Design {
         for score in &self.law_scores {
             let _ = writeln!(text, "law_score={score:.11e}");
         }
-        if let Some(assembly) = self.assembly() {
-            text.push_str(&assembly.canonical());
+        if let Some(own) = &self.assembly {
+            text.push_str(&own.text().canonical());
+            for (key, si, _) in own.changed().filter(|(key, ..)| !keys.contains(key)) {
+                let _ = writeln!(text, "{key}={si:.11e}");
+            }
         }
         hexadecimal(&Sha256::digest(text))
     }
@@ -362,6 +452,19 @@ impl Design {
         words
     }
 
+    /// The first sentence of the description of each key.
+    pub(crate) fn meanings(&self) -> BTreeMap<String, String> {
+        let mut meanings = BTreeMap::new();
+        self.values.visit("", &mut |key, spec, _| {
+            let description = spec.description();
+            let first = description
+                .split_once(". ")
+                .map_or(description.as_str(), |(first, _)| first);
+            meanings.insert(key.to_owned(), first.trim_end_matches('.').to_owned());
+        });
+        meanings
+    }
+
     /// Every key with its value and origin, in the order of the reference.
     ///
     /// A value that the program has changed since the design was read has the provenance "design".
@@ -369,6 +472,9 @@ impl Design {
         let mut entries = Vec::new();
         self.values.visit("", &mut |key, spec, value| {
             let Some(record) = self.records.get(key) else { return };
+            if self.assembly.as_ref().is_some_and(|own| !own.uses(key)) {
+                return;
+            }
             let Record {
                 range,
                 range_origin,
@@ -394,6 +500,7 @@ impl Design {
                 line: place.line(),
             });
         });
+        entries.extend(self.assembly.iter().flat_map(OwnAssembly::entries));
         entries
     }
 

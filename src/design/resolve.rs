@@ -111,7 +111,8 @@ pub(crate) fn resolve(chain: &[File]) -> Result<Resolved, DesignError> {
         .map(|(key, record)| (key.clone(), record.value.clone()))
         .collect();
     let values = Values::build("", &found).map_err(|key| missing(key, 1, "a value".to_owned(), chain))?;
-    if let Some(conflict) = values.conflict() {
+    // With an assembly the keys that it uses are known later.
+    if let Some(conflict) = values.conflict().filter(|_| assembly.is_none()) {
         return Err(conflicting(conflict, &records));
     }
     if let Some((name, problem)) = values.sensor_problem() {
@@ -369,7 +370,7 @@ fn dimension(kind: Kind) -> Dimension {
 }
 
 /// The conflict, reported at the key that was set last: in the file nearest to the design, and there furthest down.
-fn conflicting(conflict: super::Conflict, records: &Records) -> DesignError {
+pub(crate) fn conflicting(conflict: super::Conflict, records: &Records) -> DesignError {
     let mut places: Vec<_> = conflict
         .keys()
         .into_iter()

@@ -6,6 +6,7 @@
 //! require = "drives"                        # an outcome, or a list of them
 //! screening = 8                             # draws of `nailnoise run`
 //! default_range = "+-10 %"                  # of values without a range; "base" or "exact" otherwise
+//! draws = "calibrated.draws"                # joint draws of keys, in place of their ranges
 //! [study.alternatives]
 //! "support.worktable.preset" = { A = 0.5, B = 0.25, C = 0.25 }
 //! exhaust = [ { holes = 5, hole_diameter = "5.97 mm" }, { holes = 1, hole_diameter = "13.35 mm" } ]
@@ -19,6 +20,7 @@
 //! It changes no value of the design and no digest of it.
 
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
 use nailnoise_dynamics::Outcome;
 use nailnoise_quantities::dimension::NUMBER;
@@ -29,6 +31,7 @@ use toml::de::{DeTable, DeValue};
 
 use super::catalogue::Names;
 use super::error::{DesignError, Problem};
+use super::joint_draws::JointDraws;
 use super::range::{DefaultRange, GivenRange};
 use super::renamed::current;
 use super::settings::{Field, Given};
@@ -64,6 +67,9 @@ pub struct StudySettings {
     pub model: BTreeMap<&'static str, [f64; 2]>,
     /// Rank correlations between drawn quantities.
     pub correlations: Vec<Correlation>,
+    /// Joint draws of keys, which take the place of their ranges.
+    #[serde(skip)]
+    pub draws: Option<Arc<JointDraws>>,
 }
 
 /// One of several sets of values.
@@ -95,6 +101,7 @@ pub(crate) struct StudyLayer {
     require: Option<Vec<&'static str>>,
     screening: Option<u32>,
     default_range: Option<DefaultRange>,
+    draws: Option<Arc<JointDraws>>,
     alternatives: BTreeMap<String, Vec<DraftOption>>,
     model: BTreeMap<&'static str, [f64; 2]>,
     correlations: Option<Vec<Placed<Correlation>>>,
@@ -122,6 +129,7 @@ impl StudyLayer {
                 "require" => layer.require = Some(reader.outcomes(value)?),
                 "screening" => layer.screening = Some(reader.screening(value)?),
                 "default_range" => layer.default_range = Some(reader.default_range(value)?),
+                "draws" => layer.draws = Some(reader.draws(value)?),
                 "alternatives" => {
                     for (key, value) in reader.table("study.alternatives", value)? {
                         let name = current(key.get_ref());
@@ -144,6 +152,7 @@ impl StudyLayer {
                         "require",
                         "screening",
                         "default_range",
+                        "draws",
                         "alternatives",
                         "model",
                         "correlation",
@@ -183,6 +192,7 @@ pub(crate) fn joined(
             settings.require = require;
         }
         settings.screening = layer.screening.unwrap_or(settings.screening);
+        settings.draws = layer.draws.or(settings.draws);
         for (name, options) in layer.alternatives {
             let sum: f64 = options.iter().map(|option| option.weight).sum();
             let absolute = |(key, given)| match given {
@@ -295,6 +305,21 @@ impl Reader<'_> {
             Ok(own @ (GivenRange::Exact | GivenRange::Relative(_))) => Ok(DefaultRange::Own(own)),
             _ => Err(self.wrong("study.default_range", value, "as \"base\", \"exact\" or \"+-10 %\"")),
         }
+    }
+
+    fn draws(&self, value: &Spanned<DeValue<'_>>) -> Result<Arc<JointDraws>, DesignError> {
+        let expected = "as the name of a file that `nailnoise calibrate` wrote, beside this design";
+        let name = value.get_ref().as_str();
+        let name = name.ok_or_else(|| self.wrong("study.draws", value, expected))?;
+        let read = JointDraws::read(&self.file.document().sibling(name));
+        read.map(Arc::new).map_err(|cause| {
+            Problem::WrongKind {
+                key: "study.draws".to_owned(),
+                found: format!("\"{name}\", which cannot be read ({cause})"),
+                expected: expected.to_owned(),
+            }
+            .at(self.file.place(value.span()))
+        })
     }
 
     /// A positive number, or a number in (-1, 1).

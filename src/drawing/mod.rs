@@ -9,6 +9,7 @@ mod label;
 pub mod layout;
 mod mechanism;
 mod misfits;
+mod network;
 mod quantity_views;
 mod shape;
 mod sheet;
@@ -24,6 +25,7 @@ use std::collections::BTreeMap;
 pub use label::Label;
 use layout::Layout;
 pub use misfits::Misfit;
+pub(crate) use network::svg as network;
 pub(crate) use shape::rectangle;
 pub use shape::{
     Annotation, Bounds, Chamber, Line, LineStyle, Mark, Material, Outline, Part, Point, Side, View, corners,

@@ -1,8 +1,8 @@
 //! The data of a chart: axes, series and events, independent of the renderer for print or page.
 
-use nailnoise_dynamics::Events;
+use nailnoise_dynamics::network::EventTime;
 
-use crate::output::EVENT_NAMES;
+use crate::output::event_name;
 
 /// A long line is thinned to the extremes in this number of columns.
 const COLUMNS: usize = 900;
@@ -88,6 +88,8 @@ pub enum Shape {
     Points,
     /// A bar for each category between these ordinates, crossed by a line at `y`, next to those of other series.
     Whiskers(Vec<[f64; 2]>),
+    /// An error bar between these ordinates over each bar of the series before.
+    Errors(Vec<[f64; 2]>),
     /// The area between the points and these ordinates.
     Band(Vec<f64>),
     /// Horizontal bars from these abscissas to `x` in the categories `y` of the vertical axis, each joined to the next.
@@ -212,19 +214,18 @@ impl Series {
 }
 
 /// The events that occur, in ms.
-pub(crate) fn events(events: &Events) -> Vec<Event> {
-    let times = events.to_array();
-    let taking_place = times
-        .iter()
-        .zip(EVENT_NAMES)
-        .enumerate()
-        .filter_map(|(index, (time, name))| {
-            Some(Event {
-                at: 1e3 * (*time)?,
-                symbol: symbol(&format!("t{index}")),
-                name: name.to_owned(),
-            })
-        });
+pub(crate) fn events(events: &[EventTime]) -> Vec<Event> {
+    let taking_place = events.iter().filter_map(|event| {
+        let words = event_name(&event.name);
+        Some(Event {
+            at: 1e3 * event.time?,
+            symbol: symbol(&event.name),
+            name: match words.split_once(' ') {
+                Some((_, name)) => name.to_owned(),
+                None => words.replace('_', " "),
+            },
+        })
+    });
     let mut events: Vec<Event> = taking_place.collect();
     // In a published form of the equations, t2 may precede t1.
     events.sort_by(|a, b| a.at.total_cmp(&b.at));

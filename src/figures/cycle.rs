@@ -4,6 +4,7 @@ use nailnoise_dynamics::CycleRecord;
 
 use super::chart::{Axis, Chart, Panel, Series, Shape, events};
 use crate::design::Values;
+use crate::stages::cycle::event_times;
 
 /// The charts of a nailing cycle, [`energy`](super::energy) last. `subject` names the design.
 pub fn cycle(subject: &str, design: &Values, record: &CycleRecord) -> Vec<Chart> {
@@ -33,7 +34,7 @@ pub fn cycle(subject: &str, design: &Values, record: &CycleRecord) -> Vec<Chart>
         subject: subject.to_owned(),
         caption: caption.to_owned(),
         panels,
-        events: events(&r.events),
+        events: events(&event_times(&r.events)),
     };
 
     let ambient = 1e-3 * design.ambient.pressure;
@@ -187,7 +188,7 @@ pub fn cycle(subject: &str, design: &Values, record: &CycleRecord) -> Vec<Chart>
             "Air that enters from the supply side and leaves through exhaust and trigger vent.",
             vec![panel("Mass flow", "g/s", 66, flow)],
         ),
-        super::energy(subject, record),
+        super::energy(subject, &design.ambient, record),
     ]
 }
 

@@ -2,13 +2,13 @@
 //! time.
 
 use nailnoise_acoustics::signals::{energy_level, level_energy};
-use nailnoise_dynamics::CycleRecord;
 
 use super::chart::{Axis, Chart, Panel, Series, Shape, events, symbol};
 use super::palette::BLACK;
 use crate::model::sources::{ALL, by_name};
 use crate::output::event_name;
 use crate::result::{BandLevel, IntervalLevel, RunResult};
+use crate::stages::cycle::ShotRecord;
 use crate::stages::ranking::SoundPower;
 
 /// Range of levels shown below the highest \[dB\].
@@ -149,7 +149,7 @@ pub(crate) fn from_event(name: &str) -> String {
 }
 
 /// A-weighted sound power of every source over time. `subject` names the design.
-pub fn power(subject: &str, record: &CycleRecord, powers: &[SoundPower]) -> Chart {
+pub fn power(subject: &str, record: &ShotRecord, powers: &[SoundPower]) -> Chart {
     let curve = |(place, power): (usize, &SoundPower)| {
         let history = &power.history;
         let time = |cell: usize| 1e3 * (history.start + cell as f64 * history.sample_interval);

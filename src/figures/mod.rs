@@ -12,6 +12,7 @@ mod fitted;
 mod levels;
 mod measurement;
 mod network;
+mod optimisation;
 mod palette;
 pub(crate) mod path;
 mod penetration;
@@ -22,12 +23,14 @@ pub(crate) mod ticks;
 use std::path::{Path, PathBuf};
 
 use crate::atomic_write::AtomicWrite;
+use crate::design::Values;
 use crate::error::Error;
 use crate::run::Run;
+use crate::stages::cycle::{EngineRecord, ShotRecord};
 
 pub use calibration::calibration;
-pub(crate) use chart::subscripts;
 pub use chart::{Axis, Chart, Event, Panel, Series, Shape};
+pub(crate) use chart::{subscripts, symbol};
 pub use cycle::cycle;
 pub use energy::energy;
 pub use fitted::{fit, residuals};
@@ -35,10 +38,19 @@ pub(crate) use levels::{from_event, in_palette};
 pub use levels::{levels, power};
 pub use measurement::measurement;
 pub use network::network;
+pub use optimisation::optimisation;
 pub(crate) use palette::{BLACK, PALETTE, hexadecimal, of_design};
 pub(crate) use penetration::MOST as MOST_LAWS;
 pub use penetration::penetration;
 pub use study::{scatter, study, sweep};
+
+/// The charts of a shot's cycle; those of the tool of the keys end with [`energy()`].
+pub fn shot(subject: &str, design: &Values, shot: &ShotRecord) -> Vec<Chart> {
+    match &shot.record {
+        EngineRecord::Keys(record) => cycle(subject, design, record),
+        EngineRecord::Assembly(record) => network(subject, record),
+    }
+}
 
 /// The charts of a run: [`levels`] and [`power`]. `subject` names the design.
 pub fn sound(subject: &str, run: &Run) -> Vec<Chart> {

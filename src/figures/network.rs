@@ -2,7 +2,7 @@
 
 use nailnoise_dynamics::network::Record;
 
-use super::chart::{Axis, Chart, Event, Panel, Series, symbol};
+use super::chart::{Axis, Chart, Panel, Series, events};
 
 /// A group of channels that share an axis.
 struct Kind {
@@ -60,7 +60,7 @@ pub fn network(subject: &str, record: &Record) -> Vec<Chart> {
             subject: subject.to_owned(),
             caption: caption.to_owned(),
             panels,
-            events: events(record),
+            events: events(&record.events),
         })
     };
     let charts = [
@@ -106,20 +106,4 @@ fn panel(record: &Record, time: &[f64], kind: &Kind) -> Option<Panel> {
         height: 60,
         series,
     })
-}
-
-/// The events that occur, in ms.
-fn events(record: &Record) -> Vec<Event> {
-    let of = record.events.iter();
-    let mut events: Vec<Event> = of
-        .filter_map(|event| {
-            Some(Event {
-                at: 1e3 * event.time?,
-                symbol: symbol(&event.name),
-                name: event.name.replace('_', " "),
-            })
-        })
-        .collect();
-    events.sort_by(|a, b| a.at.total_cmp(&b.at));
-    events
 }

@@ -35,7 +35,10 @@ pub(crate) fn hexadecimal(place: usize) -> String {
     format!("#{red:02X}{green:02X}{blue:02X}")
 }
 
+/// Places of designs side by side: neighbours differ in lightness, so that colour-blind readers can tell them apart.
+const DESIGNS: [usize; 12] = [8, 18, 13, 14, 19, 11, 15, 12, 9, 16, 17, 10];
+
 /// Index in the palette of a design among others.
 pub(crate) fn of_design(place: usize) -> usize {
-    8 + place % (PALETTE.len() - 8)
+    DESIGNS[place % DESIGNS.len()]
 }

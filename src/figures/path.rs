@@ -64,6 +64,18 @@ impl Frame {
                     ("mark", self.across(panel, place, points())),
                 ]
             }
+            Shape::Errors(ends) => {
+                let mut d = String::new();
+                let finite = |[low, high]: &[f64; 2]| low.is_finite() && high.is_finite();
+                for (x, ends) in series.x.iter().zip(ends).filter(|(_, ends)| finite(ends)) {
+                    let [left, right] = self.sides(panel, place.saturating_sub(1), *x);
+                    let (middle, cap) = ((left + right) / 2, (right - left) / 6);
+                    let [low, high] = ends.map(|y| self.y(panel, y));
+                    let [from, to] = [middle - cap, middle + cap];
+                    let _ = write!(d, "M{middle} {low}V{high}M{from} {low}H{to}M{from} {high}H{to}");
+                }
+                vec![("mark", d)]
+            }
             // Horizontal bars are drawn as rows.
             Shape::Spans(_) | Shape::Swings(_) => Vec::new(),
         }

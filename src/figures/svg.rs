@@ -178,7 +178,7 @@ impl Place {
             @let y = self.top + 0.5 * GAP + LEADING * (place % rows) as f64;
             @let colour = hexadecimal(own.colour);
             @match &own.shape {
-                Shape::Line | Shape::Steps => { (sample("line", &colour, x, y)) }
+                Shape::Line | Shape::Steps | Shape::Errors(_) => { (sample("line", &colour, x, y)) }
                 Shape::Broad => { (sample("broad", &colour, x, y)) }
                 Shape::Dashed => { (sample("dashed", &colour, x, y)) }
                 Shape::Points => { (stroke("dots", &colour, &format!("M{} {y}h0", x + 0.5 * SAMPLE))) }

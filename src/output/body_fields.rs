@@ -1,12 +1,13 @@
 //! `modes.csv` and `fields/*`: the moving bodies, for ParaView.
 
-use nailnoise_dynamics::{CycleRecord, Events};
+use nailnoise_dynamics::network::EventTime;
 use nailnoise_meshes::vtu::{Frames, Grid};
 use serde::Serialize;
 
 use super::film::Fields;
 use super::{Output, fields, modes, shot};
 use crate::error::Error;
+use crate::stages::cycle::ShotRecord;
 use crate::stages::spectra::{BodyInMotion, MovingBody};
 use crate::stages::{Code, Postcard, Progress, Stage, Stored, code};
 
@@ -20,7 +21,7 @@ pub(super) const FIELDS: Output = Output::of_bodies("fields/*");
 ///
 /// # Errors
 /// The errors of the bodies' response.
-fn made(moving: &[BodyInMotion], events: &Events, films: bool) -> Result<Fields, Error> {
+fn made(moving: &[BodyInMotion], events: &[EventTime], films: bool) -> Result<Fields, Error> {
     let mut made = Fields::default();
     made.text("modes.csv", modes::modes(moving)?);
     for driven in moving {
@@ -39,7 +40,7 @@ pub struct BodyFields {
     /// The bodies.
     pub moving: Vec<MovingBody>,
     /// The cycle, whose events the films show.
-    pub cycle: Stored<CycleRecord>,
+    pub cycle: Stored<ShotRecord>,
     /// Whether the files include films of the shot and series over the bands.
     pub films: bool,
 }

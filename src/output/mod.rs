@@ -44,7 +44,7 @@ pub use columns::{Column, columns};
 pub use events::{EVENT_NAMES, event_name};
 pub use file::File;
 pub use film::Fields;
-pub use list::{OUTPUTS, of_cycle, of_run, of_study};
+pub use list::{OUTPUTS, of_cycle, of_keys, of_run, of_study};
 pub use microphones::sounds;
 pub use modal_shapes::{write_modes, write_motion, write_universal};
 pub use network::of_network;

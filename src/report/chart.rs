@@ -38,12 +38,6 @@ pub(super) fn markup(chart: &Chart) -> Markup {
     }
 }
 
-/// The symbols of events with their names and times.
-pub(super) fn key_of_events(events: &[Event]) -> Markup {
-    html! { ul.key-of-events { @for event in events { li { b { (event.symbol) } " " (event.name) " "
-    span.quiet { (format!("{:.2} ms", event.at)) } } } } }
-}
-
 /// The colours of series as custom properties, for light and for dark pages.
 pub(super) fn colours() -> String {
     let property = |(place, colour): (usize, String)| format!("--c{place}:{colour};");

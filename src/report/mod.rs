@@ -12,11 +12,14 @@ mod chart;
 mod compared;
 mod declared;
 mod drawing;
+mod events;
 mod head;
 mod legend;
 mod measured;
 mod measurement;
+mod methods;
 mod modes;
+mod optimised;
 mod page;
 mod picture;
 mod raster;
@@ -25,6 +28,7 @@ mod scene;
 mod sound;
 mod study;
 mod surface;
+mod swept;
 mod table;
 mod tables;
 
@@ -39,12 +43,14 @@ use crate::error::Error;
 use crate::figures;
 use crate::measurement::result::MeasurementResult;
 use crate::model::sources::by_name;
+use crate::optimisation::Optimisation;
 use crate::result::RunResult;
 use crate::run::Run;
+use crate::stages::cycle::SummaryFigures;
 use crate::stages::spectra::{BodyInMotion, MovingBody};
 use crate::stages::{Code, Postcard, Progress, Stage, code};
-use crate::study::{PairedStudy, StudyResult};
-use crate::tables::cycle::events;
+use crate::study::{Axis, PairedStudy, StudyResult, SweptPoint};
+use crate::tables::cycle::figures as figures_of;
 use crate::tables::run as run_tables;
 use crate::virtual_test::comparison::MeasuredComparison;
 
@@ -57,7 +63,7 @@ use surface::ColouredSurface;
 pub use surface::Surroundings;
 
 /// Keys of a result with a dedicated form in the report.
-const SHOWN: [&str; 19] = [
+const SHOWN: [&str; 20] = [
     "schema",
     "design",
     "inputs",
@@ -67,6 +73,7 @@ const SHOWN: [&str; 19] = [
     "outcome",
     "headline",
     "cycle",
+    "performance",
     "events",
     "sensors",
     "transducers",
@@ -157,16 +164,22 @@ pub fn run(design: &Design, run: &Run, pictures: &Pictures, recordings: &[Record
     {
         chart.caption = format!("One-third-octave levels of each source, {weighting}, dB re 1 pW s.");
     }
+    let place = levels.iter().position(|chart| chart.name == "intervals");
+    let intervals = place.map(|place| levels.remove(place));
+    let loud = events::loudest(result);
     let of_parts = |chart: &figures::Chart| by_name(&chart.name).is_some();
-    let mut cycle = figures::cycle(subject, design, &run.record);
-    let energy = cycle.pop();
+    let mut cycle = figures::shot(subject, design, &run.record);
+    let energy = cycle.pop_if(|chart| chart.name == "energy");
     let power = figures::power(subject, &run.record, &run.powers);
     let mut sections = vec![
         Section::new("ranking", "Ranking", ranking(result)),
         Section::new(
             "levels",
             "Levels",
-            html! { @for chart in levels.iter().filter(|own| !of_parts(own)) { (chart::markup(chart)) } },
+            html! {
+                @for chart in levels.iter().filter(|own| !of_parts(own)) { (chart::markup(chart)) }
+                @if let Some(chart) = &intervals { (events::intervals(chart, &loud)) }
+            },
         )
         .on_a_page(),
     ];
@@ -177,7 +190,7 @@ pub fn run(design: &Design, run: &Run, pictures: &Pictures, recordings: &[Record
         Section::new(
             "shot",
             "Over the shot",
-            html! { (chart::markup(&power)) (chart::key_of_events(&power.events)) },
+            html! { (chart::markup(&power)) (events::key(&power.events, &loud)) },
         )
         .on_a_page(),
         Section::new("listen", "Listen", sound::players(recordings)),
@@ -198,7 +211,7 @@ pub fn run(design: &Design, run: &Run, pictures: &Pictures, recordings: &[Record
             "Nailing cycle",
             html! {
                 @for chart in &cycle { (chart::markup(chart)) }
-                div.columns { (table::markup(&events(&run.record))) (tables::figures(&value["cycle"])) }
+                div.columns { (events::times(&run.record.events, &loud)) (figures_of_shot(run, &value["cycle"])) }
             },
         )
         .in_the_appendix(),
@@ -228,7 +241,7 @@ pub fn run(design: &Design, run: &Run, pictures: &Pictures, recordings: &[Record
         sections.push(Section::new("further", "Further results", further).in_the_appendix());
     }
     sections.extend([
-        Section::new("methods", "Methods", methods(result, &value)).in_the_appendix(),
+        Section::new("methods", "Methods", methods::section(result, &value)).in_the_appendix(),
         Section::new("assumptions", "Assumptions", assumptions::section(design)).in_the_appendix(),
         Section::new("checks", "Checks", tables::checks(result)).in_the_appendix(),
         Section::new("origin", "Origin", origin(result)).in_the_appendix(),
@@ -275,6 +288,24 @@ pub fn calibration(result: &CalibrationResult, charts: &[figures::Chart]) -> Str
     calibration::page(result, charts).html()
 }
 
+/// The page of an optimisation with these charts; `reports` are the files of the designs of its front, if any.
+pub fn optimised(found: &Optimisation, charts: &[figures::Chart], reports: &[Option<String>]) -> String {
+    optimised::page(found, charts, reports).html()
+}
+
+/// Figures of a shot: those of the tool of the keys in plain words, those of an assembly by their names.
+fn figures_of_shot(run: &Run, value: &serde_json::Value) -> maud::Markup {
+    match &run.record.figures {
+        SummaryFigures::Keys(summary) => table::markup(&figures_of(summary)),
+        SummaryFigures::Assembly(_) => tables::generic(value),
+    }
+}
+
+/// The page of a sweep with its chart.
+pub fn swept(design: &str, axes: &[Axis], points: &[SweptPoint], chart: &figures::Chart) -> String {
+    swept::page(design, axes, points, chart).html()
+}
+
 /// The page of predictions next to measurements.
 pub fn measured(comparison: &MeasuredComparison) -> String {
     measured::page(comparison).html()
@@ -303,23 +334,6 @@ fn ranking(result: &RunResult) -> Markup {
         }
         (declared::section(result))
         ul.notes { @for note in &result.notes { li { (table::with_code(note)) } } }
-    }
-}
-
-/// Parts and method of each source, and notes on methods.
-fn methods(result: &RunResult, value: &serde_json::Value) -> Markup {
-    html! {
-        @for (source, value) in result.ranking.iter().zip(value["ranking"].as_array().into_iter().flatten()) {
-            details {
-                summary { (source.source) ": parts and method" }
-                (tables::source(source))
-                @if let Some(more) = tables::further(value, &tables::SOURCE) { (more) }
-            }
-        }
-        details {
-            summary { "Notes on methods, their ranges and limits" }
-            ul.notes { @for note in &result.method_notes { li { (table::with_code(note)) } } }
-        }
     }
 }
 

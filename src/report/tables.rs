@@ -3,13 +3,13 @@
 use maud::{Markup, html};
 use serde_json::Value;
 
-use super::table::{self, typeset};
-use crate::result::{RankedSource, RunResult};
+use super::table;
+use crate::result::RunResult;
 use crate::tables::{Column, Table, run};
-use crate::wording::{band, readable, rounded, unit_of_figure};
+use crate::wording::rounded;
 
 /// Keys of a ranked source with a dedicated form in the report.
-pub(super) const SOURCE: [&str; 11] = [
+pub(super) const SOURCE: [&str; 13] = [
     "source",
     "lwa_db",
     "lw_db",
@@ -19,6 +19,8 @@ pub(super) const SOURCE: [&str; 11] = [
     "lwa_own_range_db",
     "bands",
     "components",
+    "cross_check",
+    "radiation",
     "uncertainty_db",
     "intervals",
 ];
@@ -29,40 +31,6 @@ const ROWS: usize = 40;
 /// A level with one decimal.
 pub(super) fn decibels(level: Option<f64>) -> String {
     level.map_or_else(|| "silent".to_owned(), |level| format!("{level:.1}"))
-}
-
-/// Parts of a source, and its method.
-pub(super) fn source(source: &RankedSource) -> Markup {
-    let parts = run::parts([source]);
-    html! {
-        p.quiet {
-            (source.method) ", computed over " (format!("{:.0} to {:.0} Hz", source.range_hz[0], source.range_hz[1]))
-            ". Without A-weighting " (decibels(source.lw_db)) " dB. Error of the method alone "
-            (typeset(&band(source.uncertainty_db.bounds()))) " dB: " (source.uncertainty_db.basis) "."
-        }
-        @if !parts.rows.is_empty() { (table::markup(&parts)) }
-    }
-}
-
-/// Names and values of an object.
-pub(super) fn figures(object: &Value) -> Markup {
-    let rows = object.as_object().into_iter().flatten().map(|(name, value)| {
-        let (unit, factor) = readable(unit_of_figure(name));
-        vec![words(name).into(), plain(&scaled(value, factor)).into(), unit.into()]
-    });
-    let columns = [
-        Column::words("figure of the shot"),
-        Column::number("value"),
-        Column::words("unit"),
-    ];
-    table::markup(&Table::new(columns, rows))
-}
-
-/// A number in another unit; other values are unchanged.
-pub(super) fn scaled(value: &Value, factor: f64) -> Value {
-    value
-        .as_f64()
-        .map_or_else(|| value.clone(), |number| (factor * number).into())
 }
 
 /// The checks, failed ones first.

@@ -80,6 +80,10 @@ pub struct LevelSpread {
     /// Fraction of the draws in which it is the loudest source, an estimate of P(first); null for the total, or if it
     /// is not stated.
     pub first: Option<f64>,
+    /// Fall of the total where this source alone is silent \[dB\]: ends over the draws, with the meaning of `ends`.
+    /// Null for the total, for weighted draws, or where it is not stated.
+    #[serde(default)]
+    pub silencing_db: Option<[f64; 2]>,
 }
 
 /// An order of the sources.

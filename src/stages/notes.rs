@@ -1,8 +1,7 @@
 //! Notes of a run: facts that a reader needs in addition to its numbers.
 
-use nailnoise_dynamics::CycleRecord;
-
 use crate::result::{FluidLoading, FluidLoadingChange, Loading, RadiationReport};
+use crate::stages::cycle::ShotRecord;
 
 /// Notes on one source.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -55,7 +54,7 @@ pub struct Notes {
 }
 
 /// Notes on a run.
-pub fn notes(inputs: &NoteInputs<'_>, record: &CycleRecord) -> Notes {
+pub fn notes(inputs: &NoteInputs<'_>, record: &ShotRecord) -> Notes {
     let mut shot = vec![inputs.shot.clone()];
     shot.extend(inputs.fitted_law.iter().cloned());
     shot.extend(inputs.outside_ranges.iter().cloned());
@@ -118,8 +117,9 @@ impl Landing {
     /// as landings.
     const FLIGHT: f64 = 5e-3;
 
-    fn of(record: &CycleRecord) -> Option<Self> {
-        let nose = &record.forces.nose;
+    fn of(record: &ShotRecord) -> Option<Self> {
+        let (workpiece, tool) = (record.workpiece.as_ref()?, record.tool.as_ref()?);
+        let nose = &workpiece.nose;
         let flight = (Self::FLIGHT / record.sample_interval) as usize;
         let mut free = 0;
         for (sample, force) in nose.iter().enumerate() {
@@ -127,7 +127,7 @@ impl Landing {
                 if free > flight {
                     return Some(Self {
                         time: record.time(sample),
-                        speed: record.tool.velocity[sample - 1] - record.workpiece.velocity[sample - 1],
+                        speed: tool.velocity[sample - 1] - workpiece.motion.velocity[sample - 1],
                         force: nose[sample..].iter().copied().fold(0.0, f64::max),
                     });
                 }
@@ -255,13 +255,13 @@ mod tests {
     #[test]
     fn a_tool_lands_at_the_speed_of_its_fall() {
         let mut design = Design::shipped("n80cb.toml").unwrap();
-        assert!(Landing::of(&crate::chain::cycle(&design).unwrap()).is_none());
+        assert!(Landing::of(&crate::chain::shot(&design).unwrap()).is_none());
         design.contacts.guard_travel = 60e-3;
         design.contacts.guard_stiffness = 500.0;
         design.trigger.release_after = 0.06;
         design.hand.force = 300.0;
+        let landing = Landing::of(&crate::chain::shot(&design).unwrap()).unwrap();
         let record = crate::chain::cycle(&design).unwrap();
-        let landing = Landing::of(&record).unwrap();
         let before = (landing.time / record.sample_interval) as usize - 1;
         let height = |sample: usize| record.workpiece.position[sample] - record.tool.position[sample];
         let top = (0..before).max_by(|&a, &b| height(a).total_cmp(&height(b))).unwrap();

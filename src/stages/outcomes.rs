@@ -1,18 +1,19 @@
 //! Outcomes of many shots without their sound: the inexpensive part of a study.
 
+use nailnoise_dynamics::network::{self, RunError};
 use nailnoise_dynamics::{CycleError, simulate};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use super::cycle::Cycle;
+use super::cycle::{AssembledCycle, Cycle, Engine, ShotRecord};
 use super::{Code, Postcard, Progress, Stage, code};
 use crate::error::Error;
 
 /// The cycles of several shots.
 #[derive(Serialize)]
 pub struct Outcomes {
-    /// One cycle after the other.
-    pub cycles: Vec<Cycle>,
+    /// The engine of each.
+    pub engines: Vec<Engine>,
 }
 
 /// The outcome of a shot.
@@ -61,12 +62,40 @@ impl Stage for Outcomes {
     const CODE: Code = code![dynamics, stages_cycle, stages_outcomes];
 
     fn compute(&self, _: &Progress) -> Result<Vec<ShotOutcome>, Error> {
-        Ok(self.cycles.par_iter().map(outcome).collect())
+        Ok(self.engines.par_iter().map(outcome).collect())
     }
 }
 
-/// The outcome of the shot of a cycle.
-pub fn outcome(cycle: &Cycle) -> ShotOutcome {
+/// The outcome of the shot of an engine.
+pub fn outcome(engine: &Engine) -> ShotOutcome {
+    match engine {
+        Engine::Keys(cycle) => of_keys(cycle),
+        Engine::Assembly(cycle) => of_assembly(cycle),
+    }
+}
+
+fn of_assembly(cycle: &AssembledCycle) -> ShotOutcome {
+    match network::simulate(&cycle.assembly, &cycle.numerics) {
+        Ok(record) => {
+            let shot = ShotRecord::of_assembly(&cycle.assembly, record);
+            ShotOutcome::Shot(ShotFigures {
+                mean_drive_speed: None,
+                penetration: shot.fastener_depth(),
+                exhaust_mass: shot.mass_out(),
+                outcome: shot.outcome,
+            })
+        }
+        Err(
+            error @ (RunError::Integration { .. }
+            | RunError::Collapse { .. }
+            | RunError::Chatter { .. }
+            | RunError::Switching { .. }),
+        ) => ShotOutcome::SolverFailure(error.to_string()),
+        Err(error) => ShotOutcome::Refused(error.to_string()),
+    }
+}
+
+fn of_keys(cycle: &Cycle) -> ShotOutcome {
     match simulate(&cycle.parameters, &cycle.settings) {
         Ok(record) => ShotOutcome::Shot(ShotFigures {
             outcome: record.outcome.name().to_owned(),

@@ -2,7 +2,7 @@
 
 use super::draws::{Draw, Draws};
 use super::statistics::energy_sum;
-use super::variables::Drawn;
+use super::variables::{Drawn, Variable};
 use crate::design::Value;
 use crate::result::TOTAL;
 use crate::stages::levels::Levels;
@@ -50,7 +50,7 @@ impl LevelTable {
 }
 
 /// Level of the sum of all sources of a shot \[dB re 1 pW s\]; `None` if all are silent.
-pub(super) fn total_of(levels: &Levels) -> Option<f64> {
+pub(crate) fn total_of(levels: &Levels) -> Option<f64> {
     let sources = levels.sources.iter();
     let total = energy_sum(sources.map(|source| source.lwa_db.unwrap_or(f64::NEG_INFINITY)));
     total.is_finite().then_some(total)
@@ -79,6 +79,13 @@ pub(super) fn number(drawn: Option<Drawn>) -> Option<f64> {
         Drawn::Alternative(chosen) => Some(chosen as f64),
         Drawn::Share(share) => Some(share),
     }
+}
+
+/// Value of a variable at a share of its distribution, as a number; none for a word, or outside 0 < share < 1.
+pub fn value_at(variable: &Variable, share: f64) -> Option<f64> {
+    (share > 0.0 && share < 1.0)
+        .then(|| number(variable.drawn(share)))
+        .flatten()
 }
 
 /// Value of a variable in each draw, as a number; NaN if it is fixed.

@@ -25,7 +25,7 @@ mod valve;
 
 pub use directivity::MixingDirectivity;
 pub use error::ExhaustError;
-pub use fitting::PipeFitting;
+pub use fitting::{FilledFitting, PipeFitting};
 pub use history::ExhaustHistory;
 pub use jet::Jet;
 pub use mixing::{MIXING_RANGE, mixing_power};

@@ -75,6 +75,8 @@ pub struct ExhaustNoise {
     pub mixing_outside_range: f64,
     /// Mass that left through the opening, according to the cycle \[kg\].
     pub mass: f64,
+    /// Stagnation temperature of the outflow, averaged over its mass \[K\]; that of the air where nothing flows.
+    pub outflow_temperature: f64,
     /// Mass of the isentropic jets \[kg\]; close to `mass` if areas and pressures are consistent with those of the
     /// cycle.
     pub jet_mass: f64,
@@ -171,9 +173,9 @@ pub fn exhaust_noise(
         signal.fill(Complex::ZERO);
     }
     if let Some(fitting) = &settings.fitting {
-        fitting.check()?;
+        let fitting = fitting.filled(temperature, air)?;
         for (x, &hz) in signal.iter_mut().zip(&frequency) {
-            *x *= fitting.response(hz, air)?;
+            *x *= fitting.response(hz)?;
         }
     }
     // The bins extend up to one resolution beyond the range. Those outside serve only for interpolation and use the
@@ -244,6 +246,7 @@ pub fn exhaust_noise(
             0.0
         },
         mass,
+        outflow_temperature: temperature,
         jet_mass,
         history: over_time,
     })

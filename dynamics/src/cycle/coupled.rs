@@ -223,7 +223,7 @@ impl<'s> Cycle<'s> {
             Penetration::Loading { seated: false } => system.envelope.law().evaluate(z, v, mode.impact).slope,
             Penetration::Loading { seated: true } => {
                 let shank = system.envelope.seated(v, mode.impact).slope;
-                [system.envelope.head_stiffness(), shank[1]]
+                [system.envelope.head_at(z).slope[0], shank[1]]
             }
             Penetration::Unloading { .. } => [system.p.wood.unloading_stiffness, 0.0],
         };

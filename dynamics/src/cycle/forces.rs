@@ -81,7 +81,7 @@ impl System {
             }
             Penetration::Loading { seated: true } => {
                 let v = y[V_P] - mode.nail_motion(y).1;
-                (z - p.nail.length) * self.envelope.head_stiffness() + self.envelope.seated(v, mode.impact)
+                self.envelope.head_at(z) + self.envelope.seated(v, mode.impact)
             }
             Penetration::Unloading { deepest, force } => (z - deepest) * p.wood.unloading_stiffness + force,
         };

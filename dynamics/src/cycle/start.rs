@@ -65,10 +65,10 @@ pub(crate) fn check(p: &Parameters) -> Result<(), CycleError> {
         "nail.length",
         p.nail.length,
     )?;
-    if p.nail.length > p.workpiece.thickness {
+    if p.nail.length > p.workpiece.thickness - p.workpiece.groove {
         return Err(CycleError::NailLongerThanBlock {
             length: p.nail.length,
-            thickness: p.workpiece.thickness,
+            thickness: p.workpiece.thickness - p.workpiece.groove,
         });
     }
     if p.nail.length > p.nail.feed_height {

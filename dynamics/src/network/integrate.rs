@@ -9,7 +9,6 @@ use diffsol::{
     NalgebraVec, OdeBuilder, OdeSolverMethod, OdeSolverProblem, OdeSolverState, OdeSolverStopReason, Vector,
 };
 
-use super::Numerics;
 use super::assembly::{Action, Family, Word};
 use super::audit::Audit;
 use super::equations::Equations;
@@ -17,6 +16,7 @@ use super::error::RunError;
 use super::events::Events;
 use super::linear::LedgerLu;
 use super::mode::Mode;
+use super::numerics::Numerics;
 use super::plan::Plan;
 use super::probe::Need;
 use super::rates::Workspace;

@@ -6,8 +6,9 @@ use super::assembly::ContactDamping;
 use super::mode::{Mode, depth, friction};
 use super::plan::{
     AreaPlan, CoefficientPlan, ContactPlan, FastenerPlan, FrictionPlan, HoldPlan, MotorPlan, PassagePlan,
-    ResistancePlan, RestrictionPlan, SpringPlan,
+    RestrictionPlan, SpringPlan,
 };
+use super::resistance::ResistancePlan;
 use nailnoise_penetration::Real;
 
 use crate::cycle::{Air, Gas};

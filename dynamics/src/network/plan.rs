@@ -7,12 +7,12 @@
 //! body after the last; reservoirs follow the volumes in the lists of pressures and temperatures.
 
 use super::assembly::{
-    Assembly, Base, Coefficient, Cone, ContactDamping, FastenerLaw, ForceLaw, Ledger, Opens, PassageLaw, Push, Space,
-    SpringLaw, Stop,
+    Assembly, Base, Coefficient, Cone, ContactDamping, ForceLaw, Ledger, Opens, PassageLaw, Push, Space, SpringLaw,
+    Stop,
 };
 use super::error::RunError;
+use super::resistance::ResistancePlan;
 use crate::cycle::Air;
-use nailnoise_penetration::{Curve, PenetrationLaw};
 
 /// Two bodies between which a block acts; the ground has the index after the last body.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -238,14 +238,6 @@ pub(crate) struct HoldPlan {
     /// Memory of the travel at which it caught.
     pub(crate) place: usize,
     pub(crate) loss: Option<usize>,
-}
-
-/// Law of the resistance.
-#[derive(Debug, Clone)]
-pub(crate) enum ResistancePlan {
-    Wood(Curve),
-    Constant(f64),
-    Table(Vec<[f64; 2]>),
 }
 
 /// A fastener.
@@ -843,16 +835,7 @@ fn fasteners(c: &mut Compiler<'_>) -> Vec<FastenerPlan> {
             length: f.length,
             mass: f.mass,
             impact: f.impact,
-            law: match &f.law {
-                FastenerLaw::SolidWood { hardness, offset } => {
-                    let mut root = [0.0; 8];
-                    root.copy_from_slice(&PenetrationLaw::SolidWood.coefficients()[..8]);
-                    root[0] += offset;
-                    ResistancePlan::Wood(Curve::of(root, f.length, hardness * f.length))
-                }
-                FastenerLaw::Constant(force) => ResistancePlan::Constant(*force),
-                FastenerLaw::Table(points) => ResistancePlan::Table(points.clone()),
-            },
+            law: ResistancePlan::of(f),
             reversible: f.reversible,
             head_stiffness: f.seated.head_stiffness,
             unloading: f.seated.unloading,

@@ -68,7 +68,7 @@ impl<E: StageError> Graph<E> {
 
     /// Adds a stage, whose output is made when it is first read. Stages with the same key share one output.
     pub fn add<S: Stage<Error = E>>(&self, stage: S) -> Stored<S::Output, E> {
-        let (key, inputs) = inputs::during(|| key(&stage));
+        let (key, inputs) = inputs::collect(|| key(&stage));
         let mut nodes = self.nodes.lock().unwrap_or_else(PoisonError::into_inner);
         let known = nodes
             .get(&key)

@@ -11,7 +11,7 @@ use crate::commands::{Status, folder_of, print, print_json, progress, status_of,
 use crate::design::inputs::assembly::AssembledTool;
 use crate::error::Error;
 use crate::figures;
-use crate::output;
+use crate::output::{self, Exports};
 use crate::tables::{self, fixed};
 
 /// The file written last, whose presence shows that the folder is complete.
@@ -93,7 +93,13 @@ pub(in crate::commands) fn execute(tool: &AssembledTool, asked: &Asked<'_>) -> R
 /// Writes the tables and, if requested, the charts; returns the files of the charts.
 fn write(folder: &Path, tool: &AssembledTool, record: &Record, with_figures: bool) -> Result<Vec<PathBuf>, Error> {
     let staging = AtomicWrite::within(folder)?;
-    for file in output::of_network(record)? {
+    for file in output::of_network(
+        record,
+        Exports {
+            histories: true,
+            ..Exports::default()
+        },
+    )? {
         staging.write(&file.path, &file.content)?;
     }
     let charts = if with_figures {

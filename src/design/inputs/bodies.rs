@@ -11,6 +11,7 @@ use nalgebra::Matrix3;
 use crate::design::{self, Design, NamedSurface, Spring, Sprung, SurfaceOf, SurfaceProblem};
 use crate::error::Error;
 use crate::model::supports::{self, Table};
+use crate::stages::bodies::BodyError;
 use crate::stages::bodies::{
     BodyKind, ContactFace, Extent, FileUnit, Geometry, Joint, JointSpring, LoadPlaces, MeshFile, MeshSource, NailPlace,
     Naming, PartMaterials, Properties, Remainder, SpringFoot, SurfacePlace, ToolPlaces, ToolShape,
@@ -306,7 +307,8 @@ fn nail_place(design: &Design) -> NailPlace {
     NailPlace {
         at: [design.nail.offset_along, design.nail.offset_across],
         top: design.workpiece.thickness,
-        length: design.nail.length,
+        entry: design.workpiece.thickness - design.workpiece.groove,
+        length: super::assembly::fastener_length(design).unwrap_or(design.nail.length),
         nose: [design.body.nose_width, design.body.nose_depth],
     }
 }
@@ -390,11 +392,11 @@ pub(crate) fn spring_supports(design: &Design) -> Vec<Support> {
 /// Adds the place in the design file to an error of a body's stages, if it has one.
 pub(crate) fn located(design: &Design, error: Error) -> Error {
     match error {
-        Error::SpringOutside { spring, distance } => match design.springs.get(&spring) {
+        Error::Body(BodyError::SpringOutside { spring, distance }) => match design.springs.get(&spring) {
             Some(own) => design.refuse_spring(&spring, own, distance).into(),
-            None => Error::SpringOutside { spring, distance },
+            None => BodyError::SpringOutside { spring, distance }.into(),
         },
-        Error::SurfaceOutside { entry, distance } => match design.surfaces.get(&entry) {
+        Error::Body(BodyError::SurfaceOutside { entry, distance }) => match design.surfaces.get(&entry) {
             Some(&NamedSurface { body, x, y, z, .. }) => {
                 let problem = match distance {
                     Some(distance) => SurfaceProblem::Outside {
@@ -406,9 +408,9 @@ pub(crate) fn located(design: &Design, error: Error) -> Error {
                 };
                 design.refuse_surface(&entry, problem).into()
             }
-            None => Error::SurfaceOutside { entry, distance },
+            None => BodyError::SurfaceOutside { entry, distance }.into(),
         },
-        Error::NoCapSurface { surface, panels } => design.refuse_cap(surface, panels).into(),
+        Error::Body(BodyError::NoCapSurface { surface, panels }) => design.refuse_cap(surface, panels).into(),
         other => other,
     }
 }

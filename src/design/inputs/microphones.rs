@@ -6,9 +6,11 @@ use nailnoise_acoustics::radiation::sound_fields::Cuts;
 use nalgebra::Point3;
 
 use super::air;
+use super::assembly::tool_volume;
 use crate::design::Design;
 use crate::error::Error;
 use crate::model::supports;
+use crate::stages::cycle::Engine;
 use crate::stages::microphones::{MicrophoneArray, Room, ToolSphere};
 
 /// The microphones of a design.
@@ -67,10 +69,10 @@ pub(crate) fn room(design: &Design) -> Room {
 }
 
 /// Sphere with the volume of the tool.
-pub(crate) fn tool_sphere(design: &Design) -> ToolSphere {
+pub(crate) fn tool_sphere(design: &Design, engine: &Engine) -> ToolSphere {
     ToolSphere {
         centre: on_axis(design, 0.5 * tool_height(design)),
-        volume: design.body.volume(design.piston.bore),
+        volume: tool_volume(design, engine),
     }
 }
 

@@ -12,9 +12,9 @@ pub(crate) mod exports;
 pub(crate) mod microphones;
 pub(crate) mod notes;
 pub(crate) mod radiation;
+pub(crate) mod reference_structures;
 pub(crate) mod response;
 pub(crate) mod sensors;
-pub(crate) mod shape;
 
 /// The ambient air of a design: the same gas for cycle, jets, muffler and radiation.
 ///

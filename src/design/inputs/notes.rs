@@ -1,12 +1,12 @@
 //! Inputs of the notes: a sentence for the fitted law, and one for each value outside its range.
 
-use nailnoise_dynamics::CycleRecord;
 use nailnoise_penetration::fit::{Placement, Variable};
 
 use super::cycle::{conditions, fitted_law as law_of};
 use super::radiation::cap;
 use crate::design::{Convention, Design, VentSource, Warning};
 use crate::error::Error;
+use crate::stages::cycle::{ShotRecord, SummaryFigures};
 
 /// Parts that the wrapping convention assigns to another source; `None` for the physical convention.
 pub(crate) fn convention(design: &Design) -> Option<String> {
@@ -32,6 +32,24 @@ pub(crate) fn convention(design: &Design) -> Option<String> {
     ))
 }
 
+/// How the shot of an assembly ended.
+pub(crate) fn outcome_of_assembly(shot: &ShotRecord) -> String {
+    let figures = |end: &str| match &shot.figures {
+        SummaryFigures::Keys(_) => Vec::new(),
+        SummaryFigures::Assembly(figures) => {
+            let named = figures
+                .iter()
+                .filter_map(|(name, value)| Some((name.strip_suffix(end)?, *value)));
+            named.map(|(name, value)| (name.replace('_', " "), value)).collect()
+        }
+    };
+    let depths = figures("_depth")
+        .into_iter()
+        .map(|(name, depth)| format!("; {name} {:.1} mm deep", 1e3 * depth));
+    let depths: String = depths.collect();
+    format!("outcome of the assembly: {}{depths}", shot.outcome.replace('_', " "))
+}
+
 /// Values outside the ranges that the design states.
 pub(crate) fn outside_ranges(design: &Design) -> Vec<String> {
     warnings_in_words(design, |warning| matches!(warning, Warning::OutsideRange { .. }))
@@ -51,11 +69,11 @@ fn warnings_in_words(design: &Design, is_wanted: impl Fn(&Warning) -> bool) -> V
 ///
 /// # Errors
 /// Same as [`law_of`].
-pub(crate) fn fitted_law(design: &Design, record: &CycleRecord) -> Result<Vec<String>, Error> {
+pub(crate) fn fitted_law(design: &Design, shot: &ShotRecord) -> Result<Vec<String>, Error> {
     let Some(law) = law_of(design)? else {
         return Ok(Vec::new());
     };
-    let impact = record.summary.speed_before_impact.filter(|_| law.dynamic());
+    let impact = shot.figures.get("speed_before_impact").filter(|_| law.dynamic());
     let places = law.placement(&conditions(design, &law, impact));
     let place = |place: &Placement| {
         let [low, high] = place.range;

@@ -6,6 +6,7 @@ use nalgebra::Vector3;
 use crate::design::{BodyModel, Carrier, Design, Sensor, SensorProblem, Transducer};
 use crate::error::Error;
 use crate::model::supports;
+use crate::stages::bodies::BodyError;
 use crate::stages::bodies::SensorPoint;
 use crate::stages::sensors::Accelerometer;
 use crate::stages::transducers::PressureTransducer;
@@ -76,9 +77,9 @@ pub(crate) fn points(design: &Design, body: Carrier) -> Result<Vec<SensorPoint>,
 /// Adds to an error the place in the design file of the sensor that caused it.
 pub(crate) fn located(design: &Design, error: Error) -> Error {
     match error {
-        Error::SensorOffBody { sensor, body, distance } => match design.sensors.get(&sensor) {
+        Error::Body(BodyError::SensorOffBody { sensor, body, distance }) => match design.sensors.get(&sensor) {
             Some(found) => outside(design, &sensor, found, body, distance),
-            None => Error::SensorOffBody { sensor, body, distance },
+            None => BodyError::SensorOffBody { sensor, body, distance }.into(),
         },
         other => other,
     }
@@ -153,6 +154,7 @@ mod tests {
             footprint: [[-0.2, 0.2], [-0.1, 0.1]],
             sand: [[-0.3, 0.3], [-0.3, 0.3]],
             shear_speed: 112.0,
+            poisson_ratio: 0.3,
             loss_factor: 0.1,
             to_hz: 800.0,
         };

@@ -129,6 +129,7 @@ impl Support for InSandbox<'_> {
             footprint: [around(block.length), around(block.width)],
             sand: [around(sand.box_length), around(sand.box_width)],
             shear_speed: self.half_space()?.shear_speed(),
+            poisson_ratio: sand.poisson_ratio,
             loss_factor: sand.loss_factor,
             to_hz: sand.moving_surface_max_frequency,
         }))

@@ -10,6 +10,7 @@ use super::geometry::{AddedSand, Geometry, Properties, Remainder};
 use super::meshing::NamedMesh;
 use super::surfaces::FoundSurface;
 use crate::error::Error;
+use crate::stages::bodies::BodyError;
 use crate::stages::{Code, Progress, Stage, Stored, Uncached, code};
 
 /// A meshed body with its materials, supports and attachments.
@@ -65,7 +66,7 @@ impl Geometry {
     /// Makes the mesh with its materials, supports and attachments.
     ///
     /// # Errors
-    /// The errors of mesh, gmsh and parts; [`Error::TooHeavy`] for lumped masses.
+    /// Those of mesh, gmsh and parts; [`BodyError::TooHeavy`] for lumped masses.
     pub fn mesh(&self) -> Result<Meshed, Error> {
         let named = self.meshing().compute(&Progress::silent())?;
         self.properties.attached(named, self.mesh.fit())
@@ -174,10 +175,11 @@ impl Remainder {
         let meshed = meshed_mass(mesh, materials)?;
         let rest = self.total - meshed;
         if rest < 0.0 {
-            return Err(Error::TooHeavy {
+            return Err(BodyError::TooHeavy {
                 meshed,
                 tool: self.total,
-            });
+            }
+            .into());
         }
         let masses = self.shares.iter().map(|&(group, share, _)| (group, share * rest));
         Ok(masses.filter(|(_, mass)| *mass > 0.0).collect())

@@ -13,6 +13,7 @@ use super::load_places::Model;
 use super::modes::WholeModes;
 use crate::error::Error;
 use crate::result::Check;
+use crate::stages::bodies::BodyError;
 use crate::stages::{Code, HasMatrix, Progress, Stage, Stored, WithMatrix, code, matrix};
 
 /// Reduces the finite elements of a body to its modes.
@@ -205,13 +206,13 @@ impl Body {
     /// Shapes at every node of the full modes that belong to this body.
     ///
     /// # Errors
-    /// [`Error::OtherModes`] if another machine stored the body: the sign of a mode is arbitrary, and modes with the
-    /// same frequency may be any linear combination.
+    /// [`BodyError::OtherModes`] if another machine stored the body: the sign of a mode is open, and modes of one
+    /// frequency may be any mixture of each other.
     pub fn shapes<'a>(&self, modes: &'a WholeModes) -> Result<&'a DMatrix<f64>, Error> {
         if skin(&self.surface, &modes.shapes) == self.skin {
             Ok(&modes.shapes)
         } else {
-            Err(Error::OtherModes { body: self.name })
+            Err(BodyError::OtherModes { body: self.name }.into())
         }
     }
 

@@ -10,6 +10,7 @@ use serde::Serialize;
 use super::mesh_file::MeshFile;
 use super::surfaces::Naming;
 use crate::error::Error;
+use crate::stages::bodies::BodyError;
 
 /// A body of a design.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
@@ -167,10 +168,11 @@ impl PartMaterials {
         let of_part = |name: &String| match named.iter().find(|(known, _)| known == name) {
             Some((_, material)) => Ok(material.clone()),
             None if mesh.part_names.len() == 1 => Ok(named[0].1.clone()),
-            None => Err(Error::UnknownPart {
+            None => Err(BodyError::UnknownPart {
                 part: name.clone(),
                 known: named.iter().map(|(known, _)| *known).collect::<Vec<_>>().join(", "),
-            }),
+            }
+            .into()),
         };
         mesh.part_names.iter().map(of_part).collect()
     }

@@ -73,7 +73,7 @@ impl Joint {
         let lower = self.cells.load_vectors(mesh, JOINT[0], self.height, up)?;
         let upper = self.cells.load_vectors(mesh, JOINT[1], self.height, -up)?;
         let mut vectors: Vec<LoadVector> = lower.iter().zip(&upper).map(|(a, b)| a.plus(b)).collect();
-        let NailPlace { top, length, .. } = self.nail;
+        let NailPlace { entry: top, length, .. } = self.nail;
         let tip = top - length;
         vectors.push(self.slip(mesh, [tip, top], up)?);
         let near = [tip.max(self.height - self.dowel), top.min(self.height + self.dowel)];

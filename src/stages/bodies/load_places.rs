@@ -16,6 +16,7 @@ use super::joint::Joint;
 use super::nail_stations::NailPlace;
 use super::tool_loads::{self, ToolPlaces};
 use crate::error::Error;
+use crate::stages::bodies::BodyError;
 use crate::stages::{Code, Progress, Stage, Stored, Uncached, code};
 
 /// The mesh of a body with its materials and load vectors.
@@ -53,7 +54,7 @@ impl Stage for Discretisation {
         let mut problems = Vec::new();
         for &(group, mass) in &meshed.unplaced {
             let known = known_groups(mesh);
-            problems.push(Error::NoSeat { group, mass, known });
+            problems.push(BodyError::NoSeat { group, mass, known }.into());
         }
         let loads = collected(self.places.loads(mesh), &mut problems);
         let contacts = collected(self.places.contacts(mesh), &mut problems);
@@ -197,10 +198,11 @@ impl SpringFoot {
             let disc = LoadVector::disc(surface, (at, radius), axis)?;
             let vector = disc.map_or_else(|| LoadVector::point(mesh, at, axis, REACH), Ok);
             vector.map_err(|error| match error {
-                MeshError::Outside { distance, .. } => Error::SpringOutside {
+                MeshError::Outside { distance, .. } => BodyError::SpringOutside {
                     spring: self.name.clone(),
                     distance,
-                },
+                }
+                .into(),
                 other => other.into(),
             })
         };

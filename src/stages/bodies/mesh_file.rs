@@ -9,6 +9,7 @@ use sha2::{Digest as _, Sha256};
 
 use crate::error::Error;
 use crate::stages::Digest;
+use crate::stages::bodies::BodyError;
 
 /// A mesh or solid geometry in a file, identified by its content.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -105,7 +106,7 @@ impl Extent {
                 self.key
             ),
         };
-        Error::Extent {
+        BodyError::Extent {
             path: path.to_owned(),
             what: self.what,
             found: format!(
@@ -119,6 +120,7 @@ impl Extent {
             expected: self.longest.map(millimetres).join(" to "),
             remedy,
         }
+        .into()
     }
 }
 
@@ -131,20 +133,22 @@ impl MeshFile {
     /// A file with its unit; a solid geometry is meshed with elements no longer than `element` \[m\].
     ///
     /// # Errors
-    /// [`MeshError::UnknownKind`] for another kind of file, [`MeshError::Read`], [`Error::NoSize`] for a solid geometry
-    /// without an element size, [`Error::StatedUnit`] if a unit is given for a file that states its own.
+    /// [`MeshError::UnknownKind`] for another kind of file, [`MeshError::Read`], [`BodyError::NoSize`] for a solid
+    /// geometry without an element size, [`BodyError::StatedUnit`] where a unit is given for a file that states its
+    /// own.
     pub fn new(path: &Path, unit: FileUnit, element: Option<f64>, expected: Option<Extent>) -> Result<Self, Error> {
         let element = if is_solid(path)? {
-            Some(element.ok_or(Error::NoSize)?)
+            Some(element.ok_or(BodyError::NoSize)?)
         } else {
             None
         };
         if let Some(given_in) = unit.given_in.filter(|_| states_unit(path)) {
-            return Err(Error::StatedUnit {
+            return Err(BodyError::StatedUnit {
                 path: path.to_owned(),
                 given: millimetres(unit.metres),
                 given_in,
-            });
+            }
+            .into());
         }
         let bytes = read_regular(path, msh::LARGEST).map_err(|source| MeshError::Read {
             path: path.to_owned(),
@@ -167,10 +171,10 @@ impl MeshFile {
     /// The same file, with only one solid meshed, given by its number starting at 1.
     ///
     /// # Errors
-    /// [`Error::NoSolids`] for a file that is a mesh.
+    /// [`BodyError::NoSolids`] for a file that is a mesh.
     pub fn with_solid(self, solid: Option<usize>) -> Result<Self, Error> {
         if solid.is_some() && !self.needs_gmsh() {
-            return Err(Error::NoSolids { path: self.path });
+            return Err(BodyError::NoSolids { path: self.path }.into());
         }
         Ok(Self { solid, ..self })
     }
@@ -178,7 +182,7 @@ impl MeshFile {
     /// Reads a mesh, or has gmsh mesh a solid geometry.
     ///
     /// # Errors
-    /// The errors of reading and meshing, [`Error::Extent`] for a body that is far too large or too small.
+    /// Those of reading and meshing, [`BodyError::Extent`] for a body that is far too large or too small.
     pub fn import(&self) -> Result<Imported, Error> {
         let Some(element) = self.element else {
             let imported = msh::read(&self.path, self.unit)?;

@@ -8,6 +8,7 @@ use serde::{Deserialize, Serialize};
 use super::body::{Body, participation};
 use super::modes::WholeModes;
 use crate::error::Error;
+use crate::stages::bodies::BodyError;
 use crate::stages::{Code, Postcard, Progress, Stage, Stored, code, matrix};
 
 /// Maximum distance of a sensor from its body \[m\]: less than half its base, and larger than the deviation of a mesh
@@ -71,14 +72,15 @@ impl SensorPoint {
     /// The load vector on the mesh of a body that measures this displacement.
     ///
     /// # Errors
-    /// [`Error::SensorOffBody`] with the distance.
+    /// [`BodyError::SensorOffBody`] with the distance.
     pub fn load_vector(&self, mesh: &Mesh, body: &'static str) -> Result<LoadVector, Error> {
         LoadVector::point(mesh, self.position.into(), self.direction.into(), OFF).map_err(|error| match error {
-            MeshError::Outside { distance, .. } => Error::SensorOffBody {
+            MeshError::Outside { distance, .. } => BodyError::SensorOffBody {
                 sensor: self.name.clone(),
                 body,
                 distance,
-            },
+            }
+            .into(),
             other => other.into(),
         })
     }

@@ -11,6 +11,7 @@ use serde::{Deserialize, Serialize};
 
 use super::tool_surfaces::ToolShape;
 use crate::error::Error;
+use crate::stages::bodies::BodyError;
 
 /// Angle between the normals at an edge above which a smooth face ends.
 pub(super) const EDGE: f64 = PI / 6.0;
@@ -87,7 +88,7 @@ impl Naming {
     /// has one name.
     ///
     /// # Errors
-    /// [`Error::SurfaceOutside`] for a place that is not on the body.
+    /// [`BodyError::SurfaceOutside`] for a place that is not on the body.
     pub(super) fn apply(&self, mesh: &mut Mesh) -> Result<Vec<FoundSurface>, Error> {
         let mut found = Vec::new();
         if mesh.groups.is_empty() && self.tool.is_none() {
@@ -157,10 +158,11 @@ impl SurfacePlace {
         let nearest = surface.nearest_face(at, looks);
         match nearest {
             Some((face, distance)) if distance <= self.radius.max(REACH) => Ok(face),
-            _ => Err(Error::SurfaceOutside {
+            _ => Err(BodyError::SurfaceOutside {
                 entry: self.entry.clone(),
                 distance: nearest.map(|(_, distance)| distance),
-            }),
+            }
+            .into()),
         }
     }
 

@@ -6,6 +6,7 @@ use nalgebra::{Point3, Vector3};
 use serde::Serialize;
 
 use crate::error::Error;
+use crate::stages::bodies::BodyError;
 
 /// Maximum relative difference between the body's mass and that of the tool in the cycle.
 pub(crate) const MASS_LIMIT: f64 = 1e-3;
@@ -13,16 +14,15 @@ pub(crate) const MASS_LIMIT: f64 = 1e-3;
 /// Number of rings of the bore, in which the pressure changes as the piston passes.
 pub(crate) const RINGS: usize = 12;
 
-/// Loads along the axis, unit forces \[N\], with their indices in the list of all loads.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Axial {
-    Roof,
-    Cap,
-    Rim,
-    Floor,
-    Bore,
-    Nose,
-    Handle,
+/// Names in a shot of the surfaces of the loads along the axis, unit forces \[N\]: their places in the list of all loads.
+pub(crate) const AXIAL_SURFACES: [&str; AXIAL] = ["roof", "cap", "rim", "floor", "bore", "nose", "handle"];
+
+/// Place of the load on the handle.
+pub(crate) const HANDLE: usize = AXIAL - 1;
+
+/// The axial load of a surface of the housing by its name in a shot.
+pub(crate) fn axial(surface: &str) -> Option<usize> {
+    AXIAL_SURFACES.iter().position(|own| *own == surface)
 }
 
 /// Number of loads along the axis.
@@ -52,8 +52,8 @@ type AxialLoad<'a> = (&'static str, &'static str, &'a dyn Fn(&Point3<f64>) -> bo
 /// volume for the pressures \[m2\].
 ///
 /// # Errors
-/// [`Error::NoLoadSurface`] for each missing surface, [`Error::NoneOfSurface`] for one that is not where the design
-/// applies the force.
+/// [`BodyError::NoLoadSurface`] for each surface that is not there, [`BodyError::NoneOfSurface`] for one that is not
+/// where the design has the force.
 pub(crate) fn load_vectors(places: &ToolPlaces, mesh: &Mesh) -> Result<Vec<LoadVector>, Error> {
     let surface = Surface::of(mesh);
     let [inner, outer] = places.valve.map(|diameter| 0.5 * diameter);
@@ -62,12 +62,13 @@ pub(crate) fn load_vectors(places: &ToolPlaces, mesh: &Mesh) -> Result<Vec<LoadV
         let known = || surface.patches.join(", ");
         match LoadVector::traction(&surface, group, -Vector3::z(), inside) {
             Ok(Some(vector)) => Ok(vector),
-            Ok(None) => Err(Error::NoneOfSurface { group, what }),
-            Err(MeshError::UnknownGroup { .. }) => Err(Error::NoLoadSurface {
+            Ok(None) => Err(BodyError::NoneOfSurface { group, what }.into()),
+            Err(MeshError::UnknownGroup { .. }) => Err(BodyError::NoLoadSurface {
                 group,
                 what,
                 known: known(),
-            }),
+            }
+            .into()),
             Err(error) => Err(error.into()),
         }
     };
@@ -86,7 +87,8 @@ pub(crate) fn load_vectors(places: &ToolPlaces, mesh: &Mesh) -> Result<Vec<LoadV
         match down(load) {
             Ok(vector) => vectors.push(vector),
             // Two forces act on the cap; its absence is reported once.
-            Err(Error::NoLoadSurface { group, .. }) if problems.iter().any(|other| other.lacks(group)) => {}
+            Err(Error::Body(BodyError::NoLoadSurface { group, .. }))
+                if problems.iter().any(|other| other.lacks(group)) => {}
             Err(error) => problems.push(error),
         }
     }

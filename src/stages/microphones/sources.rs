@@ -8,7 +8,6 @@ use nailnoise_acoustics::radiation::radiator::Pressures;
 use nailnoise_acoustics::radiation::sound::{omnidirectional_transfer, oscillating_sphere_pressure};
 use nailnoise_acoustics::signals::fourier::{Transform, TransformSettings};
 use nailnoise_acoustics::signals::{ChirpTransform, PowerSignals, SourceSpectrum};
-use nailnoise_dynamics::CycleRecord;
 use nalgebra::{Complex, DMatrix, Point3, Vector3};
 use rayon::prelude::*;
 use serde::Serialize;
@@ -16,6 +15,7 @@ use serde::Serialize;
 use super::received::{Received, SourcePart};
 use super::{AtMicrophones, LONGEST, MicrophoneArray, SAMPLE_RATE, TAIL};
 use crate::error::Error;
+use crate::stages::cycle::ShotRecord;
 use crate::stages::sound::Sound;
 
 /// Number of azimuths of the exhaust's jets; enough for the mean over them to equal that over all.
@@ -139,7 +139,7 @@ impl MicrophoneArray {
     pub fn oscillating_sphere(
         &self,
         sphere: &ToolSphere,
-        record: &CycleRecord,
+        record: &ShotRecord,
         source: &Sound,
         end: f64,
     ) -> Result<AtMicrophones, Error> {
@@ -149,7 +149,7 @@ impl MicrophoneArray {
             range_hz: self.range_hz,
             ..TransformSettings::default()
         };
-        let acceleration = &record.tool.acceleration;
+        let acceleration = record.tool_acceleration();
         let transform = Transform::new(acceleration.len(), record.sample_interval, &settings)?;
         let (frequency, motion) = (transform.frequencies(), transform.apply(acceleration)?);
         let mut pressures = DMatrix::zeros(receivers.positions.len(), frequency.len());

@@ -20,11 +20,12 @@ use serde::Serialize;
 use super::CODE;
 use super::boundary_elements::{Places, Solution};
 use super::flush::{sampled, sampling_to, top_of};
-use super::shape::RadiatingShape;
+use super::reference::RadiatingShape;
 use super::surface_modes::SurfaceModes;
 use super::tool::{CapSurface, ToolRadiation};
 use super::workpiece::WorkpieceBoundaryElements;
 use crate::error::Error;
+use crate::stages::bodies::BodyError;
 use crate::stages::bodies::{Body, MovingSurface};
 use crate::stages::{Code, OnDemand, Postcard, Progress, Stage, Stored, Uncached, all};
 
@@ -164,7 +165,7 @@ impl Stage for PressureAtMicrophones {
             modes,
             ..body.moving_surface()
         });
-        let levels = self.shape.levels(&surfaces.collect::<Vec<_>>())?;
+        let levels = self.shape.mesh_hierarchy(&surfaces.collect::<Vec<_>>())?;
         Ok(self.surface.get()?.at(&self.places.receivers(), &levels)?)
     }
 }
@@ -187,7 +188,7 @@ impl Stage for MatrixWithMicrophones {
 
     fn compute(&self, _: &Progress) -> Result<ModalBem, Error> {
         let with = self.matrix.get()?.with_pressures(self.pressures.get()?);
-        with.ok_or(Error::OtherModes { body: "bodies" })
+        with.ok_or(BodyError::OtherModes { body: "bodies" }.into())
     }
 }
 

@@ -24,6 +24,7 @@ use serde::Serialize;
 use super::boundary_elements::{LOWEST_SAMPLE, MOST_AT_GAPS, MeshRanges, Places, Resolution, Solution};
 use crate::error::Error;
 use crate::stages::Progress;
+use crate::stages::bodies::BodyError;
 use crate::stages::bodies::MovingSurface;
 
 /// Maximum distance of a node from the cap to which it belongs, relative to the cap's radius.
@@ -47,7 +48,7 @@ impl CapSurface {
     /// For each panel of a boundary, whether it is part of the cap.
     ///
     /// # Errors
-    /// [`Error::NoCapSurface`] if none or all are.
+    /// [`BodyError::NoCapSurface`] where none or all are.
     fn panels(&self, mesh: &BoundaryMesh) -> Result<Vec<bool>, Error> {
         let inside = |panel: &Panel| match *self {
             Self::Above { height, radius } => panel.corners().iter().all(|&node| {
@@ -59,13 +60,14 @@ impl CapSurface {
         let panels: Vec<bool> = mesh.panels.iter().map(inside).collect();
         let own = panels.iter().filter(|own| **own).count();
         if own == 0 || own == panels.len() {
-            return Err(Error::NoCapSurface {
+            return Err(BodyError::NoCapSurface {
                 surface: match self {
                     Self::Above { .. } => None,
                     Self::Named(name) => Some(name),
                 },
                 panels: [own, panels.len()],
-            });
+            }
+            .into());
         }
         Ok(panels)
     }
@@ -110,7 +112,7 @@ impl ToolRadiation {
     /// moving.
     ///
     /// # Errors
-    /// Same as [`Self::compute`], and [`Error::NoCapSurface`].
+    /// As [`Self::compute`], and [`BodyError::NoCapSurface`].
     pub fn compute_with_cap(
         &self,
         bodies: &[MovingSurface<'_>],
@@ -154,7 +156,7 @@ impl ToolRadiation {
     /// from the microphones, and has a cap if one is required.
     ///
     /// # Errors
-    /// Same as [`Self::level`], [`Error::NoCapSurface`], and the errors of the microphones.
+    /// As [`Self::level`], [`BodyError::NoCapSurface`], and those of the microphones.
     pub fn check(&self, surface: &Surface, cap: Option<&CapSurface>, places: &Places) -> Result<(), Error> {
         let modes = DMatrix::zeros(3 * surface.points.len(), 0);
         let body = MovingSurface {
@@ -162,7 +164,7 @@ impl ToolRadiation {
             surface,
             modes: &modes,
         };
-        places.check(&self.levels(&[body], cap, &Air::default())?)
+        places.check(&self.mesh_hierarchy(&[body], cap, &Air::default())?)
     }
 
     /// The housing's own mesh with its nose closed, up to the frequency that it resolves.
@@ -187,7 +189,7 @@ impl ToolRadiation {
     /// differ.
     ///
     /// # Errors
-    /// Same as [`Self::level`], [`Error::OpenCavity`], and [`Error::NoCapSurface`].
+    /// As [`Self::level`], [`BodyError::OpenCavity`], and [`BodyError::NoCapSurface`].
     pub fn finest(
         &self,
         bodies: &[MovingSurface<'_>],
@@ -307,7 +309,7 @@ impl ToolRadiation {
     ///
     /// # Errors
     /// Same as [`Self::finest`].
-    pub fn levels(
+    pub fn mesh_hierarchy(
         &self,
         bodies: &[MovingSurface<'_>],
         cap: Option<&CapSurface>,
@@ -370,17 +372,18 @@ fn of_panels(boundary: &Boundary, part: impl Fn(usize) -> bool) -> Vec<bool> {
 fn refuse_open_cavities(outline: &BoundaryMesh) -> Result<(), Error> {
     let name = |panel: &Panel| outline.patches[panel.patch].as_str();
     match outline.panels.iter().map(name).find(|name| ENCLOSED.contains(name)) {
-        Some(surface) => Err(Error::OpenCavity {
+        Some(surface) => Err(BodyError::OpenCavity {
             surface: surface.to_owned(),
-        }),
+        }
+        .into()),
         None => Ok(()),
     }
 }
 
 /// Bodies whose surfaces differ have no common modes.
-const OTHER_SURFACE: Error = Error::OtherModes {
-    body: "standard bodies",
-};
+const OTHER_SURFACE: Error = Error::Body(BodyError::OtherModes {
+    body: "reference bodies",
+});
 
 /// Appends the motions on another mesh of the same surface, starting at number `first`; returns false if the surfaces
 /// differ.

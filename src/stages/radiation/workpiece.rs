@@ -20,6 +20,7 @@ use super::covered::{CoveredFaces, OpenFaces, WORKPIECE, WORKTABLE};
 use super::flush::{FlushTop, top_of};
 use crate::error::Error;
 use crate::stages::Progress;
+use crate::stages::bodies::BodyError;
 use crate::stages::bodies::MovingSurface;
 
 /// Upper ends of the ranges with separate meshes, relative to the top of all.
@@ -81,7 +82,7 @@ impl WorkpieceRadiation {
     /// distance from the microphones.
     ///
     /// # Errors
-    /// Same as [`WorkpieceBoundaryElements::levels`]; the errors of the block's top in sand, and of the microphones.
+    /// As [`WorkpieceBoundaryElements::mesh_hierarchy`]; those of the block's top in sand, and of the microphones.
     pub fn check(&self, surfaces: &[Surface], places: &Places) -> Result<(), Error> {
         let still: Vec<DMatrix<f32>> = surfaces.iter().map(|s| DMatrix::zeros(3 * s.points.len(), 0)).collect();
         let names = [WORKPIECE, WORKTABLE].into_iter();
@@ -105,10 +106,10 @@ impl WorkpieceBoundaryElements {
     /// The solution in standard air, which depends only on the wavelength.
     ///
     /// # Errors
-    /// The errors of [`Self::levels`] and of the boundary elements.
+    /// Those of [`Self::mesh_hierarchy`] and of the boundary elements.
     pub fn compute(&self, bodies: &[MovingSurface<'_>], progress: &Progress) -> Result<Solution, Error> {
         let air = Air::default();
-        let levels = self.levels(bodies, &air)?;
+        let levels = self.mesh_hierarchy(bodies, &air)?;
         let top_hz = levels.iter().map(|level| level.top_hz).fold(0.0, f64::max);
         let lowest = levels.first().map_or(0.0, |level| level.top_hz);
         let lowest_hz = LOWEST_SAMPLE.min(0.5 * lowest);
@@ -149,28 +150,27 @@ impl WorkpieceBoundaryElements {
     /// air the meshes and their limiting wavelengths are those of the stored matrix.
     ///
     /// # Errors
-    /// [`Error::NotBoxes`] if the sides of a mesh on a table are not those of the design; the errors of mesh and
-    /// radiation.
-    pub fn levels(&self, bodies: &[MovingSurface<'_>], air: &Air) -> Result<Vec<MeshRange>, Error> {
+    /// [`BodyError::NotBoxes`] for a mesh on a table that has not the sides of the design; those of mesh and radiation.
+    pub fn mesh_hierarchy(&self, bodies: &[MovingSurface<'_>], air: &Air) -> Result<Vec<MeshRange>, Error> {
         self.of_bodies(bodies, air, &RANGES)
     }
 
     /// The finest of these meshes.
     ///
     /// # Errors
-    /// Same as [`Self::levels`].
+    /// As [`Self::mesh_hierarchy`].
     pub fn finest(&self, bodies: &[MovingSurface<'_>], air: &Air) -> Result<Option<MeshRange>, Error> {
         Ok(self.of_bodies(bodies, air, &RANGES[RANGES.len() - 1..])?.pop())
     }
 
-    /// [`Self::levels`] up to these fractions of the top of all ranges.
+    /// [`Self::mesh_hierarchy`] up to these shares of the top of all ranges.
     fn of_bodies(&self, bodies: &[MovingSurface<'_>], air: &Air, shares: &[f64]) -> Result<Vec<MeshRange>, Error> {
         let of_boxes = shares.iter().map(|share| self.of_boxes(bodies, air, *share));
         match of_boxes.collect() {
             Err(AcousticsError::Bem(BemError::Uncovered { .. })) if !self.on_table => {
                 Ok(vec![self.of_skin(&bodies[0], air, None)?])
             }
-            Err(cause @ AcousticsError::Bem(BemError::Uncovered { .. })) => Err(Error::NotBoxes { cause }),
+            Err(cause @ AcousticsError::Bem(BemError::Uncovered { .. })) => Err(BodyError::NotBoxes { cause }.into()),
             other => Ok(other?),
         }
     }
@@ -385,7 +385,7 @@ mod tests {
     }
 
     fn levels(design: &Design, block: &Body, air: &Air) -> Result<Vec<MeshRange>, Error> {
-        boundary_elements(design).levels(&[block.moving_surface()], air)
+        boundary_elements(design).mesh_hierarchy(&[block.moving_surface()], air)
     }
 
     /// Both evaluations of the resistance of a body that shakes along an axis \[kg/s\].
@@ -578,7 +578,10 @@ mod tests {
         };
         check(1.0).unwrap();
         let error = check(0.001).unwrap_err();
-        assert!(matches!(error, Error::MicrophoneNearSurface { .. }), "{error}");
+        assert!(
+            matches!(error, Error::Body(BodyError::MicrophoneNearSurface { .. })),
+            "{error}"
+        );
         assert_eq!(error.exit_status(), 2);
     }
 
@@ -649,7 +652,7 @@ mod tests {
         }
         let table = small("support.kind = \"worktable\"\nworkpiece.length = \"410 mm\"");
         let error = levels(&table, &block, &air).unwrap_err();
-        assert!(matches!(error, Error::NotBoxes { .. }), "{error}");
+        assert!(matches!(error, Error::Body(BodyError::NotBoxes { .. })), "{error}");
         assert_eq!(error.exit_status(), 2);
     }
 }

@@ -449,6 +449,7 @@ mod tests {
             footprint: [[-0.2, 0.2], [-0.08, 0.08]],
             sand: [[-0.3, 0.3], [-0.25, 0.35]],
             shear_speed: 112.0,
+            poisson_ratio: 0.3,
             loss_factor: 0.1,
             to_hz: 1000.0,
         };

@@ -1,8 +1,8 @@
 //! Core loudness: the loudness of each critical band, excluding the slopes of its neighbours.
 
-use super::SoundField;
 use super::error::LoudnessError;
 use super::filter_bank::BANDS;
+use super::sound_field::SoundField;
 use crate::checks::finite;
 
 /// Number of critical bands with a core loudness; the last one only lets slopes decay.

@@ -13,23 +13,16 @@ mod core;
 pub(crate) mod error;
 mod filter_bank;
 mod pattern;
+mod sound_field;
 mod temporal;
 
 pub use error::LoudnessError;
 pub use filter_bank::{BANDS, SAMPLE_RATE, steady_levels};
+pub use sound_field::SoundField;
 
 use self::core::core_loudness;
 use filter_bank::{LEVEL_RATE, levels_over_time};
 use pattern::total_loudness;
-
-/// Sound field to which the levels refer, without the listener.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum SoundField {
-    /// A plane wave from the front.
-    Free,
-    /// Sound from all directions.
-    Diffuse,
-}
 
 /// Loudness of a sound over time.
 #[derive(Debug, Clone, PartialEq)]

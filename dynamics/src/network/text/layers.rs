@@ -156,6 +156,13 @@ impl AssemblyText {
         node.text()
     }
 
+    /// Names of the surfaces of a body on which the assembly gives the force.
+    pub fn surfaces(&self, body: &str) -> Vec<&str> {
+        let loads = self.cycle.get("load").and_then(|loads| loads.get(body));
+        let entries = loads.map_or(&[][..], Node::entries);
+        entries.iter().map(|entry| entry.key.as_str()).collect()
+    }
+
     /// All fields and values of keys, one per line in alphabetical order; equal for assemblies that differ only in the
     /// division into files and the order of fields.
     pub fn canonical(&self) -> String {

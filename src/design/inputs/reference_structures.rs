@@ -1,12 +1,12 @@
-//! Standard bodies: they have the shape of a design's bodies but the materials, nail, tool walls, lumped masses and
-//! load places of the N80CB.
+//! Reference bodies: the shape of a design's bodies with the materials, the nail and its place, the tool's walls,
+//! lumped masses and places of loads of the N80CB.
 //!
-//! The boundary-element equations are solved for the modes of these bodies, and the solution is stored. Assumption: on
-//! the outer surface, the modes of any body of this shape are combinations of them. The error is stated for every
-//! design. If it is too large, a second structure with other materials (for the tool also other walls) is added
-//! ([`varied`]). If the walls of the two differ, both are used from the start ([`Standards::walls_differ`]). If both
-//! together are still not accurate enough, the radiation is solved for the design's own modes. For a design with the
-//! materials of the N80CB, the standard bodies are its own bodies, and nothing is assumed.
+//! The radiation of boundary elements is solved for the modes of these bodies, and stored. Assumption: on the outer
+//! surface the modes of any body of this shape combine from them. How well is stated for every design. If it is not
+//! good enough, a second structure of other materials, for the tool also of other walls, is added to them ([`varied`]);
+//! if the walls of the two differ, from the start ([`ReferenceStructures::walls_differ`]). If both together are not
+//! good enough either, the radiation is solved for the design's modes. For a design with the N80CB's own materials the
+//! standard bodies are its bodies, and nothing is assumed.
 
 use std::sync::OnceLock;
 
@@ -184,8 +184,8 @@ fn with_inside_of(dimensions: &ToolDimensions, from: &ToolDimensions) -> ToolDim
     }
 }
 
-/// Designs with standard bodies in the shape of another design's bodies.
-pub(crate) struct Standards {
+/// Designs with reference bodies in the shape of a design's.
+pub(crate) struct ReferenceStructures {
     /// Has the materials and the nail of the N80CB.
     pub(crate) first: Design,
     /// Has other materials, and other walls if the tool has the outer dimensions of the N80CB. It is for motion that
@@ -193,7 +193,7 @@ pub(crate) struct Standards {
     pub(crate) second: Option<Design>,
 }
 
-impl Standards {
+impl ReferenceStructures {
     /// Whether the tool of the second design has different walls and so a separate mesh, which is the case for the
     /// outer surface of the N80CB. Designers change walls, and one structure does not represent the motion of others;
     /// so both are solved together from the start.
@@ -205,12 +205,12 @@ impl Standards {
     }
 }
 
-/// Standard bodies of these kinds; `None` if the mesh of a body depends on its material, so that another material gives
-/// another surface.
+/// Reference bodies of these kinds; none if a body is meshed for its material, so that another material has another
+/// surface.
 ///
 /// # Errors
 /// The errors of the bodies' materials and mesh files.
-pub(crate) fn standards(design: &Design, kinds: &[BodyKind]) -> Result<Option<Standards>, Error> {
+pub(crate) fn references(design: &Design, kinds: &[BodyKind]) -> Result<Option<ReferenceStructures>, Error> {
     let Some(shipped) = shipped_design() else {
         return Ok(None);
     };
@@ -224,7 +224,7 @@ pub(crate) fn standards(design: &Design, kinds: &[BodyKind]) -> Result<Option<St
     {
         second = None;
     }
-    Ok(Some(Standards { first, second }))
+    Ok(Some(ReferenceStructures { first, second }))
 }
 
 /// Whether gmsh meshes one of these bodies.
@@ -264,14 +264,14 @@ mod tests {
     #[test]
     fn the_standard_bodies_of_the_n80cb_are_its_own() {
         let own = shipped_design().unwrap();
-        let standards = standards(own, &BodyKind::ALL).unwrap().unwrap();
-        assert_eq!(own.digest(), standards.first.digest());
+        let references = references(own, &BodyKind::ALL).unwrap().unwrap();
+        assert_eq!(own.digest(), references.first.digest());
     }
 
     #[test]
     fn the_second_standard_tool_differs_in_every_wall_and_material_within_the_same_outside() {
         let own = shipped_design().unwrap();
-        let second = standards(own, &[BodyKind::Tool]).unwrap().unwrap().second.unwrap();
+        let second = references(own, &[BodyKind::Tool]).unwrap().unwrap().second.unwrap();
         assert!(second.conflict().is_none());
         let of = |design: &Design, name: &str| {
             let entries = design.entries().into_iter();
@@ -308,7 +308,7 @@ mod tests {
             assert_ne!(of_group(own), of_group(varied), "{group}");
         }
         let kinds = [BodyKind::Workpiece, BodyKind::Worktable];
-        let second = standards(own, &kinds).unwrap().unwrap().second.unwrap();
+        let second = references(own, &kinds).unwrap().unwrap().second.unwrap();
         for kind in kinds {
             let [own, second] = [own, &second].map(|design| geometry(design, kind, false).unwrap().mesh);
             assert_eq!(own, second, "the same mesh");

@@ -1,5 +1,4 @@
-//! Radiation by shape: the radiation matrix computed by boundary elements for standard bodies is transferred to the
-//! design's modes.
+//! Projection on reference structures: their radiation matrix, solved by boundary elements, serves other bodies.
 
 use nailnoise_acoustics::radiation::boundary_elements::{ModalBem, ModalPressures};
 use nailnoise_meshes::gmsh;
@@ -10,13 +9,14 @@ use crate::error::Error;
 use crate::graph::Graph;
 use crate::stages::bodies::{Body, BodyKind};
 use crate::stages::radiation::{
-    MatrixWithMicrophones, Places, PressureAtMicrophones, PressureOnSurface, RadiatingShape, RadiationMatrix, ShapeFit,
-    ShapeMatrix, ShapePressures, Solution, Standard, SurfaceModes, ToolCapSolution, ToolSolution, WorkpieceSolution,
+    MatrixWithMicrophones, Places, PressureAtMicrophones, PressureOnSurface, ProjectedMatrix, ProjectedPressures,
+    RadiatingShape, RadiationMatrix, ReferenceProjection, ReferenceResult, Solution, SurfaceModes, ToolCapSolution,
+    ToolSolution, WorkpieceSolution,
 };
 use crate::stages::{Digest, OnDemand, Stored};
 
-/// Whether other designs have bodies of the same shape. If none do, boundary elements are solved for the design's own
-/// modes, and standard bodies are not needed.
+/// Whether other designs have the shape of a design's bodies. If none does, boundary elements are solved for its modes,
+/// and reference bodies need no modes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct SharedShapes {
     /// Shape of the workpiece with its table.
@@ -45,7 +45,7 @@ impl SharedShapes {
             let keys = |design: &Design| {
                 let kinds = solved_bodies(design).into_iter();
                 let kinds: Vec<BodyKind> = kinds.filter(|kind| (*kind == BodyKind::Tool) == is_tool).collect();
-                let bodies = standard_bodies(graph, design, &kinds)?;
+                let bodies = reference_bodies(graph, design, &kinds)?;
                 Ok::<_, Error>(bodies.map(|bodies| bodies.iter().map(|body| *body.key()).collect::<Vec<Digest>>()))
             };
             Ok(keys(design)? == keys(other)?)
@@ -57,11 +57,11 @@ impl SharedShapes {
     }
 }
 
-/// The first standard bodies with the shape of a design's bodies; none if there is no standard.
-fn standard_bodies(graph: &Graph, design: &Design, kinds: &[BodyKind]) -> Result<Option<Vec<Stored<Body>>>, Error> {
-    let standards = inputs::shape::standards(design, kinds)?;
-    standards
-        .map(|standards| bodies(graph, &standards.first, kinds))
+/// The first reference bodies in the shape of a design's; none if these have no standard.
+fn reference_bodies(graph: &Graph, design: &Design, kinds: &[BodyKind]) -> Result<Option<Vec<Stored<Body>>>, Error> {
+    let references = inputs::reference_structures::references(design, kinds)?;
+    references
+        .map(|references| bodies(graph, &references.first, kinds))
         .transpose()
 }
 
@@ -75,29 +75,32 @@ fn bodies(graph: &Graph, design: &Design, kinds: &[BodyKind]) -> Result<Vec<Stor
 
 /// Standard structures whose modes may represent the motion of a design's bodies, with their names, in the order in
 /// which they are tried.
-pub(super) type Standards = Vec<(SurfaceModes, &'static str)>;
+pub(super) type ReferenceStructures = Vec<(SurfaceModes, &'static str)>;
 
-/// Standard structures with the shape of a design's tool, or of its workpiece and table; none if there is no standard.
+/// ReferenceResult structures in the shape of a design's tool, or of its workpiece and table; none if these have no
+/// standard.
 ///
 /// # Errors
 /// Errors in the bodies' materials and mesh files.
-pub(super) fn standards(graph: &Graph, design: &Design, kinds: &[BodyKind]) -> Result<Standards, Error> {
-    let Some(standards) = inputs::shape::standards(design, kinds)? else {
+pub(super) fn references(graph: &Graph, design: &Design, kinds: &[BodyKind]) -> Result<ReferenceStructures, Error> {
+    let Some(references) = inputs::reference_structures::references(design, kinds)? else {
         return Ok(Vec::new());
     };
     let structure = |design: &Design| bodies(graph, design, kinds);
-    let first = structure(&standards.first)?;
-    let alone = (SurfaceModes(vec![first.clone()]), "standard bodies of the same shape");
+    let first = structure(&references.first)?;
+    let alone = (SurfaceModes(vec![first.clone()]), "reference bodies of the same shape");
     // Without gmsh, the second structure is omitted if the design's own meshes do not need gmsh.
-    let second = match &standards.second {
-        Some(second) if gmsh::is_found() || !inputs::shape::needs_gmsh(second, kinds)? => structure(second)?,
+    let second = match &references.second {
+        Some(second) if gmsh::is_found() || !inputs::reference_structures::needs_gmsh(second, kinds)? => {
+            structure(second)?
+        }
         _ => return Ok(vec![alone]),
     };
     let both = (
         SurfaceModes(vec![first, second]),
-        "two standard structures of the same shape",
+        "two reference structures of the same shape",
     );
-    Ok(match kinds == [BodyKind::Tool] && standards.walls_differ() {
+    Ok(match kinds == [BodyKind::Tool] && references.walls_differ() {
         true => vec![both],
         false => vec![alone, both],
     })
@@ -121,34 +124,34 @@ impl Radiation {
     }
 }
 
-/// The radiation of bodies, derived from that of standard bodies of the same shape.
-pub(super) fn by_shape(
+/// The radiation of bodies from that of reference bodies of their shape.
+pub(super) fn from_references(
     graph: &Graph,
     shape: &RadiatingShape,
     places: &Places,
-    standards: &Standards,
+    references: &ReferenceStructures,
     bodies: &[Stored<Body>],
 ) -> Radiation {
     let own = solved(graph, shape, places, SurfaceModes(vec![bodies.to_vec()]));
     let (mut powers, mut pressures) = (Vec::new(), Vec::new());
-    for (standard, name) in standards {
+    for (standard, name) in references {
         let limit = shape.limit(standard.0.len());
         let of_standard = solved(graph, shape, places, standard.clone());
         if of_standard.matrix.key() == own.matrix.key() && powers.is_empty() {
             return own;
         }
-        let fit = graph.add(ShapeFit {
+        let fit = graph.add(ReferenceProjection {
             shape: shape.clone(),
             standard: standard.clone(),
             bodies: bodies.to_vec(),
         });
-        powers.push(Standard {
+        powers.push(ReferenceResult {
             fit: fit.clone(),
             known: of_standard.matrix,
             name,
             limit,
         });
-        pressures.push(Standard {
+        pressures.push(ReferenceResult {
             fit,
             known: of_standard.pressures,
             name,
@@ -159,12 +162,12 @@ pub(super) fn by_shape(
         return own;
     }
     Radiation {
-        matrix: graph.add(ShapeMatrix {
-            standards: OnDemand(powers),
+        matrix: graph.add(ProjectedMatrix {
+            references: OnDemand(powers),
             own: OnDemand(own.matrix),
         }),
-        pressures: graph.add(ShapePressures {
-            standards: OnDemand(pressures),
+        pressures: graph.add(ProjectedPressures {
+            references: OnDemand(pressures),
             own: OnDemand(own.pressures),
         }),
     }
@@ -226,7 +229,7 @@ mod tests {
             panic!("boundary elements")
         };
         let kinds = [BodyKind::Workpiece, BodyKind::Worktable];
-        let standard = standard_bodies(&graph, design, &kinds).unwrap().unwrap();
+        let standard = reference_bodies(&graph, design, &kinds).unwrap().unwrap();
         let own = kinds.map(|kind| BodyStages::add(&graph, design, kind, true).unwrap().body);
         [standard, own.to_vec()].map(|bodies| {
             let shape = RadiatingShape::Workpiece(elements.clone());
@@ -297,9 +300,9 @@ mod tests {
         assert_eq!(shared(|design| design.body.cap_radius *= 1.1), [true, false]);
     }
 
-    /// For each of the standards, whether it represents the motion of a design's workpiece and table. Also returns the
-    /// largest difference in power \[dB\] between the radiation by shape and boundary elements with the design's modes,
-    /// for a force of 1 N at the nail's head and 1 N at the centre of the table.
+    /// Whether each of the references represents the motion of a design's workpiece and table. Also the largest
+    /// difference in power \[dB\] between the radiation from reference structures and boundary elements with the
+    /// design's modes, under a force of 1 N at the nail's head and 1 N on the middle of the table.
     fn carried_over(design: &Design) -> (Vec<bool>, f64) {
         let graph = Graph::default();
         let air = inputs::air(design).unwrap();
@@ -312,11 +315,11 @@ mod tests {
             shared: SharedShapes::default(),
         };
         let radiation = workpiece_radiation(context, &bodies).unwrap();
-        let FieldMethod::BoundaryElements(elements, by_shape) = radiation.field else {
+        let FieldMethod::BoundaryElements(elements, from_references) = radiation.field else {
             panic!("boundary elements")
         };
         let holds = |(standard, name): (SurfaceModes, &str)| {
-            let fitted = ShapeFit {
+            let fitted = ReferenceProjection {
                 shape: RadiatingShape::Workpiece(elements.clone()),
                 standard,
                 bodies: bodies.to_vec(),
@@ -325,7 +328,7 @@ mod tests {
             println!("{name} lack at most {:.1e}", fitted.worst());
             fitted.holds()
         };
-        let held = standards(&graph, design, &kinds)
+        let held = references(&graph, design, &kinds)
             .unwrap()
             .into_iter()
             .map(holds)
@@ -333,7 +336,7 @@ mod tests {
         let modes = SurfaceModes(vec![bodies.to_vec()]);
         let shape = RadiatingShape::Workpiece(elements);
         let own = solved(&graph, &shape, &inputs::radiation::workpiece_places(design), modes).matrix;
-        let (by_shape, own) = (by_shape.get().unwrap(), own.get().unwrap());
+        let (from_references, own) = (from_references.get().unwrap(), own.get().unwrap());
         let mut largest: f64 = 0.0;
         for hz in [60.0f64, 130.0, 240.0, 390.0] {
             let mut power = [0.0; 2];
@@ -349,7 +352,7 @@ mod tests {
                         amplitudes.push(if number == first_body { response } else { 0.0 });
                     }
                 }
-                for (power, matrix) in power.iter_mut().zip([&by_shape, &own]) {
+                for (power, matrix) in power.iter_mut().zip([&from_references, &own]) {
                     let resistance = ModalRadiation::resistance(&**matrix, hz).real;
                     let v = DVector::from_column_slice(&amplitudes);
                     *power += v.dot(&(resistance * &v));
@@ -400,8 +403,8 @@ mod tests {
     fn two_structures_of_the_tool_are_solved_together_where_walls_can_differ() {
         let base = Design::load(concat!(env!("CARGO_MANIFEST_DIR"), "/designs/n80cb.toml")).unwrap();
         let walls_differ = |design: &Design| {
-            let standards = inputs::shape::standards(design, &[BodyKind::Tool]).unwrap();
-            standards.unwrap().walls_differ()
+            let references = inputs::reference_structures::references(design, &[BodyKind::Tool]).unwrap();
+            references.unwrap().walls_differ()
         };
         assert!(walls_differ(&base));
         let mut other = base.clone();
@@ -427,7 +430,7 @@ mod tests {
     /// Keys of the boundary-element solutions of the tool, and of the matrices of its modes.
     fn solved_keys_of_tool(design: &Design) -> [[Digest; 2]; 2] {
         let graph = Graph::default();
-        let standard = standard_bodies(&graph, design, &[BodyKind::Tool]).unwrap().unwrap();
+        let standard = reference_bodies(&graph, design, &[BodyKind::Tool]).unwrap().unwrap();
         let own = BodyStages::add(&graph, design, BodyKind::Tool, true).unwrap().body;
         [standard, vec![own]]
             .map(|bodies| SurfaceModes(vec![bodies]))
@@ -570,7 +573,7 @@ mod tests {
         (design.body.lumped, design.body.lumped_nose, design.body.lumped_magazine) = (true, 0.6, 0.0);
         design.tool.mass = 2500.0 * 0.1 * 0.012 * 0.3 + 0.3;
         let graph = Graph::default();
-        let standards = standards(&graph, &design, &[BodyKind::Tool]).unwrap();
+        let references = references(&graph, &design, &[BodyKind::Tool]).unwrap();
         let bodies = vec![BodyStages::add(&graph, &design, BodyKind::Tool, true).unwrap().body];
         let body = bodies[0].get().unwrap();
         assert!(
@@ -586,9 +589,9 @@ mod tests {
             .collect();
         assert!(loads.len() > 10);
         for shape in tool_shapes(&design) {
-            let fitted = graph.get(ShapeFit {
+            let fitted = graph.get(ReferenceProjection {
                 shape: shape.clone(),
-                standard: standards[0].0.clone(),
+                standard: references[0].0.clone(),
                 bodies: bodies.clone(),
             });
             let fitted = fitted.unwrap();
@@ -596,8 +599,8 @@ mod tests {
             assert!(fitted.worst() < 2e-4, "{:?}", fitted.lacking);
             let at = (&shape, &inputs::radiation::tool_places(&design));
             let own = solved(&graph, at.0, at.1, SurfaceModes(vec![bodies.clone()]));
-            let by_shape = by_shape(&graph, at.0, at.1, &standards, &bodies);
-            let both = [by_shape, own].map(|radiation| radiation.at_microphones(&graph).get().unwrap());
+            let from_references = from_references(&graph, at.0, at.1, &references, &bodies);
+            let both = [from_references, own].map(|radiation| radiation.at_microphones(&graph).get().unwrap());
             for &load in &loads {
                 let spectra = match shape {
                     RadiatingShape::Cap(..) => {
@@ -641,12 +644,12 @@ mod tests {
         (design.body.lumped, design.body.lumped_nose, design.body.lumped_magazine) = (true, 0.9, 0.0);
         design.tool.mass = 1810.0 * 0.1 * 0.012 * 0.3 + 1.0;
         let graph = Graph::default();
-        let standards = standards(&graph, &design, &[BodyKind::Tool]).unwrap();
+        let references = references(&graph, &design, &[BodyKind::Tool]).unwrap();
         let bodies = vec![BodyStages::add(&graph, &design, BodyKind::Tool, true).unwrap().body];
         let [shape, _] = tool_shapes(&design);
-        assert_eq!(standards.len(), 2);
-        for (standard, _) in &standards {
-            let fitted = graph.get(ShapeFit {
+        assert_eq!(references.len(), 2);
+        for (standard, _) in &references {
+            let fitted = graph.get(ReferenceProjection {
                 shape: shape.clone(),
                 standard: standard.clone(),
                 bodies: bodies.clone(),
@@ -664,9 +667,12 @@ mod tests {
             .matrix
             .get()
             .unwrap();
-        let by_shape = by_shape(&graph, at.0, at.1, &standards, &bodies).matrix.get().unwrap();
+        let from_references = from_references(&graph, at.0, at.1, &references, &bodies)
+            .matrix
+            .get()
+            .unwrap();
         for hz in [100.0, 800.0, 1400.0] {
-            assert_eq!(by_shape.resistance(hz).real, own.resistance(hz).real);
+            assert_eq!(from_references.resistance(hz).real, own.resistance(hz).real);
         }
     }
 }

@@ -1,0 +1,21 @@
+//! The quietest designs under constraints.
+//!
+//! The crate `nailnoise-optimisation` proposes points of a space; here are the keys of a design as its dimensions, the
+//! constraints on its shot and its levels, and the trials. A shot that breaks a constraint costs a cycle and no sound:
+//! levels are computed only of designs whose shot meets the constraints.
+
+mod constraint;
+mod error;
+mod search;
+mod trial;
+mod variable;
+mod written;
+
+pub(crate) use constraint::is_level;
+pub use constraint::{Constraint, Objective};
+pub use error::OptimisationError;
+pub(crate) use search::COSTS;
+pub use search::{Optimisation, Request, optimise};
+pub use trial::{Shot, Trial};
+pub use variable::{Domain, Variable, Varied};
+pub use written::design_over;
