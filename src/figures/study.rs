@@ -314,7 +314,8 @@ pub fn scatter(result: &StudyResult, made: &Draws) -> Vec<Chart> {
 }
 
 /// Levels over the values of the first axis of a sweep, with a line for each source. With more axes, there is one line
-/// for each combination of their values, only for the total. Numbers in one unit have a linear axis; over common draws it has bands.
+/// for each combination of their values, only for the total. Numbers in one unit have a linear axis; over common draws
+/// it has bands.
 pub fn sweep(design: &str, axes: &[SweepAxis], points: &[SweptPoint]) -> Chart {
     let scale = Scale::of(axes.first());
     let line = |name: &str, colour: usize, of: &dyn Fn(&SweptPoint) -> Option<f64>, others: Option<&[String]>| {
