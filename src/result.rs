@@ -56,8 +56,8 @@ pub struct RunResult {
     /// What the shot did: `drives`, `strikes_bumper`, `underdriven`, `overdriven`, `does_not_open`, `does_not_release`
     /// or `does_not_exhaust`; for an assembly the name of its outcome, or `unnamed` if none applies.
     pub outcome: String,
-    /// Where the nail is not driven or the exhaust does not open: how the shot ended, its figure, and the inputs that
-    /// would change that most. Absent for a shot that drives.
+    /// If the nail is not driven or the exhaust does not open: the outcome, the figure by which the shot misses, and
+    /// the inputs that would change it most. Absent for a shot that drives.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub headline: Option<Headline>,
     /// Figures of the shot.

@@ -80,7 +80,7 @@ pub(super) type ReferenceStructures = Vec<(SurfaceModes, &'static str)>;
 /// standard.
 ///
 /// # Errors
-/// Those of the bodies' materials and mesh files.
+/// Errors in the bodies' materials and mesh files.
 pub(super) fn references(graph: &Graph, design: &Design, kinds: &[BodyKind]) -> Result<ReferenceStructures, Error> {
     let Some(references) = inputs::reference_structures::references(design, kinds)? else {
         return Ok(Vec::new());
@@ -88,7 +88,7 @@ pub(super) fn references(graph: &Graph, design: &Design, kinds: &[BodyKind]) -> 
     let structure = |design: &Design| bodies(graph, design, kinds);
     let first = structure(&references.first)?;
     let alone = (SurfaceModes(vec![first.clone()]), "reference bodies of the same shape");
-    // Without gmsh, a design whose own meshes need none does without the second structure.
+    // Without gmsh, the second structure is omitted if the design's own meshes do not need gmsh.
     let second = match &references.second {
         Some(second) if gmsh::is_found() || !inputs::reference_structures::needs_gmsh(second, kinds)? => {
             structure(second)?

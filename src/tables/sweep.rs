@@ -67,7 +67,7 @@ pub(crate) fn points(axes: &[Axis], points: &[SweptPoint]) -> Table {
     )
 }
 
-/// Levels over the draws that all points have in common; none without draws.
+/// Levels over the common draws of all points; `None` without draws.
 pub(crate) fn over_draws(axes: &[Axis], points: &[SweptPoint]) -> Option<Table> {
     let first = points.iter().find_map(|point| point.drawn.as_ref())?;
     let span = |own: &Quantiles| Cell::from(format!("{} .. {}", decibels(own.p05.value), decibels(own.p95.value)));

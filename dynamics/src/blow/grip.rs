@@ -9,8 +9,8 @@
 /// slipping:  f = +-limit,     w' = (f - k w)/Z
 /// ```
 ///
-/// v is the nail's speed in the wood, w the displacement of the wood's surface at the nail. Waves leave through Z; while
-/// the nail slips, it feels the yield force alone.
+/// v is the nail's speed in the wood, w the displacement of the wood's surface at the nail. Waves leave through Z;
+/// while the nail slips, it feels the yield force alone.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub(super) struct Grip {
     w: f64,

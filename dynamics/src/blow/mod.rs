@@ -2,8 +2,8 @@
 //!
 //! The cycle knows one moving mass. Beside it, rod and nail are elastic bars from the impact until shortly after the
 //! nail stops: the piston is a mass at the rod's upper end, on which the cycle's forces of gas, friction and bumper
-//! act; rod and nail touch without pulling; the wood grips the nail's elements, its tip and its head. The limits of
-//! the grips add up to the resistance of the cycle's law at the nail's local speed.
+//! act; rod and nail touch without pulling; the wood grips the nail's elements, its tip and its head. The limits of the
+//! grips add up to the resistance of the cycle's law at the nail's local speed.
 //!
 //! ```text
 //! along the shank:  limit f_shank dx,   Z = 2 pi r rho c_s dx                 (M. Novak, Can. Geotech. J. 11, 574, 1974)
@@ -85,8 +85,8 @@ impl Bars {
 /// Forces of an elastic blow, at the samples of the cycle.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Blow {
-    /// Force of the nail on the wood \[N\], the mean over the interval around each sample; that of the cycle outside the
-    /// time of the blow.
+    /// Force of the nail on the wood \[N\], the mean over the interval around each sample; that of the cycle outside
+    /// the time of the blow.
     pub on_wood: Vec<f64>,
     /// Force between rod and nail \[N\].
     pub rod_on_nail: Vec<f64>,

@@ -209,7 +209,7 @@ impl ReferenceStructures {
 /// surface.
 ///
 /// # Errors
-/// Those of the bodies' materials and mesh files.
+/// The errors of the bodies' materials and mesh files.
 pub(crate) fn references(design: &Design, kinds: &[BodyKind]) -> Result<Option<ReferenceStructures>, Error> {
     let Some(shipped) = shipped_design() else {
         return Ok(None);

@@ -191,7 +191,7 @@ fn lacking(fit: &SurfaceFit, bodies: &[&Body], top_hz: f64) -> Vec<[f64; 2]> {
 #[derive(Serialize)]
 #[serde(bound = "T: Send + Sync + 'static")]
 pub struct ReferenceResult<T> {
-    /// How well their modes represent those of the design's bodies.
+    /// Quality with which their modes represent those of the design's bodies.
     pub fit: Stored<Projection>,
     /// The known results of their modes; read only if the fit is good enough.
     pub known: Stored<T>,

@@ -1,16 +1,16 @@
-//! The nail's forces on the wood, spread over stations along its axis.
+//! The forces of the nail on the wood, distributed over stations along its axis.
 //!
-//! The cycle gives one force F_pen. In the wood there are three: friction along the embedded shank, a force of the tip
-//! that wedges the fibres apart, and, once the head meets the surface, a force under the head. With z the deepest tip
-//! depth, l_n the nail's length, F_r the penetration law and k_w the stiffness under the head, the envelope is
+//! The cycle gives one force F_pen. In the wood, there are three: friction along the embedded shank, a force at the tip
+//! that wedges the fibres apart and, once the head meets the surface, a force below the head. With the deepest tip
+//! depth z, the nail's length l_n, the penetration law F_r and the stiffness k_w below the head, the envelope is
 //!
 //! ```text
 //! E(z) = F_r(z) + k_w max(0, z - l_n),     shank S(z) = phi F_r(l_n) z/l_n  (at most F_r(z)),     tip = F_r(z) - S(z)
 //! ```
 //!
-//! S is linear in depth and reaches the share phi of F_r at full depth: the published second drive into the same hole
-//! (Nili Ahmadabadi 2016, sec. 2.4.3: 81 % for a smooth 6d nail in poplar plywood). While the nail is unloaded
-//! (F_pen < E) all parts shrink in proportion.
+//! S is linear in depth and reaches the fraction phi of F_r at full depth, from the published second drive into the
+//! same hole (Nili Ahmadabadi 2016, sec. 2.4.3: 81 % for a smooth 6d nail in poplar plywood). While the nail is
+//! unloaded (F_pen < E) all parts shrink in proportion.
 //!
 //! Where the resistance depends on speed, the parts are those at the nail's speed. An elastic blow replaces the
 //! frequencies of F_pen above 2 kHz.
@@ -191,7 +191,7 @@ impl Resistance {
         shares
     }
 
-    /// Adds a force with the tip at a depth to the stations. The forces of shank, tip and head have the ratios of
+    /// Adds a force at a tip depth to the stations. The forces of shank, tip and head have the ratios of
     /// `parts`.
     fn spread(&self, parts: [f64; 3], (force, depth): (f64, f64), stations: &mut [f64]) {
         let [shank, tip, head] = parts;
@@ -208,7 +208,7 @@ impl Resistance {
     }
 }
 
-/// A uniform load from station 0 to `position` (in stations) of total 1, lumped by linear interpolation.
+/// A uniform load with total 1 from station 0 to `position` (in stations), lumped by linear interpolation.
 fn uniform(position: f64) -> impl Iterator<Item = (usize, f64)> {
     let share = move |k: usize| {
         // Integral of the hat function of station k from its foot to x, both in stations.
