@@ -22,7 +22,7 @@ fn rows(of: &RunView<'_>) -> Result<Vec<u8>, Error> {
             level(spread.and_then(|own| own.silencing_db).map(|ends| ends[0])),
             level(spread.and_then(|own| own.silencing_db).map(|ends| ends[1])),
             result.declaration.k_db.map_or_else(String::new, |k| k.to_string()),
-            result.outcome.name().to_owned(),
+            result.outcome.clone(),
         ]
     };
     let sources = result.ranking.iter().map(|source| {
