@@ -107,6 +107,36 @@ pub(crate) fn readable(unit: &str) -> (&str, f64) {
     }
 }
 
+/// The unit in which people read a quantity of this SI unit and size, and the factor to it.
+pub(crate) fn readable_at(unit: &str, size: f64) -> (&str, f64) {
+    let from = |limit: f64| size.abs() >= limit;
+    match unit {
+        "Pa" if from(1e9) => ("GPa", 1e-9),
+        "Pa" if from(1e6) => ("MPa", 1e-6),
+        "Pa" if from(1e3) => ("kPa", 1e-3),
+        "N" if from(1e3) => ("kN", 1e-3),
+        "N/m" if from(1e6) => ("kN/mm", 1e-6),
+        "N/m" if from(1e3) => ("N/mm", 1e-3),
+        "kg" if from(1.0) => ("kg", 1.0),
+        "m" if from(1.0) => ("m", 1.0),
+        "m" if size != 0.0 && !from(1e-4) => ("um", 1e6),
+        "s" if from(1.0) => ("s", 1.0),
+        "m2" if from(1e-2) => ("m2", 1.0),
+        "m2" => ("mm2", 1e6),
+        "m3" => ("cm3", 1e6),
+        "rad" => ("deg", 180.0 / std::f64::consts::PI),
+        "N" => ("N", 1.0),
+        unit => readable(unit),
+    }
+}
+
+/// Values of one quantity in the unit of the largest, with four digits at most, and that unit.
+pub(crate) fn in_one_unit<const N: usize>(unit: &str, values: [f64; N]) -> ([String; N], &str) {
+    let largest = values.iter().fold(0.0, |largest: f64, value| largest.max(value.abs()));
+    let (unit, factor) = readable_at(unit, largest);
+    (values.map(|value| rounded(factor * value, 4, 1e5)), unit)
+}
+
 /// The band around a predicted level: `-4.0 .. +4.0`. Bounds other than zero are rounded to at least a tenth; `open`
 /// means no bound.
 pub(crate) fn band([minus, plus]: [Option<f64>; 2]) -> String {

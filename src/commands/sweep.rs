@@ -22,7 +22,7 @@ use crate::store::Store;
 use crate::study::{Axis, Quantiles, Request, SweptPoint, at_point, sweep};
 use crate::tables::sweep::{self as tables, sources};
 
-/// The last file to be written, so that a folder with it has all the rest.
+/// The file written last, whose presence shows that the folder is complete.
 const LAST: &str = "sweep.csv";
 
 #[derive(Args)]
@@ -77,7 +77,7 @@ struct Layout<'a> {
 
 pub(super) fn execute(arguments: &Arguments) -> Result<Status, Error> {
     let common = &arguments.common;
-    let design = common.begin()?;
+    let design = common.begin_with_any_tool()?;
     let folder = common.out(&design)?.join("sweep");
     let progress = progress();
     progress.stage("levels over the grid");
@@ -153,7 +153,7 @@ pub(super) fn execute(arguments: &Arguments) -> Result<Status, Error> {
     Ok(status_of(&checks))
 }
 
-/// Names a folder for each point with levels after its values.
+/// Names a folder after its values for each point that has levels.
 fn name_folders(points: &mut [SweptPoint], axes: &[Axis]) {
     let safe = |c: char| {
         if c.is_alphanumeric() || "=.,+-_".contains(c) {
@@ -185,8 +185,28 @@ fn text(name: &str, axes: &[Axis], points: &[SweptPoint]) -> String {
     });
     format!(
         "{name}: A-weighted single-event sound power levels, dB re 1 pW s, of the design itself; `nailnoise study` \
-         says how sure they are\n\n{levels}{drawn}"
+         says how sure they are; head below the surface, energy left as the nail is flush, air of a shot\n\n{levels}{drawn}"
     )
+}
+
+/// Columns of [`performance`].
+const PERFORMANCE: [&str; 4] = [
+    "head below the surface [m]",
+    "energy left at flush [J]",
+    "air a shot [m3]",
+    "shots a second at most [Hz]",
+];
+
+/// What the shot of a point has left and consumes; empty where there is no value.
+fn performance(point: &SweptPoint) -> [String; 4] {
+    let own = point.performance;
+    let all = [
+        own.map(|own| own.head_depth_m),
+        own.and_then(|own| own.energy_left_j),
+        own.map(|own| own.air_m3),
+        own.and_then(|own| own.shots_per_second),
+    ];
+    all.map(|value| value.map_or_else(String::new, |value| format!("{value:.6e}")))
 }
 
 /// `sweep.csv`: a row for every point.
@@ -197,6 +217,7 @@ fn csv(axes: &[Axis], points: &[SweptPoint]) -> Result<Vec<u8>, Error> {
     let header = header.chain(["L_WA,1s total [dB]", "outcome", "refused"].map(str::to_owned));
     let with_films = points.iter().any(|point| point.folder.is_some());
     let header = header.chain(with_films.then(|| "folder".to_owned()));
+    let header = header.chain(PERFORMANCE.map(str::to_owned));
     let drawn = points.iter().find_map(|point| point.drawn.as_ref());
     let quantiles = |own: &Quantiles| [own.p05, own.p50, own.p95].map(|own| own.value);
     let header = header.chain(drawn.into_iter().flatten().flat_map(|change| {
@@ -213,6 +234,7 @@ fn csv(axes: &[Axis], points: &[SweptPoint]) -> Result<Vec<u8>, Error> {
         cells
             .chain([decibels(point.total_db), outcome, point.refused.clone()])
             .chain(with_films.then(|| point.folder.clone().unwrap_or_default()))
+            .chain(performance(point))
             .chain(match &point.drawn {
                 None => vec![String::new(); widths],
                 Some(drawn) => drawn

@@ -1,18 +1,18 @@
-//! Charts of a study: intervals of levels, probabilities of orders, deciding inputs, convergence.
+//! Charts of a study: intervals of levels, probabilities of orders, most influential inputs, convergence.
 
 use super::chart::{Axis, Chart, Panel, Series, Shape};
 use super::levels::{SHOWN, in_palette};
 use super::palette::BLACK;
 use crate::study::{
     Axis as SweepAxis, Change, Contributions, Draws, Estimate, InputChanges, LabelledStudy, OneAtATime, Quantiles,
-    StudyResult, SweptPoint, VariableKind, column, levels_of, number_and_unit,
+    StudyResult, SweptPoint, Variable, VariableKind, column, levels_of, number_and_unit, value_at,
 };
 
-/// Inputs whose changes of a level are drawn, and the least change that is \[dB\].
+/// Number of inputs in the chart of level changes, and the smallest change shown \[dB\].
 const SWINGS: usize = 10;
 const LEAST_SWING: f64 = 0.05;
 
-/// Inputs of each output that are drawn as scatter.
+/// Number of inputs of each output shown as scatter plots.
 const SCATTERED: usize = 2;
 
 /// Charts of the results.
@@ -30,7 +30,7 @@ pub fn study(result: &StudyResult) -> Vec<Chart> {
         "study-levels",
         "Level of each source",
         "A-weighted single-event sound power levels, dB re 1 pW s: 90 % of the draws lie in the bar, half below its \
-         line.",
+         line; the dot is the design itself.",
         vec![sources(result)],
     )];
     charts.push(chart(
@@ -67,7 +67,7 @@ pub fn study(result: &StudyResult) -> Vec<Chart> {
     charts
 }
 
-/// Changes of a level, the inputs that change it most first; none if no input does.
+/// Changes of a level, largest first; `None` if no input changes it.
 fn swings(own: &OneAtATime, output: usize, name: &str) -> Option<Panel> {
     let mut inputs: Vec<&InputChanges> = own
         .inputs
@@ -114,7 +114,7 @@ fn whiskers(name: &str, colour: usize, rows: &[(usize, &Quantiles)]) -> Series {
     }
 }
 
-/// An axis of levels that shows the upper ends of all bars, and at most so many dB below the highest.
+/// A level axis that shows the upper ends of all bars, and at most `shown` dB below the highest.
 fn axis_of_levels(series: &[Series], shown: f64) -> Axis {
     let upper = series.iter().flat_map(|series| match &series.shape {
         Shape::Whiskers(ends) => ends.iter().map(|[_, high]| Some(*high)).collect::<Vec<_>>(),
@@ -136,7 +136,15 @@ fn sources(result: &StudyResult) -> Panel {
         .map(|own| &own.level.level_db)
         .chain([&result.total.level_db]);
     let rows: Vec<(usize, &Quantiles)> = own.enumerate().collect();
-    let series = vec![whiskers("", BLACK, &rows)];
+    let nominal = result.sources.iter().map(|own| own.level.nominal_db);
+    let nominal = nominal.chain([result.total.nominal_db]);
+    let design = Series::over("the design itself", 1, Shape::Points, nominal);
+    let design = Series {
+        // In the middle of each category.
+        x: design.x.iter().map(|place| place + 0.46).collect(),
+        ..design
+    };
+    let series = vec![design, whiskers("draws", BLACK, &rows)];
     Panel {
         x: Axis::categories("Source", "", names),
         y: axis_of_levels(&series, 45.0),
@@ -227,6 +235,20 @@ fn convergence(result: &StudyResult) -> Panel {
     }
 }
 
+/// Value of a variable in the design, and the level of an output there; none where one of them is not known.
+fn nominal(result: &StudyResult, variable: &Variable, output: &str) -> Option<[f64; 2]> {
+    let report = result.variables.iter().find(|own| own.name == variable.name)?;
+    let level = |name: &str| match name {
+        "total" => result.total.nominal_db,
+        source => result.source(source)?.level.nominal_db,
+    };
+    let level = match output.split_once(" less ") {
+        Some((a, b)) => level(a)? - level(b)?,
+        None => level(output)?,
+    };
+    Some([value_at(variable, report.nominal_place?)?, level])
+}
+
 /// Levels over the inputs that decide them most, a dot a draw: for the total and for the difference of the two loudest
 /// sources.
 pub fn scatter(result: &StudyResult, made: &Draws) -> Vec<Chart> {
@@ -246,7 +268,10 @@ pub fn scatter(result: &StudyResult, made: &Draws) -> Vec<Chart> {
             let margin = 0.03 * (high - low).max(1e-12);
             [low - margin, high + margin]
         };
-        let (across, up) = (ends(&x), ends(&y));
+        let nominal = nominal(result, variable, &own.output);
+        let with_nominal = |values: &[f64], own: Option<f64>| values.iter().copied().chain(own).collect::<Vec<_>>();
+        let across = ends(&with_nominal(&x, nominal.map(|own| own[0])));
+        let up = ends(&with_nominal(&y, nominal.map(|own| own[1])));
         let label = match (&variable.kind, variable.unit()) {
             (VariableKind::Method(_), _) => format!("{}: place in its range", input.variable),
             (_, "") => input.variable.clone(),
@@ -255,13 +280,18 @@ pub fn scatter(result: &StudyResult, made: &Draws) -> Vec<Chart> {
         let dots = Series {
             x,
             y,
-            ..Series::over("", 0, Shape::Points, [])
+            ..Series::over("draws", 0, Shape::Points, [])
         };
+        let design = nominal.map(|[x, y]| Series {
+            x: vec![x],
+            y: vec![y],
+            ..Series::over("the design itself", 1, Shape::Points, [])
+        });
         Some(Panel {
             x: Axis::new(label, "", across),
             y: Axis::new(own.output.clone(), "dB", up),
             height: 55,
-            series: vec![dots],
+            series: design.into_iter().chain([dots]).collect(),
         })
     };
     let charts = outputs.enumerate().map(|(place, own)| Chart {
@@ -269,7 +299,7 @@ pub fn scatter(result: &StudyResult, made: &Draws) -> Vec<Chart> {
         title: "What decides",
         subject: format!("{}: {} draws", result.design.name, result.draws),
         caption: format!(
-            "{}: a dot for each draw, over the inputs that decide it most.",
+            "{}: a dot for each draw, over the inputs that decide it most, and one for the design itself.",
             own.output
         ),
         panels: own
@@ -327,7 +357,7 @@ pub fn sweep(design: &str, axes: &[SweepAxis], points: &[SweptPoint]) -> Chart {
         height: 80,
         series,
     }];
-    // Bars of the total for each of the other values would lie on each other.
+    // Bars of the total for each of the other values would overlap.
     if axes.len() == 1 && points.iter().any(|point| point.drawn.is_some()) {
         let sources = points.iter().find_map(|point| point.drawn.as_ref());
         let names: Vec<&str> = sources.into_iter().flatten().map(|own| own.source.as_str()).collect();

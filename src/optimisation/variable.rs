@@ -9,7 +9,7 @@ use serde::Serialize;
 use super::error::OptimisationError;
 use crate::design::{Assignment, Design, DesignError, Problem, Value};
 use crate::error::Error;
-use crate::study::number_and_unit;
+use crate::study::{StudyError, number_and_unit};
 
 /// Largest number of whole numbers in a range.
 const MOST_STEPS: f64 = 1e5;
@@ -183,7 +183,7 @@ impl Variable {
     /// A text that cannot be a key or a value.
     pub(super) fn assign(&self, value: &str) -> Result<Assignment, Error> {
         let text = format!("{}={value}", self.key);
-        text.parse().map_err(|error| Error::NoAxis { error })
+        text.parse().map_err(|error| StudyError::NoAxis { error }.into())
     }
 
     /// The place of the design's own value in the dimension; none if it is outside.

@@ -7,6 +7,8 @@ use serde::{Deserialize, Serialize};
 
 use super::draws::Draws;
 use super::level_table::LevelTable;
+use super::statistics::{benefit, quantile};
+use super::tolerance::STATED_FROM;
 use super::variables::VariableKind;
 use crate::result::TOTAL;
 
@@ -52,6 +54,28 @@ impl DrawTable {
             levels_db,
             places: places.collect(),
         }
+    }
+
+    /// 5th and 95th percentile of the fall of the total where one source is silent, by source \[dB\]. Of fewer draws
+    /// than [`STATED_FROM`] the least and the greatest fall. Empty where a draw is silent as a whole.
+    pub(super) fn silencing(&self) -> BTreeMap<String, [f64; 2]> {
+        let ends = if self.len() < STATED_FROM {
+            [0.0, 1.0]
+        } else {
+            [0.05, 0.95]
+        };
+        let sources = || self.levels_db.iter().filter(|(name, _)| *name != TOTAL);
+        let silent = |level: &Option<f64>| level.unwrap_or(f64::NEG_INFINITY);
+        let of_draw = |draw: usize| sources().map(|(_, levels)| silent(&levels[draw])).collect();
+        let levels: Vec<Vec<f64>> = (0..self.len()).map(of_draw).collect();
+        let falls = sources().enumerate().map(|(place, (name, _))| {
+            let mut falls: Vec<f64> = levels.iter().map(|levels| benefit(levels, place)).collect();
+            falls.sort_by(f64::total_cmp);
+            (name.clone(), ends.map(|end| quantile(&falls, end)))
+        });
+        falls
+            .filter(|(_, ends)| ends.iter().all(|end| end.is_finite()))
+            .collect()
     }
 
     /// Whether its first draws are those of another table: the same places, and levels that differ by one in the last

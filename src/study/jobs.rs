@@ -10,6 +10,7 @@ use crate::error::Error;
 use crate::graph::Graph;
 use crate::stages::levels::{Levels, ShotLevels};
 use crate::stages::{Postcard, Stage};
+use crate::study::StudyError;
 
 /// Computes the jobs `0 .. count`, as many at a time as the pool has threads; the results come in the order of the
 /// jobs.
@@ -42,7 +43,7 @@ pub(super) fn kept_levels(graph: &Graph, chain: Result<Chain, Error>) -> Result<
     let kept = graph
         .store()
         .load::<Levels, Postcard>(ShotLevels::NAME, chain?.levels.key());
-    kept.ok_or(Error::LevelsNotKept)
+    kept.ok_or(StudyError::LevelsNotKept.into())
 }
 
 /// The levels of the shot of a chain whose bodies a run can use.

@@ -1,5 +1,7 @@
 //! Studies stored for `nailnoise run`, in the user's store.
 
+use std::collections::BTreeMap;
+
 use serde::{Deserialize, Serialize};
 
 use super::draw_table::DrawTable;
@@ -41,6 +43,8 @@ pub struct Found {
     pub result: StudyResult,
     /// How the draws of another study are weighted; none if they are of this population.
     pub weighting: Option<Weighting>,
+    /// Falls of the total where one source is silent, as in [`DrawTable::silencing`]; empty for weighted draws.
+    pub silencing: BTreeMap<String, [f64; 2]>,
 }
 
 impl Found {
@@ -59,10 +63,12 @@ impl Found {
             Difference::None => Some(Self {
                 result: result.clone(),
                 weighting: None,
+                silencing: draws.silencing(),
             }),
             Difference::Distributions(pairs) => reweighted(result, draws, &pairs).map(|(result, weighting)| Self {
                 result,
                 weighting: Some(weighting),
+                silencing: BTreeMap::new(),
             }),
         })
     }

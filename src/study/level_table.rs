@@ -2,7 +2,7 @@
 
 use super::draws::{Draw, Draws};
 use super::statistics::energy_sum;
-use super::variables::Drawn;
+use super::variables::{Drawn, Variable};
 use crate::design::Value;
 use crate::result::TOTAL;
 use crate::stages::levels::Levels;
@@ -79,6 +79,13 @@ pub(super) fn number(drawn: Option<Drawn>) -> Option<f64> {
         Drawn::Alternative(chosen) => Some(chosen as f64),
         Drawn::Share(share) => Some(share),
     }
+}
+
+/// Value of a variable at a share of its distribution, as a number; none for a word, or outside 0 < share < 1.
+pub fn value_at(variable: &Variable, share: f64) -> Option<f64> {
+    (share > 0.0 && share < 1.0)
+        .then(|| number(variable.drawn(share)))
+        .flatten()
 }
 
 /// Value of a variable in each draw, as a number; NaN if it is fixed.

@@ -1,7 +1,10 @@
 //! The study that serves a design, and what it says about the levels of a run.
 
+use std::collections::BTreeMap;
+
 use serde::Serialize;
 
+use super::draw_table::DrawTable;
 use super::draws::{Draws, draws, nominal};
 use super::kept::{Found, keep, kept};
 use super::provided::ProvidedStudy;
@@ -16,6 +19,7 @@ use crate::result::{
 };
 use crate::stages::{Digest, Progress};
 use crate::store::{Key, Store};
+use crate::study::StudyError;
 
 /// Most inputs that are named as deciding the total.
 const DECIDING: usize = 3;
@@ -32,6 +36,8 @@ pub struct Serving {
     pub weighting: Option<Weighting>,
     /// Origin of a study that comes with the program; none for a study of the user.
     pub provided: Option<Provided>,
+    /// Ends of the fall of the total where one source is silent, by source \[dB\]; empty for weighted draws.
+    pub silencing: BTreeMap<String, [f64; 2]>,
 }
 
 impl Serving {
@@ -45,6 +51,7 @@ impl Serving {
             result: found.result,
             weighting: found.weighting,
             provided: None,
+            silencing: found.silencing,
         };
         Ok(match (kept, provided) {
             (Some(kept), Some(provided)) if kept.size() >= provided.found.size() => Some(of_user(kept)),
@@ -82,6 +89,7 @@ impl Serving {
                 median_db,
                 high_db,
                 first,
+                silencing_db: self.silencing.get(name).copied(),
             }
         };
         let sources = study.sources.iter();
@@ -120,7 +128,9 @@ impl Serving {
             deciding: deciding.take(DECIDING).collect(),
         };
         if !summary.outside.is_empty() {
-            summary.sources.iter_mut().for_each(|own| own.first = None);
+            for own in &mut summary.sources {
+                (own.first, own.silencing_db) = (None, None);
+            }
             summary.orders.clear();
             summary.deciding.clear();
         }
@@ -150,7 +160,7 @@ fn is_outside(spread: &LevelSpread, level: Option<f64>) -> bool {
 
 /// Why no draw of a study is a shot like that of a run: it has another outcome than the shots that count.
 fn contradicting_outcome(design: &Design, run: &RunResult) -> Option<NoStudy> {
-    let (require, outcome) = (&design.study().require, run.outcome.name());
+    let (require, outcome) = (&design.study().require, run.outcome.as_str());
     if require.is_empty() || require.contains(&outcome) {
         return None;
     }
@@ -218,10 +228,11 @@ impl StudySource {
             request.draws
         ));
         match study(store, design, &request, progress) {
-            Ok((result, _)) => Self::Known(Box::new(Serving {
+            Ok((result, made)) => Self::Known(Box::new(Serving {
                 result,
                 weighting: None,
                 provided: None,
+                silencing: DrawTable::of(&made).silencing(),
             })),
             Err(error) => Self::Absent(error.to_string()),
         }
@@ -241,7 +252,7 @@ impl StudySource {
 /// Makes a study of a design and stores it for later runs; returns its draws, too.
 ///
 /// # Errors
-/// Those of [`draws`]; [`Error::NotCollected`] if draws are missing that were to be read only.
+/// Those of [`draws`]; [`StudyError::NotCollected`] if draws are missing that were to be read only.
 pub fn study(
     store: &Store,
     design: &Design,
@@ -251,11 +262,12 @@ pub fn study(
     let graph = Graph::quiet(store, progress.observer());
     let made = draws(&graph, design, request, progress)?;
     if request.part == Subset::Kept && !made.failures.is_empty() {
-        return Err(Error::NotCollected {
+        return Err(StudyError::NotCollected {
             missing: made.failures.len(),
             draws: made.failures.len() + made.draws.len(),
             store: store.folder().map(std::path::Path::to_owned).unwrap_or_default(),
-        });
+        }
+        .into());
     }
     progress.stage("levels of the design itself");
     let nominal = nominal(&graph, design, request)?;

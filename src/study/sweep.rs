@@ -18,9 +18,11 @@ use crate::design::inputs::cycle::parameters;
 use crate::design::{Assignment, AssignmentError, Design, DesignError, Problem};
 use crate::error::Error;
 use crate::graph::Graph;
+use crate::result::Performance;
 use crate::stages::Progress;
 use crate::stages::headline::Headline;
 use crate::stages::levels::Levels;
+use crate::study::StudyError;
 
 /// Points of a grid at most.
 const MOST: usize = 100_000;
@@ -43,6 +45,8 @@ pub struct SweptPoint {
     pub levels: Option<Levels>,
     /// Level of all sources together \[dB re 1 pW s\].
     pub total_db: Option<f64>,
+    /// Reserve of the drive, air a shot, and rate, with the lumped workpiece; none without levels.
+    pub performance: Option<Performance>,
     /// Headline of its shot, if that does not drive.
     pub headline: Option<Headline>,
     /// Why levels are missing; empty otherwise.
@@ -148,23 +152,23 @@ fn assignments(axes: &[Axis], values: &[String]) -> Result<Vec<Assignment>, Assi
 /// # Errors
 /// Values that are impossible in any design, or that conflict.
 pub fn at_point((path, changes): (&Path, &[Assignment]), axes: &[Axis], values: &[String]) -> Result<Design, Error> {
-    let own = assignments(axes, values).map_err(|error| Error::NoAxis { error })?;
+    let own = assignments(axes, values).map_err(|error| StudyError::NoAxis { error })?;
     Ok(Design::load_with(path, &[changes, &own].concat())?)
 }
 
 /// Whether the axes are those of a grid.
 ///
 /// # Errors
-/// [`Error::NothingToVary`], and [`Error::VariedTwice`]: the later values of a key would replace the earlier ones in
-/// every point.
+/// [`StudyError::NothingToVary`], and [`StudyError::VariedTwice`]: the later values of a key would replace the earlier
+/// ones in every point.
 pub fn distinct(axes: &[Axis]) -> Result<(), Error> {
     if axes.is_empty() {
-        return Err(Error::NothingToVary);
+        return Err(StudyError::NothingToVary.into());
     }
     let twice = (1..axes.len()).find(|&place| axes[..place].iter().any(|before| before.key == axes[place].key));
     twice.map_or(Ok(()), |place| {
         let key = axes[place].key.clone();
-        Err(Error::VariedTwice { key })
+        Err(StudyError::VariedTwice { key }.into())
     })
 }
 
@@ -188,7 +192,7 @@ pub fn sweep(
         .map(|axis| axis.values.len())
         .try_fold(1_usize, usize::checked_mul);
     if count.is_none_or(|count| count > MOST) {
-        return Err(Error::SweptTooMuch { most: MOST });
+        return Err(StudyError::SweptTooMuch { most: MOST }.into());
     }
     let points = grid(axes);
     let mut designs = Vec::with_capacity(points.len());
@@ -236,28 +240,48 @@ pub fn sweep(
             (levels.cloned(), String::new())
         }
     });
-    let missed = |(design, (levels, _)): (&Result<Design, String>, &(Option<Levels>, String))| match (design, levels) {
-        (Ok(design), Some(levels)) if levels.outcome != Outcome::Drives.name() => headline(design),
+    let shot = |(design, (levels, _)): (&Result<Design, String>, &(Option<Levels>, String))| match (design, levels) {
+        (Ok(design), Some(levels)) => shot(design, levels).map(Some),
         _ => Ok(None),
     };
     let computed: Vec<_> = computed.collect();
-    let headlines = designs.iter().zip(&computed).map(missed);
-    let mut headlines = headlines.collect::<Result<Vec<_>, Error>>()?.into_iter();
-    let point = |(values, (levels, refused)): (Vec<String>, (Option<Levels>, String))| SweptPoint {
-        values,
-        headline: headlines.next().flatten(),
-        total_db: levels.as_ref().and_then(total_of),
-        levels,
-        refused,
-        folder: None,
-        drawn: drawn.next().flatten(),
+    let shots = designs.iter().zip(&computed).map(shot);
+    let mut shots = shots.collect::<Result<Vec<_>, Error>>()?.into_iter().flatten();
+    let point = |(values, (levels, refused)): (Vec<String>, (Option<Levels>, String))| {
+        let shot = levels.as_ref().and_then(|_| shots.next());
+        SweptPoint {
+            values,
+            performance: shot.as_ref().and_then(|shot| shot.performance),
+            headline: shot.and_then(|shot| shot.headline),
+            total_db: levels.as_ref().and_then(total_of),
+            levels,
+            refused,
+            folder: None,
+            drawn: drawn.next().flatten(),
+        }
     };
     Ok(points.into_iter().zip(computed).map(point).collect())
 }
 
-/// The headline of a design's shot with its lumped workpiece.
-fn headline(design: &Design) -> Result<Option<Headline>, Error> {
-    Ok(Headline::of(&chain::cycle(design)?, &parameters(design)?))
+/// A design's shot with its lumped workpiece.
+#[derive(Default)]
+struct Shot {
+    performance: Option<Performance>,
+    headline: Option<Headline>,
+}
+
+/// The shot of a design with these levels; a headline only if it does not drive with the coupling of the design. An
+/// assembly has neither.
+fn shot(design: &Design, levels: &Levels) -> Result<Shot, Error> {
+    if design.assembly().is_some() {
+        return Ok(Shot::default());
+    }
+    let (record, parameters) = (chain::cycle(design)?, parameters(design)?);
+    let missed = levels.outcome != Outcome::Drives.name();
+    Ok(Shot {
+        performance: Some(Performance::of(&record, &parameters)),
+        headline: missed.then(|| Headline::of(&record, &parameters)).flatten(),
+    })
 }
 
 /// Levels of each point that is a design over common draws, with the change from the first of them.

@@ -6,7 +6,7 @@ use serde_json::Value;
 use super::{Cell, Column, Table, dash, decibels, fixed};
 use crate::comparison::{Comparison, Labelled, Levels, ValueRow};
 use crate::output::event_name;
-use crate::result::Ends;
+use crate::result::{Ends, PerformanceFigure};
 use crate::study::legend;
 use crate::wording::{band, change, readable};
 
@@ -93,6 +93,27 @@ impl Comparison {
                 .collect()
         });
         Table::new(self.columns("place", |name| Column::short(name)), rows)
+    }
+
+    /// What the designs achieve and consume: what quieting costs. None where no result states it.
+    pub(crate) fn performance_table(&self) -> Option<Table> {
+        let figures: Vec<_> = self
+            .performance
+            .iter()
+            .map(|own| own.map(|own| own.figures()))
+            .collect();
+        let named = figures.iter().flatten().next()?;
+        let rows = named.iter().enumerate().map(|(place, figure)| {
+            let value = |own: &Option<[PerformanceFigure; 4]>| {
+                let value = own.as_ref().and_then(|own| own[place].value.clone());
+                Cell::from(dash(value, |value| value))
+            };
+            std::iter::once(labelled(figure.name, figure.unit).into())
+                .chain(figures.iter().map(value))
+                .collect()
+        });
+        let columns = self.columns("what the shot has left and consumes", |name| Column::number(name));
+        Some(Table::new(columns, rows))
     }
 
     /// Outcomes, and the figures and events that differ.

@@ -66,7 +66,7 @@ pub(crate) fn parts<'a>(sources: impl IntoIterator<Item = &'a RankedSource>) -> 
     let row = |source: &RankedSource, part: &Component| {
         vec![
             source.source.as_str().into(),
-            part.name.as_str().into(),
+            named(&part.name).into(),
             decibels(part.lwa_db).into(),
             decibels(part.lw_db).into(),
             loudest_band(&part.bands),
@@ -83,6 +83,14 @@ pub(crate) fn parts<'a>(sources: impl IntoIterator<Item = &'a RankedSource>) -> 
         Column::short("loudest band (A)"),
     ];
     Table::new(columns, parts)
+}
+
+/// A part as a person reads it: faces that a mesh gives no name are the rest of their body.
+fn named(part: &str) -> &str {
+    match part {
+        "unnamed" => "rest of the surface",
+        name => name,
+    }
 }
 
 fn loudest_band(bands: &[BandLevel]) -> Cell {

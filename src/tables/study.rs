@@ -6,7 +6,7 @@ use crate::study::{
     InputEnd, LevelStudy, Louder, OneAtATime, PairedStudy, StudyResult, Surrogate, SurrogateIndex, common_reason,
     names_of_ends,
 };
-use crate::wording::change;
+use crate::wording::{change, in_one_unit};
 
 /// A probability, or a part of a variance, with the half width of its interval or with its bound.
 pub(crate) fn probability(estimate: &Estimate) -> Cell {
@@ -267,7 +267,10 @@ pub(crate) fn variables(result: &StudyResult) -> Table {
         let held = if own.drawn { "" } else { ", held" };
         let range = own.range.map_or_else(
             || "own".to_owned(),
-            |[low, high]| format!("{low:.4e} .. {high:.4e} {}", own.unit),
+            |ends| {
+                let ([low, high], unit) = in_one_unit(&own.unit, ends);
+                format!("{low} .. {high} {unit}").trim_end().to_owned()
+            },
         );
         vec![
             own.name.as_str().into(),
@@ -278,7 +281,7 @@ pub(crate) fn variables(result: &StudyResult) -> Table {
             fixed(own.mean_place, 2).into(),
         ]
     });
-    let words = ["changes", "range (SI)", "distribution"].map(Column::words);
+    let words = ["changes", "range", "distribution"].map(Column::words);
     let numbers = ["quantile of the design", "mean quantile of draws"].map(Column::number);
     Table::new(
         std::iter::once(Column::keys("quantity")).chain(words).chain(numbers),

@@ -1,7 +1,7 @@
 //! Tables of a sweep.
 
 use super::study::probability;
-use super::{Cell, Column, Table, decibels};
+use super::{Cell, Column, Table, dash, decibels};
 use crate::study::{Axis, Quantiles, SweptPoint};
 
 /// Names of the sources, in the order of the levels.
@@ -20,7 +20,16 @@ fn axis_columns(axes: &[Axis]) -> impl Iterator<Item = Column> {
     })
 }
 
-/// Levels of the design at each point, and how its shot ends.
+/// Headings of the figures of [`performance`]: what quieting costs.
+const PERFORMANCE: [&str; 4] = ["head mm", "left J", "air L", "shots/s"];
+
+/// What the shot of a point has left and consumes; no value where there is none.
+fn performance(point: &SweptPoint) -> [Option<String>; 4] {
+    let figures = point.performance.map(|own| own.figures().map(|figure| figure.value));
+    figures.unwrap_or_default()
+}
+
+/// Levels of the design at each point, what its shot has left and consumes, and how it ends.
 pub(crate) fn points(axes: &[Axis], points: &[SweptPoint]) -> Table {
     let sources = sources(points);
     let row = |point: &SweptPoint| {
@@ -39,16 +48,19 @@ pub(crate) fn points(axes: &[Axis], points: &[SweptPoint]) -> Table {
                     },
                     None => levels.outcome.replace('_', " ").into(),
                 };
-                row.extend([decibels(point.total_db).into(), shot]);
+                row.push(decibels(point.total_db).into());
+                row.extend(performance(point).map(|value| dash(value, |value| value).into()));
+                row.push(shot);
             }
             None => {
-                row.extend(vec![Cell::from("-"); sources.len() + 1]);
+                row.extend(vec![Cell::from("-"); sources.len() + 1 + PERFORMANCE.len()]);
                 row.push(format!("no design: {}", point.refused).into());
             }
         }
         row
     };
-    let levels = sources.iter().map(String::as_str).chain(["total"]).map(Column::number);
+    let levels = sources.iter().map(String::as_str).chain(["total"]).chain(PERFORMANCE);
+    let levels = levels.map(Column::number);
     Table::new(
         axis_columns(axes).chain(levels).chain([Column::short("shot")]),
         points.iter().map(row),
