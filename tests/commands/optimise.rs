@@ -138,7 +138,7 @@ fn a_search_that_cannot_be_says_why() {
     ends(&["--vary", "exhaust.holes"], 2, "does not vary a key");
     ends(&["--vary", holes, "--vary", holes], 2, "twice");
     ends(
-        &["--vary", holes, "--subject-to", "depth >= 3 mm"],
+        &["--vary", holes, "--subject-to", "depth >= 3"],
         2,
         "no figure `depth`",
     );
