@@ -11,7 +11,7 @@ use nailnoise_dynamics::network::assembly::{
 
 /// Width of the diagram \[px\].
 const WIDTH: f64 = 1200.0;
-/// Width of the text at the left of the rows \[px\].
+/// Width of the text to the left of the rows \[px\].
 const TEXT: f64 = 390.0;
 /// Height of the columns' heads \[px\].
 const HEAD: f64 = 96.0;
@@ -30,7 +30,7 @@ const STYLE: &str = "text{font-family:system-ui,-apple-system,'Segoe UI',Roboto,
                      .dashed{stroke-dasharray:4 3;stroke-width:1.2;fill:none}.sound{stroke:#c2185b;stroke-width:1.6;\
                      fill:none}";
 
-/// What a column is.
+/// The block that a column represents.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Column {
     Reservoir(usize),
@@ -76,7 +76,7 @@ struct Row {
     what: String,
     ends: [Column; 2],
     mark: Mark,
-    /// Columns that switch it: bodies whose travel opens it, triggers.
+    /// Columns that switch it: bodies whose travel opens it, and triggers.
     switched_by: Vec<Column>,
 }
 
@@ -151,7 +151,7 @@ impl<'a> Diagram<'a> {
         60.0 + HEAD + HEADING * self.sections.len() as f64 + ROW * rows as f64 + lists + 24.0
     }
 
-    /// Middle of a column \[px\].
+    /// Centre of a column \[px\].
     fn x(&self, column: Column) -> f64 {
         let place = self.columns.iter().position(|own| *own == column).unwrap_or(0);
         let width = self.column_width();
@@ -228,7 +228,7 @@ impl<'a> Diagram<'a> {
         };
         let width = self.column_width().min(112.0) - 6.0;
         let x = self.x(column);
-        // Names with underscores break there where the column is narrow.
+        // Names are broken at underscores if the column is narrow.
         let letters = ((width - 6.0) / 6.6).max(4.0) as usize;
         let names = broken(name, letters);
         html! {
@@ -450,7 +450,7 @@ impl Rows<'_> {
             .collect()
     }
 
-    /// A trigger in words.
+    /// Description of a trigger.
     fn trigger(&self, own: &Trigger) -> String {
         let words = |words: &[Word]| {
             let word = |word: &Word| format!("{} {}", self.0.name_of(word.block), word.action.word());
@@ -519,7 +519,7 @@ fn significant(value: f64) -> f64 {
     (value * scale).round() / scale
 }
 
-/// A name in lines of at most so many letters, broken at underscores where it can be.
+/// A name split into lines of limited length, at underscores if possible.
 fn broken(name: &str, letters: usize) -> Vec<String> {
     let mut lines: Vec<String> = Vec::new();
     for word in name.split('_') {

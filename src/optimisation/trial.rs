@@ -1,4 +1,4 @@
-//! A design that is tried: its shot, and its levels where the shot meets the constraints.
+//! A trial design: its shot, and its levels if the shot meets the constraints.
 
 use serde::Serialize;
 
@@ -12,19 +12,20 @@ use crate::result::TOTAL;
 use crate::stages::levels::Levels;
 use crate::study::{levels_of_shot, total_of, without_sensors};
 
-/// A design that was tried.
+/// A trial design.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Trial {
-    /// The value of each variable, as in a design file, without quotes.
+    /// The value of each variable, written as in a design file but without quotes.
     pub values: Vec<String>,
-    /// Its shot; none if the values are no design or the shot cannot be computed.
+    /// Its shot; `None` if the values are not a valid design or the shot cannot be computed.
     #[serde(flatten)]
     pub shot: Option<Shot>,
-    /// How far it is beyond each constraint, in parts of the limit; met where at most 0. None where that is not known.
+    /// Excess beyond each constraint relative to the limit; the constraint is met if the excess is at most 0. `None` if
+    /// unknown.
     pub excesses: Vec<Option<f64>>,
     /// Whether its levels are known and it meets all constraints.
     pub feasible: bool,
-    /// Why it is no design; empty for a design.
+    /// Reason why it is not a valid design; empty otherwise.
     pub refused: String,
 }
 
@@ -33,12 +34,12 @@ pub struct Trial {
 pub struct Shot {
     /// Name of the outcome.
     pub outcome: String,
-    /// Name and value of each figure of the cycle \[SI\]; none for a phase that does not occur.
+    /// Name and value of each figure of the cycle \[SI\]; `None` for a phase that does not occur.
     #[serde(serialize_with = "as_object")]
     pub figures: Vec<(String, Option<f64>)>,
-    /// Levels of the sources; none if the shot breaks a constraint.
+    /// Levels of the sources; `None` if the shot violates a constraint.
     pub levels: Option<Levels>,
-    /// Level of all sources together \[dB re 1 pW s\].
+    /// Level of the sum of all sources \[dB re 1 pW s\].
     pub total_db: Option<f64>,
 }
 
@@ -50,7 +51,7 @@ impl Shot {
     /// The cycle of a design, without levels.
     ///
     /// # Errors
-    /// Those of the cycle.
+    /// The errors of the cycle.
     fn of(design: &Design) -> Result<Self, Error> {
         let record = chain::cycle(design)?;
         let summary = serde_json::to_value(&record.summary).map_err(Error::Json)?;
@@ -65,8 +66,8 @@ impl Shot {
         })
     }
 
-    /// A figure of the cycle \[SI\] or a level \[dB re 1 pW s\] by its name; none where it does not occur or is silent,
-    /// or was not computed.
+    /// The figure of the cycle \[SI\] or the level \[dB re 1 pW s\] with this name; `None` if it does not occur, is
+    /// silent, or was not computed.
     pub fn figure(&self, name: &str) -> Option<f64> {
         if name == TOTAL {
             return self.total_db;
@@ -80,7 +81,7 @@ impl Shot {
     }
 }
 
-/// A candidate between its cycle and its levels.
+/// A candidate whose cycle is known, but not yet its levels.
 pub(super) struct Candidate {
     /// The values of the variables, and the assignments that make the design.
     pub(super) values: Vec<String>,
@@ -88,7 +89,8 @@ pub(super) struct Candidate {
 }
 
 impl Candidate {
-    /// The design of a file with these assignments and its cycle. Values that are no design are a result, too.
+    /// The design of a file with these assignments and its cycle. Values that are not a valid design also give a
+    /// result.
     pub(super) fn new(
         path: &std::path::Path,
         assignments: &[Assignment],
@@ -107,13 +109,13 @@ impl Candidate {
         }
     }
 
-    /// How far it is beyond each constraint, as far as its cycle says.
+    /// Excess beyond each constraint, as far as it follows from the cycle.
     fn excesses(&self, constraints: &[Constraint]) -> Vec<Option<f64>> {
         let shot = self.design.as_ref().ok().map(|(_, shot)| shot);
         constraints.iter().map(|own| own.excess(shot?)).collect()
     }
 
-    /// Whether its cycle meets the constraints, so that its levels count.
+    /// Whether its cycle meets the constraints, so that its levels are computed.
     pub(super) fn counts(&self, constraints: &[Constraint]) -> bool {
         let met = |excess: &Option<f64>| excess.is_none_or(|excess| excess <= 0.0);
         self.design.is_ok() && self.excesses(constraints).iter().all(met)
@@ -141,7 +143,7 @@ impl Candidate {
             match levels_of_shot(Chain::new(graph, design, Options::default())) {
                 Ok(levels) => {
                     shot.total_db = total_of(&levels);
-                    // The shot with the response of its support may end otherwise than the one of the cycle alone.
+                    // With the response of its support, the shot may have another outcome than the cycle alone.
                     shot.outcome.clone_from(&levels.outcome);
                     shot.levels = Some(levels);
                 }
