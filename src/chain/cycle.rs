@@ -25,7 +25,7 @@ pub fn shot(design: &Design) -> Result<ShotRecord, Error> {
 /// The engine of a design's cycle.
 ///
 /// # Errors
-/// Values of the design that do not yield inputs.
+/// If the values of the design do not yield valid inputs.
 pub(crate) fn engine(design: &Design) -> Result<Engine, Error> {
     Ok(match inputs::assembly::cycle(design)? {
         Some(assembled) => Engine::Assembly(Box::new(assembled)),

@@ -40,7 +40,7 @@ pub enum StudyError {
         /// Outcomes that count.
         require: String,
     },
-    /// A ranking of groups of inputs over drawn structures.
+    /// A ranking of input groups over drawn structures.
     #[error(
         "`--groups` and `--structures` exclude each other: every partner of a draw would need a structure of its own"
     )]

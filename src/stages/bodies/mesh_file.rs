@@ -220,7 +220,7 @@ impl MeshFile {
         &self.path
     }
 
-    /// Longest element side of a solid geometry \[m\]; none for a mesh.
+    /// Longest element side of a solid geometry \[m\]; `None` for a mesh.
     pub fn element_size(&self) -> Option<f64> {
         self.element
     }

@@ -63,7 +63,7 @@ pub enum WorkpieceRadiation {
     Rayleigh(FlushTop),
 }
 
-/// Boundary elements of the workpiece, and of a table below it.
+/// Boundary-element settings of the workpiece and of a table below it.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct WorkpieceBoundaryElements {
     /// Resolution.
