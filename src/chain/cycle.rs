@@ -17,7 +17,7 @@ pub fn cycle(design: &Design) -> Result<CycleRecord, Error> {
 /// Computes the shot of a design, whichever engine computes its cycle.
 ///
 /// # Errors
-/// As [`cycle`]; [`Error::Network`] for an assembly that cannot be computed.
+/// Same as [`cycle`]; [`Error::Network`] for an assembly that cannot be computed.
 pub fn shot(design: &Design) -> Result<ShotRecord, Error> {
     engine(design)?.shot()
 }
