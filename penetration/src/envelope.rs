@@ -9,10 +9,9 @@ use super::resistance::{Driven, Resistance};
 /// ```text
 /// E(z) = F_r(min(z, l_n)) + k_w max(0, z - l_n),   k_w = scale H_M
 /// ```
-/// where the head does not yield ([`HeadContact`]),
-/// where F_r is the design's law times its scale factor; a published law is evaluated at
-/// [`REFERENCE_SPEED`](super::REFERENCE_SPEED). The published nail model drops F_r once the head meets the wood: E(z) =
-/// k_w (z - l_n) for z > l_n (C-09).
+/// where the head does not yield ([`HeadContact`]), where F_r is the design's law times its scale factor; a published
+/// law is evaluated at [`REFERENCE_SPEED`](super::REFERENCE_SPEED). The published nail model drops F_r once the head
+/// meets the wood: E(z) = k_w (z - l_n) for z > l_n (C-09).
 #[derive(Debug, Clone)]
 pub struct Envelope {
     law: Resistance,

@@ -64,8 +64,8 @@ pub(super) fn execute(arguments: &Arguments) -> Result<Status, Error> {
     note(match arguments.listen {
         None => "open this address in a browser on this machine; Ctrl-C ends the command and the page",
         Some(_) => {
-            "whoever has this address sees the design, moves its sliders and saves designs beside it; 0.0.0.0 stands for \
-             any address of this machine; the connection is not encrypted; Ctrl-C ends the command and the page"
+            "whoever has this address sees the design, moves its sliders and saves designs beside it; 0.0.0.0 stands \
+             for any address of this machine; the connection is not encrypted; Ctrl-C ends the command and the page"
         }
     });
     let mut watching = Watching {
@@ -172,7 +172,9 @@ impl Watching<'_> {
             self.board.begin("which inputs matter");
             let effects = Effects::of(&graph, &design, false, progress)?;
             let keys = effects.inputs.into_iter().map(|own| own.key);
-            self.board.offer(Slider::of(&design, keys), &effects.basis);
+            // The rest of the sentence is about options of `check`.
+            let basis = effects.basis.split(';').next().unwrap_or_default();
+            self.board.offer(Slider::of(&design, keys), basis);
         }
         if source.awaits_screening(&design, &reported.run.result) {
             self.board.begin("how sure the levels are");
