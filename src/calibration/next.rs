@@ -155,7 +155,7 @@ impl Levelled<'_> {
     /// The measurements by what an hour of work makes narrower, from the levels of `count` draws.
     ///
     /// # Errors
-    /// Those of a study.
+    /// The errors of a study.
     pub(super) fn next(
         &self,
         graph: &Graph,

@@ -15,8 +15,8 @@ use crate::stages::radiation::{
 };
 use crate::stages::{Digest, OnDemand, Stored};
 
-/// Whether other designs have the shape of a design's bodies. If none does, boundary elements are solved for its modes,
-/// and reference bodies need no modes.
+/// Whether other designs have the shape of a design's bodies. If none does, boundary elements are solved for its own
+/// modes, and reference bodies need no modes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct SharedShapes {
     /// Shape of the workpiece with its table.
@@ -57,7 +57,7 @@ impl SharedShapes {
     }
 }
 
-/// The first reference bodies in the shape of a design's; none if these have no standard.
+/// The first reference bodies with the shape of the design's bodies; `None` if no standard exists for them.
 fn reference_bodies(graph: &Graph, design: &Design, kinds: &[BodyKind]) -> Result<Option<Vec<Stored<Body>>>, Error> {
     let references = inputs::reference_structures::references(design, kinds)?;
     references

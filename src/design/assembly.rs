@@ -47,7 +47,7 @@ const OF_PLACE: [&str; 9] = [
 /// The assembly of a design, with the literals that a program set.
 #[derive(Debug, Clone)]
 pub(super) struct OwnAssembly {
-    /// Shared: a study makes thousands of designs that differ only in values.
+    /// Shared, because a study makes thousands of designs that differ only in values.
     read: Arc<ReadAssembly>,
     /// Literals that were set since it was read \[SI\].
     set: BTreeMap<String, f64>,

@@ -56,8 +56,8 @@ impl DrawTable {
         }
     }
 
-    /// 5th and 95th percentile of the fall of the total where one source is silent, by source \[dB\]. Of fewer draws
-    /// than [`STATED_FROM`] the least and the greatest fall. Empty where a draw is silent as a whole.
+    /// 5th and 95th percentile of the decrease of the total when one source is silent, for each source \[dB\]. For
+    /// fewer draws than [`STATED_FROM`], the smallest and the largest decrease. Empty if any draw is completely silent.
     pub(super) fn silencing(&self) -> BTreeMap<String, [f64; 2]> {
         let ends = if self.len() < STATED_FROM {
             [0.0, 1.0]

@@ -86,8 +86,8 @@ pub(super) struct Planned {
 /// Makes the requested draws on a graph and reports their number to `progress`.
 ///
 /// # Errors
-/// Those of the chain of the design itself; [`StudyError::NothingDrawn`] where no candidate is accepted;
-/// [`StudyError::NoLevels`] where those of no draw can be computed.
+/// The errors of the chain of the design itself; [`StudyError::NothingDrawn`] if no candidate is accepted;
+/// [`StudyError::NoLevels`] if the levels of no draw can be computed.
 pub fn draws(graph: &Graph, design: &Design, request: &Request, progress: &Progress) -> Result<Draws, Error> {
     let made = common_draws(graph, &[design], request, progress)?;
     Ok(made.into_iter().next().unwrap_or_default())
@@ -315,7 +315,7 @@ fn check_joint(designs: &[&Design], request: &Request) -> Result<(), Error> {
     Ok(())
 }
 
-/// A point without the dimensions of the bodies that joint draws give to the cycle; none without such.
+/// A point without the dimensions of the bodies that joint draws give to the cycle; `None` if there are none.
 fn held_bodies(sampler: &Sampler, point: &Point) -> Option<Point> {
     let mut held = point.clone();
     let mut found = false;

@@ -215,7 +215,7 @@ impl Parameter {
 /// of the physics do not show this, so that keys of other forms are included; they have no effect on the cycle.
 ///
 /// # Errors
-/// Values of the design that do not yield inputs.
+/// If the values of the design do not yield valid inputs.
 pub fn taking_part(design: &Design) -> Result<Vec<Parameter>, Error> {
     let base = engine(design)?;
     let takes_part = |parameter: &Parameter| {

@@ -153,7 +153,7 @@ fn name(outcomes: &[ShotOutcome]) -> String {
 /// blocks as tasks, each task computes one, and then reads those of the others that are stored by then.
 ///
 /// # Errors
-/// [`StudyError::NothingDrawn`] where no candidate is accepted.
+/// [`StudyError::NothingDrawn`] if no candidate is accepted.
 pub fn screen(
     graph: &Graph,
     (designs, sampler): (&[Design], &Sampler),

@@ -252,7 +252,7 @@ impl StudySource {
 /// Makes a study of a design and stores it for later runs; also returns its draws.
 ///
 /// # Errors
-/// Those of [`draws`]; [`StudyError::NotCollected`] if draws are missing that were to be read only.
+/// The errors of [`draws`]; [`StudyError::NotCollected`] if draws are missing that were to be read only.
 pub fn study(
     store: &Store,
     design: &Design,

@@ -42,7 +42,7 @@ pub(super) struct State {
     pub(super) report: Option<(u32, Arc<str>)>,
     /// The keys that the page can move.
     pub(super) sliders: Vec<Slider>,
-    /// What decided which keys these are.
+    /// Basis on which these keys were chosen.
     pub(super) basis: String,
     /// Values that the page gave, the last one for each key.
     pub(super) moved: Vec<(String, Assignment)>,
@@ -147,14 +147,14 @@ impl Board {
         });
     }
 
-    /// How often the page gave a value, and all values over those of the file.
+    /// Number of changes made on the page so far, and all values that override those of the file.
     pub fn moved(&self) -> (u64, Vec<Assignment>) {
         let state = self.state();
         let moved = state.moved.iter().map(|(_, assignment)| assignment.clone());
         (state.moves, self.set.iter().cloned().chain(moved).collect())
     }
 
-    /// How often the page gave a value.
+    /// Number of changes made on the page so far.
     pub fn moves(&self) -> u64 {
         self.state().moves
     }
@@ -164,7 +164,7 @@ impl Board {
         !self.state().sliders.is_empty()
     }
 
-    /// Saves the design with the values that the page gave beside the design file.
+    /// Saves the design with the values set on the page, next to the design file.
     pub(super) fn save(&self) {
         let (_, values) = self.moved();
         let told = match save(&self.design, &values) {

@@ -1,5 +1,5 @@
-//! The server of the page: on this machine unless the user names an address, for a handful of windows, without
-//! third-party content.
+//! Serves the page, on this machine unless the user names an address, to a handful of windows, without third-party
+//! content.
 //!
 //! It responds to each request on a separate thread and connection, and serves a handful of addresses. A client
 //! that has not shown the token yet is a stranger. Strangers have a limit on the number and the time of connections,

@@ -19,7 +19,7 @@ pub struct FinishedRun {
     pub levels: Vec<(String, Option<f64>)>,
     /// Failed checks.
     pub failed: Vec<String>,
-    /// The headline of a shot that does not drive.
+    /// The headline of a shot that does not drive its nail.
     pub headline: Option<Headline>,
     /// Sound of all sources in front of the device; none if there is none.
     pub sound: Option<Arc<Sound>>,

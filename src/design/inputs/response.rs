@@ -56,7 +56,7 @@ fn fastener(design: &Design, engine: &Engine) -> Option<DrivenFastener> {
     })
 }
 
-/// Inputs of the response of the tool, except its body and the cycle.
+/// Inputs of the response of the tool, without its body and the cycle.
 pub(crate) fn tool(design: &Design, engine: &Engine) -> ToolShot {
     let contacts = match engine {
         Engine::Keys(cycle) => {

@@ -31,16 +31,16 @@ use crate::stages::cycle::{EngineRecord, OnWorkpiece, ShotRecord};
 /// Frequencies between which the force of an elastic blow replaces that of the cycle \[Hz\].
 const CROSSOVER: [f64; 2] = [1000.0, 2000.0];
 
-/// A fastener in the work, and the share of its resistance at full depth that is friction along the shank.
+/// A fastener in the work, with the fraction of its resistance at full depth that is friction along the shank.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct DrivenFastener {
-    /// What gives the resistance.
+    /// Law of the resistance.
     pub law: FastenerLaw,
-    /// Share of the resistance at full depth that is friction along the shank.
+    /// Fraction of the resistance at full depth that is friction along the shank.
     pub friction_share: f64,
 }
 
-/// What gives the resistance of the work to a fastener.
+/// Law of the work's resistance to a fastener.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub enum FastenerLaw {
     /// The nail of a design's keys.
@@ -70,7 +70,7 @@ pub(super) struct FastenerForces {
     pub(super) checks: Vec<Check>,
 }
 
-/// Forces of the fastener of a shot on the wood; none if the tool works on none.
+/// Forces of a shot's fastener on the wood; `None` if the tool has no workpiece.
 pub(super) fn forces(driven: &DrivenFastener, shot: &ShotRecord) -> Option<FastenerForces> {
     let on = shot.workpiece.as_ref()?;
     let resistance = Resistance::of(driven);
@@ -129,8 +129,8 @@ fn above_crossover(record: &CycleRecord, elastic: &[f64]) -> Vec<f64> {
         .collect()
 }
 
-/// Removes what lies below [`CROSSOVER`] without a shift in time; the pass band begins as a raised cosine over the
-/// logarithm of the frequency.
+/// Removes frequencies below [`CROSSOVER`] without a time shift; the pass band begins as a raised cosine over the
+/// logarithm of frequency.
 fn high_pass(signal: &mut [f64], interval: f64) {
     let transform = RealTransform::new(2 * signal.len().next_power_of_two());
     let df = 1.0 / (interval * transform.length() as f64);
@@ -174,8 +174,8 @@ impl Resistance {
         }
     }
 
-    /// Shares of the stations in F_pen with the tip of a resting fastener at a depth; all of it acts at the surface
-    /// before it is in.
+    /// Fractions of F_pen at the stations for a tip depth of a resting fastener; before the tip enters the wood, all of
+    /// it acts at the surface.
     pub(super) fn shares(&self, depth: f64) -> [f64; STATIONS] {
         let mut shares = [0.0; STATIONS];
         if depth <= 0.0 {

@@ -28,7 +28,7 @@ pub struct OneWay {
 pub struct ShotInputs {
     /// Acceleration of gravity \[m/s2\].
     pub gravity: f64,
-    /// The fastener in the workpiece; none for a tool that drives none.
+    /// The fastener in the workpiece; `None` for a tool that drives none.
     pub fastener: Option<DrivenFastener>,
     /// Springs and dashpots, in the order of the columns of [`Body::contacts`].
     pub supports: Vec<Support>,
