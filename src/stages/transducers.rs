@@ -1,6 +1,5 @@
 //! Pressure transducers in the chambers of the tool.
 
-use nailnoise_dynamics::CycleRecord;
 use rayon::prelude::*;
 use serde::Serialize;
 
@@ -8,6 +7,7 @@ use super::{Code, Progress, Stage, Stored, Uncached, code};
 use crate::design::Chamber;
 use crate::error::Error;
 use crate::result::TransducerRange;
+use crate::stages::cycle::{BORE, RETURN_WALL, ShotRecord};
 
 /// A piezoelectric pressure transducer.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -31,7 +31,7 @@ pub struct PressureRecord {
     pub chamber: Chamber,
     /// Sampling interval, the first sample at t = 0 \[s\].
     pub interval: f64,
-    /// Reading, 0 for the pressure at t = 0 \[Pa\].
+    /// Reading relative to the pressure at t = 0 \[Pa\].
     pub values: Vec<f64>,
 }
 
@@ -56,7 +56,7 @@ pub struct Transducers {
     /// The transducers.
     pub transducers: Vec<PressureTransducer>,
     /// The cycle.
-    pub cycle: Stored<CycleRecord>,
+    pub cycle: Stored<ShotRecord>,
 }
 
 impl Stage for Transducers {
@@ -83,25 +83,31 @@ impl Stage for Transducers {
 }
 
 impl PressureTransducer {
-    /// Absolute pressure before it \[Pa\]. In the cylinder's wall it belongs to the volume below the piston until the
-    /// piston has passed it, and to that above while the piston is lower.
-    fn pressure(&self, record: &CycleRecord) -> Vec<f64> {
-        let (above, below) = (&record.above_piston.pressure, &record.below_piston.pressure);
+    /// Absolute pressure at the transducer \[Pa\]. In the cylinder's wall, it is that of the volume below the piston
+    /// until the piston has passed, and that above the piston while the piston is below it.
+    fn pressure(&self, record: &ShotRecord) -> Vec<f64> {
+        let surface = match self.chamber {
+            Chamber::Return => RETURN_WALL,
+            Chamber::Cylinder => BORE,
+        };
+        let wall = record.pressures.iter().find(|wall| wall.surface == surface);
+        let Some(wall) = wall else {
+            // An assembly without this wall: the transducer reads the atmosphere.
+            return vec![record.ambient_pressure; record.len()];
+        };
         match self.chamber {
-            Chamber::Return => record.return_volume.pressure.clone(),
+            Chamber::Return => wall.pressure.clone(),
             Chamber::Cylinder => {
-                let travel = record.motion.piston_travel.iter();
-                let volumes = above.iter().zip(below);
-                travel
-                    .zip(volumes)
-                    .map(|(y, (above, below))| if *y > self.position { *above } else { *below })
-                    .collect()
+                let volumes = wall.pressure.iter().zip(&wall.below);
+                let before =
+                    |(y, (above, below)): (&f64, (&f64, &f64))| if *y > self.position { *above } else { *below };
+                wall.divide.iter().zip(volumes).map(before).collect()
             }
         }
     }
 }
 
-/// A signal after the first-order high-pass of a discharging charge, from rest at its first value.
+/// A signal after the first-order high-pass of a leaking charge, initially at rest at its first value.
 ///
 /// ```text
 /// y' + y/tau = p'      H = s tau/(1 + s tau)

@@ -8,6 +8,7 @@ use crate::measurement::wrapping::Role;
 use crate::result::Starts;
 use crate::stages::apart::Apart;
 use crate::stages::bodies::BodyKind;
+use crate::stages::cycle::Engine;
 use crate::stages::notes::SourceNotes;
 use crate::stages::response::ResponseChecks;
 use crate::stages::sources::{AnalysedSource, SourceSound};
@@ -42,10 +43,13 @@ pub(crate) trait Source: Sync {
         None
     }
 
+    /// Whether a tool with this engine has it.
+    fn is_present(&self, engine: &Engine) -> bool;
+
     /// Adds its stages to those of a shot.
     ///
     /// # Errors
-    /// Values of the design that do not yield inputs.
+    /// If the values of the design do not yield valid inputs.
     fn add(&self, shot: &ShotStages<'_>) -> Result<SourceStages, Error>;
 }
 

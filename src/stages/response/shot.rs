@@ -1,15 +1,15 @@
-//! Effects of a shot on workpiece and support: supports, loads, duration.
+//! Actions of a shot on workpiece and support: supports, loads, duration.
 
-use nailnoise_dynamics::{CycleRecord, Parameters, Settings as CycleSettings};
 use nailnoise_fem::vibration::{Loads, ModalBody, ModalResponse, Settings, Support, SupportLaw, respond};
 use nalgebra::{DMatrix, DVector};
 use serde::Serialize;
 
 use super::coupling::{self, COUPLED_LOADS, Coupled, couple};
-use super::nail_force;
+use super::nail_force::{self, DrivenFastener};
 use crate::error::Error;
 use crate::result::Check;
 use crate::stages::bodies::{Body, ContactCells, STATIONS};
+use crate::stages::cycle::{Cycle, ShotRecord};
 
 /// Largest gap that [`open_gaps`] opens \[m\].
 const GAP: f64 = 1e-6;
@@ -23,19 +23,20 @@ pub struct OneWay {
     pub checks: Vec<Check>,
 }
 
-/// Inputs of a response, except the bodies and the cycle.
+/// Inputs of a response, without the bodies and the cycle.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ShotInputs {
-    /// Parameters of the cycle. One way, they give gravity, the nail's length and the penetration resistance over
-    /// depth.
-    pub parameters: Parameters,
+    /// Acceleration of gravity \[m/s2\].
+    pub gravity: f64,
+    /// The fastener in the workpiece; `None` for a tool that drives none.
+    pub fastener: Option<DrivenFastener>,
     /// Springs and dashpots, in the order of the columns of [`Body::contacts`].
     pub supports: Vec<Support>,
     /// Mass of sand \[kg\] that moves with the base of the workpiece, and the contact cells that carry its weight.
     pub added_sand: Option<(f64, ContactCells)>,
     /// Step \[s\].
     pub step: f64,
-    /// Longest time simulated \[s\].
+    /// Maximum simulated time \[s\].
     pub duration: f64,
     /// Number of the start, which sets the gaps of supports that can lose contact; 0 for none.
     pub start: u32,
@@ -49,13 +50,13 @@ impl ShotInputs {
             .any(|support| support.law == SupportLaw::Unilateral)
     }
 
-    /// The same from another start.
+    /// The same shot with another start.
     #[must_use]
     pub fn with_start(&self, start: u32) -> Self {
         Self { start, ..self.clone() }
     }
 
-    /// The same on supports that cannot open.
+    /// The same shot on supports that cannot open.
     #[must_use]
     pub fn bonded(&self) -> Self {
         let bonded = |support: &Support| Support {
@@ -71,29 +72,28 @@ impl ShotInputs {
     /// Response to the forces of a cycle on the wood, times `force_scale`.
     ///
     /// # Errors
-    /// Those of the transient solver.
-    pub fn one_way(&self, bodies: &[ModalBody], record: &CycleRecord, force_scale: f64) -> Result<OneWay, Error> {
-        let nail = nail_force::forces(&self.parameters, record);
-        let loads = self.loads(record, &nail.stations, force_scale);
+    /// The errors of the transient solver.
+    pub fn one_way(&self, bodies: &[ModalBody], shot: &ShotRecord, force_scale: f64) -> Result<OneWay, Error> {
+        let nail = self.fastener.as_ref().and_then(|own| nail_force::forces(own, shot));
+        let loads = self.loads(shot, nail.as_ref().map(|nail| &nail.stations), force_scale);
         Ok(OneWay {
             response: respond(bodies, &self.opened(), &loads, &self.settings())?,
-            checks: nail.checks,
+            checks: nail.map_or_else(Vec::new, |nail| nail.checks),
         })
     }
 
     /// Cycle and response together, each acting on the other.
     ///
     /// # Errors
-    /// Those of the cycle and of the transient solver, and that the two do not agree.
-    pub fn two_way(&self, bodies: &[ModalBody], cycle: &CycleSettings) -> Result<Coupled, Error> {
-        let transient = self.settings();
-        couple(&self.parameters, cycle, bodies, &self.opened(), &transient)
+    /// The errors of the cycle and of the transient solver, and an error if the two do not converge.
+    pub fn two_way(&self, bodies: &[ModalBody], cycle: &Cycle) -> Result<Coupled, Error> {
+        couple(cycle, bodies, &self.opened(), &self.settings())
     }
 
-    /// A body with its loss factor as the transient solver takes it. Loads of the shot act only on the workpiece,
-    /// gravity on every body.
+    /// A body with its loss factor, in the form that the transient solver needs. Loads of the shot act only on the
+    /// workpiece, gravity on every body.
     pub(super) fn modal_body(&self, body: &Body, loss_factor: f64, workpiece: bool) -> ModalBody {
-        let gravity = self.parameters.ambient.gravity;
+        let gravity = self.gravity;
         let weight = match self.added_sand {
             Some((sand, cells)) if workpiece => body.weight_in_sand(gravity, sand, &cells.grid()),
             _ => body.weight(gravity),
@@ -126,22 +126,24 @@ impl ShotInputs {
         supports
     }
 
-    /// Loads of the shot: the nail's stations, nose with guard spring, gravity.
+    /// Loads of the shot: the nail stations, nose with guard spring, gravity.
     ///
-    /// After the record the tool is off the wood and the nail at rest: the forces of the shot go to zero, gravity
-    /// stays.
-    fn loads(&self, record: &CycleRecord, nail: &DMatrix<f64>, force_scale: f64) -> Loads {
-        let mut history = DMatrix::zeros(COUPLED_LOADS, record.len());
-        history.rows_mut(0, STATIONS).copy_from(nail);
-        for sample in 0..record.len() {
-            history[(coupling::NOSE, sample)] = record.forces.nose[sample] + record.forces.guard[sample];
+    /// After the record, the tool is off the wood and the nail at rest: the forces of the shot vanish, and only gravity
+    /// remains.
+    fn loads(&self, shot: &ShotRecord, fastener: Option<&DMatrix<f64>>, force_scale: f64) -> Loads {
+        let mut history = DMatrix::zeros(COUPLED_LOADS, shot.len());
+        if let Some(forces) = fastener {
+            history.rows_mut(0, STATIONS).copy_from(forces);
+        }
+        for (sample, force) in shot.workpiece.iter().flat_map(|on| on.seat.iter().enumerate()) {
+            history[(coupling::NOSE, sample)] = *force;
         }
         history *= force_scale;
         history.row_mut(coupling::GRAVITY).fill(1.0);
         let mut final_values = DVector::zeros(COUPLED_LOADS);
         final_values[coupling::GRAVITY] = 1.0;
         Loads {
-            interval: record.sample_interval,
+            interval: shot.sample_interval,
             history,
             final_values: final_values.as_slice().to_vec(),
         }

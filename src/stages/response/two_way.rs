@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use nailnoise_dynamics::{CouplingWork, CycleRecord, Settings};
+use nailnoise_dynamics::CouplingWork;
 use serde::{Deserialize, Serialize};
 
 use super::coupling::Coupled;
@@ -10,23 +10,24 @@ use super::shot::ShotInputs;
 use super::{CODE, Structure, Vibration, checks};
 use crate::error::Error;
 use crate::result::Check;
+use crate::stages::cycle::{Cycle, ShotRecord};
 use crate::stages::{Code, Postcard, Progress, Stage, Stored, Uncached};
 
 /// Cycle and response of workpiece and support together, each acting on the other.
 #[derive(Serialize)]
 pub struct CoupledResponse {
-    /// Parameters of the cycle, supports and duration.
+    /// Supports and duration.
     pub shot: ShotInputs,
     /// The bodies.
     pub structure: Structure,
-    /// Settings of the cycle.
-    pub cycle: Settings,
+    /// The cycle.
+    pub cycle: Box<Cycle>,
 }
 
 impl Stage for CoupledResponse {
     type Output = Coupled;
     type Error = Error;
-    /// An intermediate of stored outputs.
+    /// An intermediate result of stored outputs.
     type Codec = Uncached;
     const NAME: &'static str = "nailing cycle with workpiece and support";
     const CODE: Code = CODE;
@@ -43,14 +44,15 @@ impl Stage for CoupledResponse {
 pub struct CoupledCycle(pub Stored<Coupled>);
 
 impl Stage for CoupledCycle {
-    type Output = CycleRecord;
+    type Output = ShotRecord;
     type Error = Error;
     type Codec = Uncached;
     const NAME: &'static str = "nailing cycle of the coupled response";
     const CODE: Code = CODE;
 
-    fn compute(&self, _: &Progress) -> Result<CycleRecord, Error> {
-        Ok(self.0.get()?.record.clone())
+    fn compute(&self, _: &Progress) -> Result<ShotRecord, Error> {
+        let both = self.0.get()?;
+        Ok(ShotRecord::of_keys(&both.parameters, both.record.clone()))
     }
 }
 
@@ -76,14 +78,14 @@ impl Stage for CoupledVibration {
     }
 }
 
-/// How cycle and structure of a coupled response found each other.
+/// Iterations and checks of a coupled response.
 #[derive(Serialize)]
 pub struct CouplingReport(pub Stored<Coupled>);
 
 /// Output of [`CouplingReport`].
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Reported {
-    /// Iterations and the difference left.
+    /// Iterations and the remaining difference.
     pub work: CouplingWork,
     /// Forces and work on both sides.
     pub checks: Vec<Check>,

@@ -10,12 +10,13 @@ use nailnoise_acoustics::jets::{
 use nailnoise_acoustics::muffler::{self, BandLosses, MufflerChain};
 use nailnoise_acoustics::signals::fourier::TransformSettings;
 use nailnoise_acoustics::signals::{SourceSpectrum, Weighting, energy_level, energy_weights};
-use nailnoise_dynamics::CycleRecord;
+use nailnoise_dynamics::network::FlowHistory as OpeningFlow;
 use serde::Serialize;
 
 use crate::error::Error;
 use crate::result::{Check, CrossCheck, Uncertainty};
 use crate::stages::apart::{Apart, Moved, PartError};
+use crate::stages::cycle::ShotRecord;
 use crate::stages::intervals::EventEdges;
 use crate::stages::microphones::{Heard, JetOutlet, MicrophoneArray};
 use crate::stages::sound::{Sound, SoundSource, SourceHistory, parts_of};
@@ -67,36 +68,59 @@ pub(crate) struct Openings {
     pub(crate) air: Air,
     /// Analysed range \[Hz\].
     pub(crate) range_hz: [f64; 2],
-    /// The exhaust holes.
+    /// Each opening of the tool, with those assigned to another source last.
+    pub(crate) openings: Vec<NoisyOpening>,
+}
+
+/// An opening to the atmosphere that makes noise.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub(crate) struct NoisyOpening {
+    /// Name of its flow in the shot.
+    pub(crate) flow: String,
+    /// Its name in results.
+    pub(crate) name: String,
+    /// Its holes.
     pub(crate) holes: Opening,
-    /// Resonance of the plenum, where it filters the unsteady outflow.
+    /// Plenum, pipe and muffler of the exhaust, if it is the exhaust of the tool.
+    pub(crate) exhaust: Option<ExhaustOutlet>,
+    /// Name of the source to which it is assigned, if not the exhaust.
+    pub(crate) counts_to: Option<&'static str>,
+}
+
+/// Elements that the exhaust air passes at its holes.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub(crate) struct ExhaustOutlet {
+    /// Resonance of the plenum, if it filters the unsteady outflow.
     pub(crate) plenum: Option<PlenumResonance>,
     /// Pipe on the holes.
     pub(crate) fitting: Option<PipeFitting>,
-    /// What the air passes behind the holes.
+    /// Muffler after the holes.
     pub(crate) muffler: Option<Muffler>,
-    /// Effective area of the trigger valve's vent, its discharge coefficient included \[m²\].
-    pub(crate) vent_area: f64,
-    /// Name of the source to which the vent counts, if not to the exhaust.
-    pub(crate) vent_counts_to: Option<&'static str>,
+}
+
+impl Openings {
+    /// The exhaust of the tool, if it has one.
+    pub(crate) fn exhaust(&self) -> Option<(&NoisyOpening, &ExhaustOutlet)> {
+        self.openings.iter().find_map(|own| Some((own, own.exhaust.as_ref()?)))
+    }
 }
 
 /// A muffler behind the exhaust holes.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub(crate) enum Muffler {
-    /// One of measured insertion loss, its own flow noise included. It applies to the sound of the same shot without
-    /// the muffler.
+    /// A measured insertion loss, which includes the muffler's own flow noise. It applies to the sound of the same shot
+    /// without the muffler.
     InsertionLoss(BandLosses),
     /// An expansion chamber with a tail pipe.
     Chamber {
         /// Chamber and pipe; the Mach number of its outlet follows from the cycle.
         chain: MufflerChain,
-        /// Effective area of its outlet \[m²\], where it makes a jet of its own.
+        /// Effective area of its outlet \[m²\], if the outlet has its own jet.
         outlet_area: f64,
     },
 }
 
-/// Properties of the exhaust noise that stand beside its energy.
+/// Properties of the exhaust noise in addition to its energy.
 #[derive(Debug, Clone)]
 pub(crate) struct ExhaustDetails {
     /// Unweighted level of the jets by the efficiencies of IEC 60534-8-3:2010, an independent estimate \[dB re 1 pW
@@ -104,7 +128,7 @@ pub(crate) struct ExhaustDetails {
     pub(crate) valve_noise_lw: Option<f64>,
     /// Unweighted level of the jets by the correlations used, over all frequencies \[dB re 1 pW s\].
     pub(crate) jets_lw: Option<f64>,
-    /// Mass that the jets carry over the mass of the cycle's flow, less one \[-\].
+    /// Relative difference between the mass of the jets and that of the cycle's flow \[-\].
     pub(crate) mass_gap: f64,
     /// Share of the mixing energy from jet speeds outside the correlation's range \[-\].
     pub(crate) outside_range: f64,
@@ -112,9 +136,9 @@ pub(crate) struct ExhaustDetails {
     pub(crate) merged: Option<Opening>,
     /// Checks of the cycle without a muffler whose insertion loss was measured.
     pub(crate) unmuffled_checks: Vec<Check>,
-    /// The noise of each opening: holes, muffler's outlet where there is one, trigger vent.
+    /// The noise of each opening: holes, muffler's outlet if present, trigger vent.
     pub(crate) openings: Vec<ExhaustNoise>,
-    /// Screech frequency of the holes' jets at every sample of the cycle \[Hz\]; none while they are subsonic.
+    /// Screech frequency of the holes' jets at every sample of the cycle \[Hz\]; `None` while they are subsonic.
     pub(crate) screech: Vec<Option<f64>>,
 }
 
@@ -129,7 +153,7 @@ impl ExhaustDetails {
         std::iter::once(mass).chain(self.unmuffled_checks.iter().cloned())
     }
 
-    /// How long the holes' jets are choked \[s\], and the lowest screech frequency meanwhile \[Hz\].
+    /// Time for which the holes' jets are choked \[s\], and the lowest screech frequency during this time \[Hz\].
     pub(crate) fn choked(&self, sample_interval: f64) -> Option<(f64, f64)> {
         let choked = || self.screech.iter().flatten();
         let lowest = choked().copied().reduce(f64::min)?;
@@ -141,9 +165,9 @@ impl ExhaustDetails {
 #[derive(Clone, Serialize)]
 pub(crate) struct Cycles {
     /// That of the shot.
-    pub(crate) shot: Stored<CycleRecord>,
-    /// That of the same shot without a muffler, where the insertion loss of the muffler was measured.
-    pub(crate) unmuffled: Option<Stored<CycleRecord>>,
+    pub(crate) shot: Stored<ShotRecord>,
+    /// The same shot without a muffler, if the insertion loss of the muffler was measured.
+    pub(crate) unmuffled: Option<Stored<ShotRecord>>,
 }
 
 /// Noise of the openings in the outflow of a shot.
@@ -161,7 +185,7 @@ pub(crate) struct OutflowNoise {
 pub(crate) struct Outflow {
     /// Sound of the source.
     pub(crate) sound: Sound,
-    /// Sound of the trigger vent, and the source to which it counts, if that is another one.
+    /// Sound of the trigger vent with the source to which it is assigned, if that is not the exhaust.
     pub(crate) vent: Option<(Sound, &'static str)>,
     /// Properties in addition to the sound.
     pub(crate) details: ExhaustDetails,
@@ -187,7 +211,7 @@ impl Stage for OutflowNoise {
     }
 }
 
-/// The vent as a part that counts to another source.
+/// The vent as a part that is assigned to another source.
 fn moved<T>(part: T, to: &'static str) -> Moved<T> {
     Moved {
         to: to.into(),
@@ -237,7 +261,7 @@ pub(crate) struct Exhaust {
     /// The microphones.
     pub(crate) microphones: MicrophoneArray,
     /// The cycle of the shot, whose events separate the intervals.
-    pub(crate) cycle: Stored<CycleRecord>,
+    pub(crate) cycle: Stored<ShotRecord>,
     /// End of all records of the shot \[s\].
     pub(crate) end: Stored<f64>,
     /// Seed of the jets' noise in the signals at the microphones.
@@ -282,20 +306,18 @@ impl Stage for Exhaust {
     }
 }
 
-/// The noise of exhaust holes, muffler and trigger vent from the cycle's flow, and that of the vent by itself where it
-/// is apart.
+/// The noise of all openings from the shot's flow, and that of the vent if it is separate.
 ///
-/// The holes sound in the cycle `through_holes`, the vent in that of the shot; both are the same unless the insertion
-/// loss of a muffler was measured. Such a loss is the level without the muffler less that with it, so that it applies
-/// to the holes that open into the air, in the shot without the muffler's back pressure: what back pressure and gas
-/// inside the muffler do to the jets is in the measured loss. The holes before a chamber blow into it, against its
-/// pressure and into outflow of their own stagnation temperature.
+/// The exhaust sounds in the shot `through_holes`, all other openings in `shot`; both are the same unless the insertion
+/// loss of a muffler was measured. Such a loss is the level without the muffler minus that with it, so it applies to
+/// holes that open into the air, in the shot without the muffler's back pressure. The measured loss includes the
+/// effects of back pressure and of the gas inside the muffler on the jets. The holes before a chamber blow into it,
+/// against its pressure and into outflow of their own stagnation temperature.
 ///
 /// # Errors
 /// Openings, plenum or muffler that cannot be, air that leaves against a higher pressure.
-pub(crate) fn noise(inputs: &Openings, through_holes: &CycleRecord, shot: &CycleRecord) -> Result<Outflow, Error> {
+pub(crate) fn noise(inputs: &Openings, through_holes: &ShotRecord, shot: &ShotRecord) -> Result<Outflow, Error> {
     let air = &inputs.air;
-    let chamber = matches!(inputs.muffler, Some(Muffler::Chamber { .. }));
     let bare = ExhaustSettings {
         transform: TransformSettings {
             range_hz: inputs.range_hz,
@@ -303,80 +325,80 @@ pub(crate) fn noise(inputs: &Openings, through_holes: &CycleRecord, shot: &Cycle
         },
         ..ExhaustSettings::default()
     };
-    let through = |pressure: &[f64], behind: Option<&[f64]>, mass: &[f64], temperature: &[f64]| FlowHistory {
-        sample_interval: shot.sample_interval,
-        mass_flow: mass.to_vec(),
-        pressure: pressure.to_vec(),
-        temperature: temperature.to_vec(),
-        back_pressure: behind.map(<[f64]>::to_vec),
-    };
-    let holes = &through_holes.exhaust;
-    let flow = through(
-        &holes.plenum_pressure,
-        chamber.then_some(holes.back_pressure.as_slice()),
-        &holes.mass_flow,
-        &holes.stagnation_temperature,
-    );
-    let jets = inputs.holes.merged();
-    let settings = ExhaustSettings {
-        plenum: inputs.plenum,
-        fitting: inputs.fitting,
-        muffler: inputs.muffler.as_ref().map(|muffler| match muffler {
-            Muffler::InsertionLoss(losses) => muffler::Muffler::InsertionLoss(losses.clone()),
-            Muffler::Chamber { chain, .. } => muffler::Muffler::Chain(MufflerChain {
-                outlet_mach: outlet_mach(through_holes, air),
-                ..chain.clone()
-            }),
-        }),
-        ..bare.clone()
-    };
-    let noise = exhaust_noise("exhaust holes", &flow, &jets, air, &settings)?;
-    let mut parts = parts_of(&noise.spectrum);
-    let mass_gap = if noise.mass > 0.0 {
-        noise.jet_mass / noise.mass - 1.0
-    } else {
-        0.0
-    };
-    let outside_range = noise.mixing_outside_range;
-    let method = noise.spectrum.method.clone();
-    let mut jets_energy = noise.mixing_energy + noise.shock_energy;
-    let mut valve_noise = ValveNoise::DRILLED_PLATE.energy(&flow, air);
-    let mut openings = vec![noise];
-    if let Some(Muffler::Chamber { outlet_area, .. }) = inputs.muffler {
-        // The sound of the holes' outflow has already passed the muffler; the tail pipe adds its own jet only.
-        let tail = through(
-            &holes.back_pressure,
-            None,
-            &holes.mass_flow,
-            &holes.stagnation_temperature,
-        );
-        let outlet = ExhaustSettings {
-            unsteady_flow: false,
-            ..bare.clone()
+    // Where the tool has an exhaust, the check and the second method are of its jets alone.
+    let of_exhaust = inputs.exhaust().is_some();
+    let mut sum = JetSum::default();
+    let (mut parts, mut openings, mut vent_alone) = (Vec::new(), Vec::new(), None);
+    let (mut main, mut method) = (None::<MainJet>, None);
+    for own in &inputs.openings {
+        let of = own.exhaust.as_ref().map_or(shot, |_| through_holes);
+        let Some(record) = of.opening(&own.flow) else { continue };
+        let muffler = own.exhaust.as_ref().and_then(|exhaust| exhaust.muffler.as_ref());
+        let chamber = matches!(muffler, Some(Muffler::Chamber { .. }));
+        let flow = FlowHistory {
+            sample_interval: of.sample_interval,
+            mass_flow: record.mass_flow.clone(),
+            pressure: record.pressure.clone(),
+            temperature: record.temperature.clone(),
+            back_pressure: chamber.then(|| record.back_pressure.clone()),
         };
-        let noise = exhaust_noise("muffler outlet", &tail, &round(outlet_area), air, &outlet)?;
-        jets_energy += noise.mixing_energy + noise.shock_energy;
-        valve_noise += ValveNoise::DRILLED_PLATE.energy(&tail, air);
-        parts.push(noise.spectrum.clone());
+        let counted = own.exhaust.is_some() || !of_exhaust;
+        let (jets, settings) = match &own.exhaust {
+            None => (own.holes, bare.clone()),
+            Some(exhaust) => (own.holes.merged(), exhaust.settings(record, air, &bare)),
+        };
+        let noise = exhaust_noise(&own.name, &flow, &jets, air, &settings)?;
+        method.get_or_insert_with(|| noise.spectrum.method.clone());
+        if counted {
+            sum.add(&noise, &flow, air);
+        }
+        if counted && main.as_ref().is_none_or(|main| main.mass < noise.mass) {
+            main = Some(MainJet {
+                mass: noise.mass,
+                place: openings.len(),
+                merged: (jets != own.holes).then_some(jets),
+                screech: screech_track(&flow, &jets, air),
+            });
+        }
+        if let Some(to) = own.counts_to {
+            vent_alone = Some((self::vent_alone(&noise), to));
+        } else {
+            // The two parts of the exhaust, its jets and its unsteady flow, are parts of the source.
+            match &own.exhaust {
+                Some(_) => parts.extend(parts_of(&noise.spectrum)),
+                None => parts.push(noise.spectrum.clone()),
+            }
+        }
         openings.push(noise);
+        if let Some(Muffler::Chamber { outlet_area, .. }) = muffler {
+            // The sound of the holes' outflow has already passed the muffler; the tail pipe adds its own jet only.
+            let tail = FlowHistory {
+                pressure: record.back_pressure.clone(),
+                back_pressure: None,
+                ..flow
+            };
+            let outlet = ExhaustSettings {
+                unsteady_flow: false,
+                ..bare.clone()
+            };
+            let noise = exhaust_noise("muffler outlet", &tail, &round(*outlet_area), air, &outlet)?;
+            sum.energy += noise.mixing_energy + noise.shock_energy;
+            sum.valve_noise += ValveNoise::DRILLED_PLATE.energy(&tail, air);
+            parts.push(noise.spectrum.clone());
+            openings.push(noise);
+        }
     }
-    let vent = &shot.vent;
-    let vent = through(&vent.pressure, None, &vent.mass_flow, &vent.temperature);
-    let vent = exhaust_noise("trigger vent", &vent, &round(inputs.vent_area), air, &bare)?;
-    let vent_alone = inputs.vent_counts_to.map(|to| (vent_alone(&vent), to));
-    if vent_alone.is_none() {
-        parts.push(vent.spectrum.clone());
-    }
-    openings.push(vent);
-    let own = openings.len() - usize::from(inputs.vent_counts_to.is_some());
-    let (valve_noise_lw, jets_lw) = (energy_level(valve_noise), energy_level(jets_energy));
-    let spectrum = SourceSpectrum::sum(NAME, method, &parts);
-    let [minus, plus] = match &inputs.fitting {
-        Some(fitting) => amplified_jets(fitting, &openings[0], &spectrum, air)?,
-        None => [0.0, 0.0],
+    let own = openings.len() - usize::from(vent_alone.is_some());
+    let (valve_noise_lw, jets_lw) = (energy_level(sum.valve_noise), energy_level(sum.energy));
+    let spectrum = SourceSpectrum::sum(NAME, method.unwrap_or_default(), &parts);
+    let main = main.unwrap_or_default();
+    let fitting = inputs.exhaust().and_then(|(_, exhaust)| exhaust.fitting.as_ref());
+    let [minus, plus] = match fitting {
+        Some(fitting) if main.place < openings.len() => amplified_jets(fitting, &openings[main.place], &spectrum, air)?,
+        _ => [0.0, 0.0],
     };
     let (mut band, mut basis) = (MODEL_BAND, MODEL_BASIS.to_owned());
-    if inputs.fitting.is_some() {
+    if fitting.is_some() {
         band = CONFINED_BAND;
         basis.push_str("; ");
         basis.push_str(CONFINED_BASIS);
@@ -401,18 +423,79 @@ pub(crate) fn noise(inputs: &Openings, through_holes: &CycleRecord, shot: &Cycle
     let details = ExhaustDetails {
         valve_noise_lw,
         jets_lw,
-        mass_gap,
-        outside_range,
-        merged: (jets != inputs.holes).then_some(jets),
+        mass_gap: sum.mass_gap(),
+        outside_range: openings.get(main.place).map_or(0.0, |main| main.mixing_outside_range),
+        merged: main.merged,
         unmuffled_checks: Vec::new(),
         openings,
-        screech: screech_track(&flow, &jets, air),
+        screech: main.screech,
     };
     Ok(Outflow {
         sound,
         vent: vent_alone,
         details,
     })
+}
+
+/// The opening through which most air leaves.
+#[derive(Default)]
+struct MainJet {
+    /// Mass that leaves \[kg\].
+    mass: f64,
+    /// Its place among the openings.
+    place: usize,
+    /// The jet into which those of its holes merge, if they do.
+    merged: Option<Opening>,
+    /// Its screech frequency over the cycle \[Hz\].
+    screech: Vec<Option<f64>>,
+}
+
+/// The jets of several openings together.
+#[derive(Default)]
+struct JetSum {
+    /// Energy of their mixing and shock noise \[J\].
+    energy: f64,
+    /// The same by the efficiencies of IEC 60534-8-3 \[J\].
+    valve_noise: f64,
+    /// Mass that leaves \[kg\].
+    mass: f64,
+    /// Mass of the expanded jets \[kg\].
+    jet_mass: f64,
+}
+
+impl JetSum {
+    fn add(&mut self, noise: &ExhaustNoise, flow: &FlowHistory, air: &Air) {
+        self.energy += noise.mixing_energy + noise.shock_energy;
+        self.valve_noise += ValveNoise::DRILLED_PLATE.energy(flow, air);
+        self.mass += noise.mass;
+        self.jet_mass += noise.jet_mass;
+    }
+
+    fn mass_gap(&self) -> f64 {
+        if self.mass > 0.0 {
+            self.jet_mass / self.mass - 1.0
+        } else {
+            0.0
+        }
+    }
+}
+
+impl ExhaustOutlet {
+    /// Settings of the noise of holes with this outlet.
+    fn settings(&self, flow: &OpeningFlow, air: &Air, bare: &ExhaustSettings) -> ExhaustSettings {
+        ExhaustSettings {
+            plenum: self.plenum,
+            fitting: self.fitting,
+            muffler: self.muffler.as_ref().map(|muffler| match muffler {
+                Muffler::InsertionLoss(losses) => muffler::Muffler::InsertionLoss(losses.clone()),
+                Muffler::Chamber { chain, .. } => muffler::Muffler::Chain(MufflerChain {
+                    outlet_mach: outlet_mach(flow, air),
+                    ..chain.clone()
+                }),
+            }),
+            ..bare.clone()
+        }
+    }
 }
 
 /// The trigger vent as a sound of its own.
@@ -431,8 +514,9 @@ fn vent_alone(vent: &ExhaustNoise) -> Sound {
     }
 }
 
-/// How far the A-weighted level of the exhaust is lower and higher \[dB\] if the resonances of a fitting act on the
-/// jets of the holes as they do on the unsteady outflow. Where in the fitting jets sound, and as what, is not known.
+/// Decrease and increase of the exhaust's A-weighted level \[dB\] if the resonances of a fitting act on the jets of the
+/// holes as they do on the unsteady outflow. It is not known where in the fitting jets radiate, and as what type of
+/// source.
 fn amplified_jets(
     fitting: &PipeFitting,
     holes: &ExhaustNoise,
@@ -461,7 +545,7 @@ fn amplified_jets(
 }
 
 /// A round hole without contraction of this effective area \[m²\].
-fn round(effective_area: f64) -> Opening {
+pub(super) fn round(effective_area: f64) -> Opening {
     Opening {
         count: 1,
         diameter: (4.0 * effective_area / PI).sqrt(),
@@ -471,15 +555,9 @@ fn round(effective_area: f64) -> Opening {
 }
 
 /// Mach number of the flow out of a muffler, at most 1, averaged over the mass that leaves.
-fn outlet_mach(record: &CycleRecord, air: &Air) -> f64 {
-    let flow = &record.exhaust;
+fn outlet_mach(flow: &OpeningFlow, air: &Air) -> f64 {
     let (mut mass, mut sum) = (0.0, 0.0);
-    for ((flow, behind), temperature) in flow
-        .mass_flow
-        .iter()
-        .zip(&flow.back_pressure)
-        .zip(&flow.stagnation_temperature)
-    {
+    for ((flow, behind), temperature) in flow.mass_flow.iter().zip(&flow.back_pressure).zip(&flow.temperature) {
         if let Some(jet) = Jet::expand(*behind, *temperature, air).filter(|_| *flow > 0.0) {
             sum += flow * jet.mach.min(1.0);
             mass += flow;
