@@ -13,7 +13,7 @@ use crate::design::DesignError;
 use crate::stages::bodies::BodyError;
 use crate::study::StudyError;
 
-/// Why a command could not do its work.
+/// Reason why a command failed.
 #[derive(Debug, Error, Diagnostic)]
 #[non_exhaustive]
 pub enum Error {
@@ -25,7 +25,7 @@ pub enum Error {
     #[error("the page cannot be served on this machine: {source}")]
     #[diagnostic(help("permit connections to 127.0.0.1, or use `nailnoise run`"))]
     Serve {
-        /// Message of the system.
+        /// Message of the operating system.
         source: std::io::Error,
     },
     /// The design file is wrong.
@@ -38,14 +38,14 @@ pub enum Error {
     /// The cycle of an assembly could not be computed.
     #[error("the cycle of this assembly cannot be computed")]
     Network(#[source] Box<RunError>),
-    /// An option for the tool of a design, given with an assembly.
+    /// An option that applies only to a design, given with an assembly.
     #[error("{option} is an option for a design without `[cycle]`")]
     #[diagnostic(help("leave it out: an assembly is computed as its file describes it"))]
     OfDesign {
         /// The option.
         option: &'static str,
     },
-    /// A figure of the shot that does not exist.
+    /// An output of the shot that does not exist.
     #[error("there is no output \"{name}\"")]
     #[diagnostic(help("choose from the groups speed, penetration, events, forces, masses, all, or from {known}"))]
     NoSuchOutput {
@@ -54,7 +54,7 @@ pub enum Error {
         /// All names.
         known: String,
     },
-    /// A parameter for whose sensitivity there is nothing to go by.
+    /// A parameter with no basis for a sensitivity.
     #[error("`{key}` is not a quantity of the nailing cycle with a range")]
     #[diagnostic(help("{}", match nearest {
         Some(near) => format!("is it `{near}`?"),
@@ -63,7 +63,7 @@ pub enum Error {
     NoSuchParameter {
         /// The key given.
         key: String,
-        /// The parameter most like it, if one is near.
+        /// The most similar parameter, if one is close.
         nearest: Option<String>,
     },
     /// A study or a sweep cannot be computed.
@@ -88,16 +88,16 @@ pub enum Error {
         /// Message of the program.
         reason: String,
     },
-    /// Python was ended from outside.
+    /// The Python process was ended from outside.
     #[error("the Python process was ended by signal {signal}")]
     #[diagnostic(help(
         "signal 9 is often a lack of memory; what was computed is cached, and the same command goes on from there"
     ))]
     PythonEnded {
-        /// Number of the signal; 0 if it is unknown.
+        /// Number of the signal; 0 if unknown.
         signal: u8,
     },
-    /// A study that is to come with the program is of a design that does not.
+    /// A study to be shipped with the program belongs to a design that is not.
     #[error("`--provide` writes studies of shipped designs, and `{design}` is none")]
     #[diagnostic(help(
         "give a file of the folder `designs` of the repository; the study of any other design is in its `study.json`"
@@ -162,10 +162,10 @@ pub enum Error {
     /// Radiation or exhaust could not be computed.
     #[error("the sound power of a source cannot be computed")]
     Acoustics(#[from] nailnoise_acoustics::AcousticsError),
-    /// The rows of a table have not as many fields as its header.
+    /// The rows of a table do not have as many fields as its header.
     #[error("a table cannot be written")]
     Table(#[from] csv::Error),
-    /// The chosen support does not include a body of this name.
+    /// The chosen support does not include this body.
     #[error("the design \"{design}\" has no {body}: its support is a {support}")]
     #[diagnostic(help("choose --body workpiece, or set support.kind = \"worktable\""))]
     NoSuchBody {
@@ -194,23 +194,23 @@ pub enum Error {
     #[error("mode {mode} cannot be shown: the body has {modes} modes")]
     #[diagnostic(help("choose a number from the table of modes, or raise the body's top frequency in [analysis]"))]
     NoMode {
-        /// Its number, from 1.
+        /// Its number, starting at 1.
         mode: usize,
-        /// How many there are.
+        /// Number of modes.
         modes: usize,
     },
-    /// A design has several bodies.
+    /// A design has several bodies, so one must be named.
     #[error("a design has several bodies")]
     #[diagnostic(help("choose one: --body workpiece, --body worktable or --body tool"))]
     NoBody,
-    /// Keys belong to designs.
+    /// Keys can be set only for designs.
     #[error("`{}` is no design, so that it has no key to set", path.display())]
     #[diagnostic(help("leave --set out, or name a design file (.toml)"))]
     NothingToSet {
         /// The file given.
         path: PathBuf,
     },
-    /// Only a design has the dimensions that a drawing shows.
+    /// A drawing needs the dimensions of a design.
     #[error("`{}` is not a design: it has no keys to draw", path.display())]
     #[diagnostic(help("leave --drawing out, or name a design file (.toml)"))]
     DrawingOfMesh {
@@ -238,7 +238,7 @@ pub enum Error {
         /// The universal file.
         path: PathBuf,
     },
-    /// A design whose name cannot be that of a folder.
+    /// The name of a design cannot be the name of a folder.
     #[error(
         "the design file {} has the name \"{name}\", which cannot be the name of a folder for its \
          results", path.display()
@@ -256,7 +256,7 @@ pub enum Error {
     #[error("cannot write to standard output: {source}")]
     #[diagnostic(help("free space where the output goes, or send it elsewhere; files that were written are whole"))]
     Output {
-        /// Message of the system.
+        /// Message of the operating system.
         source: std::io::Error,
     },
     /// A file could not be written.
@@ -267,10 +267,10 @@ pub enum Error {
     Write {
         /// The file or folder.
         path: PathBuf,
-        /// Message of the system.
+        /// Message of the operating system.
         source: std::io::Error,
     },
-    /// A file could not be written, and not all files that had been moved for it could be put back.
+    /// A file could not be written, and some files that had been moved for it could not be put back.
     #[error(
         "cannot write {}: {source}; {} of the older files could not be put back: they are in {}", path.display(),
         files.len(), folder.display()
@@ -279,21 +279,21 @@ pub enum Error {
     NotRestored {
         /// The file or folder.
         path: PathBuf,
-        /// Message of the system.
+        /// Message of the operating system.
         source: std::io::Error,
         /// Folder with the older files.
         folder: PathBuf,
         /// Their paths in it.
         files: Vec<String>,
     },
-    /// A file to be written is there already.
+    /// A file to be written already exists.
     #[error("{} is there already, and nothing has been written", path.display())]
     #[diagnostic(help("choose another name, or move it away"))]
     Exists {
         /// The file.
         path: PathBuf,
     },
-    /// A design would be written under the name of its base.
+    /// A design would overwrite its base.
     #[error("{} is the name of a base of this design", path.display())]
     #[diagnostic(help("choose another name for the design; its base is written beside it"))]
     NameOfBase {
@@ -309,7 +309,7 @@ pub enum Error {
         /// The variable that would name the folder.
         variable: &'static str,
     },
-    /// A shell is not named although its completions are requested.
+    /// Completions are requested without the name of a shell.
     #[error("which shell you use is not known")]
     #[diagnostic(help("name it: nailnoise completions bash --install"))]
     NoShell,
@@ -320,7 +320,7 @@ pub enum Error {
         /// The name given.
         name: String,
     },
-    /// The folder of the cache is missing, or its limit makes no sense.
+    /// The folder of the cache is missing, or its limit is not valid.
     #[error(transparent)]
     #[diagnostic(transparent)]
     NoCache(#[from] crate::store::StoreError),
@@ -330,7 +330,7 @@ pub enum Error {
     Store {
         /// The folder.
         path: PathBuf,
-        /// Message of the system.
+        /// Message of the operating system.
         source: std::io::Error,
     },
     /// A finished result could not be read.
@@ -339,7 +339,7 @@ pub enum Error {
     Unreadable {
         /// The file.
         path: PathBuf,
-        /// Message of the system.
+        /// Message of the operating system.
         source: std::io::Error,
     },
     /// A name that a list does not have.
@@ -351,17 +351,17 @@ pub enum Error {
         list: &'static str,
         /// The name given.
         name: String,
-        /// The name most like it, if one is near.
+        /// The most similar name, if one is close.
         nearest: Option<String>,
     },
-    /// A name for a list that is always printed in full.
+    /// A name given for a list that is always printed in full.
     #[error("{list} are listed as a whole")]
     #[diagnostic(help("leave the name out: `nailnoise list designs`; `nailnoise list woods NAME` prints one wood"))]
     ListName {
         /// The list.
         list: &'static str,
     },
-    /// No design of another tool can be made.
+    /// Scaling to another tool is impossible.
     #[error(transparent)]
     #[diagnostic(help("{}", .0.remedy()))]
     Scaling(#[from] crate::scaling::ScalingError),
@@ -425,10 +425,10 @@ impl StageError for Error {
 }
 
 impl Error {
-    /// Fails with the problems of a body, if there are any; a single problem is the error itself.
+    /// Fails if a body has problems; a single problem is returned as the error itself.
     ///
     /// # Errors
-    /// That one, or [`Self::Unusable`].
+    /// The single problem, or [`Self::Unusable`].
     pub(crate) fn of_body(body: &'static str, mut problems: Vec<Self>) -> Result<(), Self> {
         match problems.len() {
             0 => Ok(()),
@@ -437,7 +437,7 @@ impl Error {
         }
     }
 
-    /// The single problems within an error.
+    /// The individual problems within an error.
     pub(crate) fn parts(self) -> Vec<Self> {
         match self {
             Self::Unusable { problems, .. } => problems.into_iter().flat_map(Self::parts).collect(),
@@ -445,12 +445,12 @@ impl Error {
         }
     }
 
-    /// Whether a surface for a force is absent.
+    /// Whether the error is that a surface for a force is missing.
     pub(crate) fn lacks(&self, surface: &str) -> bool {
         matches!(self, Self::Body(BodyError::NoLoadSurface { group, .. }) if *group == surface)
     }
 
-    /// The error in one line, followed by causes and remedy.
+    /// The error in one line, with causes and remedy.
     pub(crate) fn in_words(&self) -> String {
         let help = Diagnostic::help(self).map_or_else(String::new, |help| format!("; {help}"));
         let causes = std::iter::successors(std::error::Error::source(self), |cause| cause.source());
@@ -458,7 +458,7 @@ impl Error {
         format!("{self}{causes}{help}")
     }
 
-    /// Exit status of the command: 2 for wrong use or input, 3 for a numerical failure.
+    /// Exit status of the command: 2 for incorrect use or input, 3 for a numerical failure.
     pub fn exit_status(&self) -> u8 {
         match self {
             Self::Acoustics(cause) if cause.is_of_the_design() => 2,

@@ -1,4 +1,4 @@
-//! The penetration resistance of the nail of a cycle.
+//! Penetration resistance of the nail in a cycle.
 
 use nailnoise_penetration::{Driven, Envelope, Shanks, Specimen};
 
@@ -30,7 +30,7 @@ impl Parameters {
 
     /// Envelope of the penetration resistance \[N\] for the nail's tip at its deepest `depth` \[m\].
     ///
-    /// [`penetration_envelope`](Self::penetration_envelope) serves many depths of one design faster.
+    /// For many depths of one design, [`penetration_envelope`](Self::penetration_envelope) is faster.
     pub fn penetration_resistance(&self, depth: f64) -> f64 {
         self.penetration_envelope().force(depth)
     }

@@ -4,7 +4,7 @@ use super::dual::Real;
 use super::rate::HeadContact;
 use super::resistance::{Driven, Resistance};
 
-/// Envelope E(z) of the penetration resistance of one design, z the deepest depth of the nail's tip.
+/// Envelope E(z) of the penetration resistance of one design, where z is the deepest position of the nail's tip.
 ///
 /// ```text
 /// E(z) = F_r(min(z, l_n)) + k_w max(0, z - l_n),   k_w = scale H_M
@@ -19,7 +19,7 @@ pub struct Envelope {
     head: HeadContact,
     /// Whether the force along the shank stays beyond l_n.
     seated: bool,
-    /// Speed of impact where none is known \[m/s\].
+    /// Assumed impact speed if none is known \[m/s\].
     usual_impact: f64,
 }
 
@@ -37,14 +37,14 @@ impl Envelope {
         }
     }
 
-    /// Part of E(z) along the shank and at the tip \[N\]; zero at or above the surface. A law that depends on the speed
-    /// is evaluated at rest, after an impact in the middle of its data.
+    /// Shank and tip contribution to E(z) \[N\]; zero at or above the surface. A speed-dependent law is evaluated at
+    /// rest, after an impact at the middle of its data range.
     #[inline]
     pub fn shank(&self, depth: f64) -> f64 {
         self.shank_after(depth, self.usual_impact)
     }
 
-    /// The same after an impact at `impact` \[m/s\].
+    /// Same as `shank`, after an impact at `impact` \[m/s\].
     fn shank_after(&self, depth: f64, impact: f64) -> f64 {
         if depth > self.length {
             self.seated(0.0, impact)
@@ -53,7 +53,7 @@ impl Envelope {
         }
     }
 
-    /// Part of E(z) under the nail's head \[N\]; zero until the head meets the wood.
+    /// Head contribution to E(z) \[N\]; zero until the head meets the wood.
     #[inline]
     pub fn head(&self, depth: f64) -> f64 {
         self.head.evaluate((depth - self.length).max(0.0))
@@ -80,12 +80,12 @@ impl Envelope {
         self.shank_after(depth, impact) + self.head(depth)
     }
 
-    /// Speed of impact where none is known \[m/s\].
+    /// Assumed impact speed if none is known \[m/s\].
     pub fn usual_impact(&self) -> f64 {
         self.usual_impact
     }
 
-    /// The law F_r as it is evaluated within the nail's length.
+    /// The law F_r used within the nail's length.
     pub fn law(&self) -> &Resistance {
         &self.law
     }
@@ -96,7 +96,7 @@ impl Envelope {
         self.head.evaluate(depth + -self.length)
     }
 
-    /// Force along the shank beyond l_n \[N\].
+    /// Shank force beyond l_n \[N\].
     #[inline]
     pub fn seated<S: Real>(&self, v: S, impact: f64) -> S {
         if self.seated {

@@ -1,4 +1,4 @@
-//! The wood as an input of the laws.
+//! Wood properties used by the laws.
 
 use nailnoise_quantities::dimension::{DENSITY, FORCE, NUMBER, STIFFNESS, VELOCITY, VELOCITY_SQUARED};
 use nailnoise_quantities::{any, group, nonnegative, positive};

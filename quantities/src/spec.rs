@@ -9,9 +9,9 @@ pub struct KeySpec {
     pub name: &'static str,
     /// Symbol in Nili Ahmadabadi (2016) or in the field; empty if there is none.
     pub symbol: &'static str,
-    /// Description, one line of text an element.
+    /// Description, one line of text per element.
     pub doc: &'static [&'static str],
-    /// What it holds.
+    /// Kind of its value.
     pub kind: Kind,
 }
 
@@ -33,16 +33,16 @@ impl KeySpec {
 /// A group of the design file.
 #[derive(Debug)]
 pub struct GroupSpec {
-    /// Description, one line of text an element.
+    /// Description, one line of text per element.
     pub doc: &'static [&'static str],
-    /// The keys in the group itself, in their order: its own, or its own before the part, those of the part, and its
-    /// own after it.
+    /// The keys directly in the group, in order: those declared before the part, those of the part, and those declared
+    /// after it.
     pub keys: &'static [&'static [KeySpec]],
-    /// The groups within it, by name.
+    /// Its subgroups, by name.
     pub groups: &'static [(&'static str, &'static GroupSpec)],
-    /// Lists within it: groups of one declaration; a design gives any number of them, each with a name.
+    /// Its lists: the design may give any number of groups of the same declaration, each with a name.
     pub lists: &'static [(&'static str, &'static GroupSpec)],
-    /// Whether a file may give the keys as a list of values, in their order.
+    /// Whether a file may give the values as an ordered list.
     pub is_list: bool,
 }
 
@@ -52,7 +52,7 @@ impl GroupSpec {
         join(self.doc)
     }
 
-    /// The keys in the group itself, in their order.
+    /// The keys directly in the group, in order.
     pub fn keys(&self) -> impl Iterator<Item = &'static KeySpec> + use<> {
         self.keys.iter().copied().flatten()
     }
@@ -90,12 +90,12 @@ impl GroupSpec {
         all
     }
 
-    /// The key of this name in the group itself.
+    /// Finds a key directly in this group.
     pub fn key(&self, name: &str) -> Option<&'static KeySpec> {
         self.keys().find(|key| key.name == name)
     }
 
-    /// The group of this name in the group itself.
+    /// Finds a direct subgroup.
     pub fn group(&self, name: &str) -> Option<&'static GroupSpec> {
         self.groups
             .iter()
@@ -103,7 +103,7 @@ impl GroupSpec {
             .map(|(_, group)| *group)
     }
 
-    /// The declaration of the members of the list of this name in the group itself.
+    /// The declaration of the members of a list directly in this group.
     pub fn list(&self, name: &str) -> Option<&'static GroupSpec> {
         self.lists
             .iter()
@@ -111,13 +111,13 @@ impl GroupSpec {
             .map(|(_, member)| *member)
     }
 
-    /// Calls `f` with the full name and declaration of every key, groups after the keys at their level; the members of
-    /// a list come under `*`.
+    /// Calls `f` with the full name and declaration of every key, the keys of each level before its subgroups; list
+    /// members have the name `*`.
     pub fn each_key(&self, path: &str, f: &mut dyn FnMut(&str, &'static KeySpec)) {
         self.each_key_of(path, &|_| vec![MEMBER.to_owned()], f);
     }
 
-    /// The same, with the members of each list as `names` gives them.
+    /// Same as `each_key`, with the names of list members given by `names`.
     pub fn each_key_of(
         &self,
         path: &str,
@@ -139,10 +139,10 @@ impl GroupSpec {
     }
 }
 
-/// Stands for the name that a design gives a member of a list.
+/// Placeholder for the name that a design gives a list member.
 pub const MEMBER: &str = "NAME";
 
-/// The name of a key or group within the group `path`; the root's path is empty.
+/// The full name of a key or group within the group `path`; the path of the root is empty.
 pub fn dotted(path: &str, name: &str) -> String {
     if path.is_empty() {
         name.to_owned()

@@ -15,7 +15,7 @@ pub const JOINT: &str = "calibrated.draws";
 
 /// Contents of the files.
 pub struct Files {
-    /// `posterior.csv`: a row for each draw.
+    /// `posterior.csv`: one row per draw.
     pub draws: Vec<u8>,
     /// `calibrated.draws`: the draws of the keys.
     pub joint: Vec<u8>,
@@ -25,7 +25,7 @@ pub struct Files {
 }
 
 impl Files {
-    /// The calibrated design as a file in a folder.
+    /// The calibrated design as a file in the given folder.
     pub fn design(&self, folder: &Path) -> String {
         let base = std::path::absolute(&self.base).unwrap_or_else(|_| self.base.clone());
         let folder = std::path::absolute(folder).unwrap_or_else(|_| folder.to_owned());
@@ -34,14 +34,14 @@ impl Files {
     }
 }
 
-/// A path relative to a folder, both absolute, with slashes.
+/// A path relative to a folder (both absolute), with forward slashes.
 fn relative(path: &Path, folder: &Path) -> String {
     let common = path
         .components()
         .zip(folder.components())
         .take_while(|(a, b)| a == b)
         .count();
-    // Two drives of Windows have nothing in common.
+    // Different drives of Windows have no common parent.
     if common == 0 {
         return path.to_string_lossy().into_owned();
     }
@@ -56,7 +56,7 @@ fn relative(path: &Path, folder: &Path) -> String {
 /// The files of a posterior.
 ///
 /// # Errors
-/// [`Error::Table`], if rows differ in length.
+/// [`Error::Table`] if rows differ in length.
 pub(super) fn files(
     posterior: &Posterior,
     design: &Design,
@@ -110,7 +110,7 @@ fn calibrated(design: &Design, result: &CalibrationResult, moved: &[MovedKey<'_>
     }
     let _ = writeln!(text, "study.draws = \"{JOINT}\"");
     let entries = design.entries();
-    // Writing to a text cannot fail.
+    // Writing to a string cannot fail.
     for own in moved {
         let [low, high] = own.ends;
         let with = |unit: &str| {
@@ -155,7 +155,7 @@ fn calibrated(design: &Design, result: &CalibrationResult, moved: &[MovedKey<'_>
     text
 }
 
-/// A value as TOML, with its unit.
+/// Formats a value as TOML, with its unit.
 fn shown(value: &Value, unit: &str) -> String {
     match value {
         Value::Count(count) => count.to_string(),

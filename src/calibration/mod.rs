@@ -1,7 +1,7 @@
-//! Calibration: the ranges of a design conditioned on what a user measured of the tool.
+//! Calibration: conditions the ranges of a design on the user's measurements of the tool.
 //!
-//! The crate `nailnoise-calibration` samples; here are the file of measurements, the quantities of the cycle, the tool
-//! as a simulator, and the result with its files.
+//! The crate `nailnoise-calibration` does the sampling; this module contains the measurement file, the quantities of
+//! the cycle, the tool as a simulator, and the result with its files.
 
 mod error;
 mod files;
@@ -36,11 +36,11 @@ const NO_MEASUREMENTS: &str = "no measurements";
 /// Calibrates the design in a file, with further assignments, by the measurements in another file. Without measurements
 /// the draws are those of the ranges.
 ///
-/// Finished blocks of candidates and finished moves of the sampler are stored, so that the same call continues an
+/// Completed blocks of candidates and completed moves of the sampler are stored, so that repeating the call resumes an
 /// interrupted one.
 ///
 /// # Errors
-/// The first fault of the design or of the measurements, with its place; no candidate with the observed outcomes.
+/// The first fault in the design or the measurements, with its place; or if no candidate has the observed outcomes.
 pub fn calibrate(
     store: &Store,
     design: &Design,
@@ -97,7 +97,7 @@ pub fn calibrate(
     Ok((result, files))
 }
 
-/// Key of candidates and draws: everything but the readings that count.
+/// Key of candidates and draws: everything except which readings are used.
 fn key(design: &Design, tool: &tool::Tool, measured: &measurements::Measurements, request: &Request) -> Key {
     let variables: Vec<String> = tool.sampler.variables().iter().map(|own| format!("{own:?}")).collect();
     let conditions: Vec<String> = measured.conditions.iter().map(|own| own.design.digest()).collect();

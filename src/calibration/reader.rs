@@ -1,4 +1,4 @@
-//! The file of measurements, `nailnoise-calibration/1`.
+//! Reads the measurement file, `nailnoise-calibration/1`.
 
 use std::path::Path;
 
@@ -17,13 +17,13 @@ use crate::design::{Assignment, Design, DesignError};
 /// Name and version of the layout.
 pub(super) const SCHEMA: &str = "nailnoise-calibration/1";
 
-/// The largest file that is read \[byte\].
+/// Largest file accepted \[byte\].
 const LARGEST: u64 = 1 << 20;
 
-/// Standard deviations at which the distribution of a measured key is cut.
+/// Number of standard deviations at which the distribution of a measured key is truncated.
 const CUT: f64 = 3.0;
 
-/// Most shots of a measurement.
+/// Largest number of shots per measurement.
 const MOST_SHOTS: usize = 100_000;
 
 /// Keys of a measurement.
@@ -46,27 +46,27 @@ const MEASURED: [&str; 16] = [
     "discrepancy",
 ];
 
-/// Keys of measurements of sound, vibration and traces, which are not built.
+/// Keys for measurements of sound, vibration and traces, which are not supported.
 const OF_NOT_BUILT: [&str; 12] = [
     "file", "column", "align", "from", "to", "points", "sensor", "body", "hz", "mounted", "source", "band",
 ];
 
-/// Where the mean of repeats has `n` shots of sample deviation s, the deviation is that of n - 1 + 4 shots, 4 of them
-/// with the default.
+/// Weight of the default scatter: with n shots of sample deviation s, the variance combines n - 1 shots at s and this
+/// many at the default.
 const SHOTS_OF_DEFAULT: f64 = 4.0;
 
 /// A reader of the file for one design.
 pub(super) struct Reader<'a> {
     /// The design.
     pub(super) design: &'a Design,
-    /// The design with further values.
+    /// The design with further assignments.
     pub(super) with: &'a dyn Fn(&[Assignment]) -> Result<Design, DesignError>,
 }
 
 /// Reads the text of a file of measurements.
 ///
 /// # Errors
-/// A file that cannot be read, or is not UTF-8.
+/// If the file cannot be read or is not UTF-8.
 pub(super) fn text(path: &Path) -> Result<Document, CalibrationError> {
     let bytes = read_regular(path, LARGEST).map_err(|error| CalibrationError::Unreadable {
         path: path.to_owned(),
@@ -79,7 +79,7 @@ impl Reader<'_> {
     /// Reads measurements.
     ///
     /// # Errors
-    /// The first key that is wrong, with its place and remedy.
+    /// The first invalid key, with its place and remedy.
     pub(super) fn read(&self, document: &Document) -> Result<Measurements, CalibrationError> {
         let keys = document.table()?;
         let root = Keys::of_document(document, &keys, "file of measurements");
@@ -186,7 +186,7 @@ impl Reader<'_> {
         all.iter().map(read).collect()
     }
 
-    /// The dimension of a key of the design that is a quantity or a count.
+    /// The dimension of a key of the design, if it is a quantity or a count.
     fn dimension(&self, key: &str) -> Option<Dimension> {
         let mut dimension = None;
         self.design.visit("", &mut |own, spec, _| {
@@ -248,7 +248,7 @@ impl Reader<'_> {
             let assignment: Assignment = format!("{key}={text}")
                 .parse()
                 .map_err(|error| wrong(format!("cannot be set: {error}"), "correct the key"))?;
-            // Each value is read on its own first, so that the message has its place.
+            // Each value is first applied separately, so that a message shows its place.
             (self.with)(std::slice::from_ref(&assignment)).map_err(|error| {
                 let help = miette::Diagnostic::help(&error).map(|help| help.to_string());
                 wrong(
@@ -269,7 +269,7 @@ impl Reader<'_> {
                 };
                 let instrument = named(&by, &key, instruments)?;
                 let dimension = self.dimension(&key).ok_or_else(|| self.unknown(&by, &key))?;
-                // A gauge's error is a share of what it shows.
+                // A gauge's error is relative to its reading.
                 let reading = scalar(set, &key, value, dimension, None)?;
                 let (_, of) = &instruments[instrument];
                 shown.push(Shown {
@@ -304,7 +304,7 @@ fn tables<'t, 'i>(root: &Keys<'t, 'i>, group: &str, example: &str) -> Result<Vec
     Ok(found)
 }
 
-/// A value in SI units; a gauge pressure counts from `ambient`, or is left as it is shown.
+/// A value in SI units; a gauge pressure is relative to `ambient`, or is returned as shown.
 fn scalar(
     table: &Keys<'_, '_>,
     key: &str,
@@ -320,7 +320,7 @@ fn scalar(
     })
 }
 
-/// A spread: an amount, a share in percent, or both with a plus between.
+/// A spread: an amount, a percentage, or both joined by a plus sign.
 fn spread(table: &Keys<'_, '_>, key: &str, dimension: Dimension) -> Result<Spread, KeyError> {
     let Some(value) = table.get(key) else {
         return Ok(Spread {
@@ -386,7 +386,7 @@ fn error(table: &Keys<'_, '_>, dimension: Dimension) -> Result<Spread, KeyError>
     })
 }
 
-/// The number of the instrument that a key names.
+/// The index of the instrument named by a key.
 fn named(table: &Keys<'_, '_>, key: &str, known: &[(String, Keys<'_, '_>)]) -> Result<usize, KeyError> {
     let name = table.text(key, "\"gauge\"")?.unwrap_or_default();
     place(
@@ -398,7 +398,7 @@ fn named(table: &Keys<'_, '_>, key: &str, known: &[(String, Keys<'_, '_>)]) -> R
     )
 }
 
-/// The place of a name in a list.
+/// The index of a name in a list.
 fn place<'n>(
     table: &Keys<'_, '_>,
     key: &str,
@@ -496,7 +496,7 @@ struct Repeats {
     /// The value to which percentages refer.
     typical: f64,
     shots: f64,
-    /// Standard deviation of one shot, if the file states it by values or `scatter`.
+    /// Standard deviation of one shot, if the file gives it through values or `scatter`.
     scatter: Option<f64>,
 }
 
@@ -527,7 +527,7 @@ impl Of<'_, '_, '_> {
             ));
             quantity.scatter(repeats.typical)
         });
-        // The sum of many shots is read once.
+        // A sum over many shots is a single reading.
         let (own, repeated) = match quantity {
             Quantity::AirPerShot if repeats.shots > 1.0 && table.get("values").is_none() => (own / repeats.shots, 1.0),
             _ => (own, repeats.shots),
@@ -728,7 +728,7 @@ impl Of<'_, '_, '_> {
     }
 }
 
-/// A value with the unit of its dimension.
+/// Formats a value with the unit of its dimension.
 fn shown(value: f64, dimension: Dimension) -> String {
     format!("{} {}", nailnoise_quantities::rounded(value, 3, 1e5), dimension.unit())
 }
@@ -831,7 +831,7 @@ mod tests {
         );
     }
 
-    /// Problem and remedy of a file that is wrong.
+    /// Problem and remedy for an invalid file.
     fn fault(text: &str) -> String {
         match read(text).unwrap_err() {
             CalibrationError::Key(error) => format!("{error}; {}", error.help),

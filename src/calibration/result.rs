@@ -1,4 +1,4 @@
-//! The result of a calibration: readings, inputs and figures of the shot before and now.
+//! The result of a calibration: readings, inputs and figures of the shot, before and after.
 
 use nailnoise_calibration::conflict::{CONFLICT, left_out_probability, left_over};
 use nailnoise_calibration::likelihood::Reading;
@@ -20,27 +20,27 @@ use crate::study::{Drawn, Variable, VariableKind};
 /// Name and version of the layout.
 const SCHEMA: &str = "nailnoise-calibrated/1";
 
-/// Largest ratio of the widths now and before at which an input has moved.
+/// Largest ratio of the widths after and before at which an input counts as moved.
 const MOVED: f64 = 0.9;
 
-/// Least rank correlation of inputs of a pair.
+/// Smallest rank correlation of a pair of inputs that is reported.
 const CORRELATED: f64 = 0.3;
 
-/// Relative standard error of the width between P5 and P95 of n normal draws, and standard error of a rank correlation,
-/// both times the square root of n.
+/// Relative standard error of the width between P5 and P95 of n normal draws, and standard error of a rank correlation;
+/// both multiplied by the square root of n.
 const ERROR_OF_WIDTH: f64 = 0.9;
 const ERROR_OF_CORRELATION: f64 = 1.0;
 
-/// Standard errors by which a change of an input must exceed what chance makes of draws without a change.
+/// Number of standard errors by which a change must exceed the random variation of unchanged inputs.
 const BEYOND_CHANCE: f64 = 2.0;
 
-/// The same for a pair, as a multiple: of 4000 pairs, chance brings ten beyond three standard errors.
+/// The same for a pair, as a multiple: of 4000 pairs, ten exceed three standard errors by chance.
 const OF_A_PAIR: f64 = 2.0;
 
-/// Most pairs that are listed.
+/// Largest number of pairs listed.
 const MOST_PAIRS: usize = 12;
 
-/// What a calibration found.
+/// Results of a calibration.
 #[derive(Debug, Clone, Serialize)]
 pub struct CalibrationResult {
     /// Name and version of the layout.
@@ -55,17 +55,17 @@ pub struct CalibrationResult {
     pub seed: u64,
     /// Whether every diagnostic is within its limit.
     pub converged: bool,
-    /// Diagnostics beyond their limits.
+    /// Diagnostics that exceed their limits.
     pub faults: Vec<String>,
-    /// Candidates drawn from the ranges for those with the observed outcomes.
+    /// Number of candidates drawn from the ranges to obtain those with the observed outcomes.
     pub candidates: u64,
-    /// Log evidence of the readings, among all candidates and without the constants of their densities.
+    /// Log evidence of the readings, over all candidates and excluding normalisation constants.
     pub log_evidence: f64,
     /// Difference in log evidence between the two halves of the draws.
     pub halves_apart: f64,
-    /// Candidates from which the draws descend.
+    /// Number of candidates from which the draws descend.
     pub ancestors: usize,
-    /// Work of the sampler.
+    /// Work counters of the sampler.
     pub work: Work,
     /// Steps of the last run.
     pub steps: Vec<Step>,
@@ -73,16 +73,16 @@ pub struct CalibrationResult {
     pub measurements: Vec<MeasurementRow>,
     /// Measurements that contradict each other or the ranges.
     pub conflicts: Vec<ConflictRow>,
-    /// Ratio of widths below which an input has moved: the draws count as their ancestors, so that few ancestors ask
-    /// for a larger change.
+    /// Ratio of widths below which an input counts as moved. The number of ancestors counts as the number of draws, so
+    /// with few ancestors a larger change is required.
     pub moved_below: f64,
-    /// Inputs, those that moved most first.
+    /// Inputs, in descending order of change.
     pub inputs: Vec<InputRow>,
-    /// Inputs that are narrower together than each is.
+    /// Pairs of inputs that are constrained more jointly than individually.
     pub pairs: Vec<PairRow>,
-    /// Inputs that are neither narrower nor in a pair.
+    /// Number of inputs that are neither narrower nor in a pair.
     pub unidentified: usize,
-    /// Figures of the shot of the design itself.
+    /// Figures of the design's own shot.
     pub figures: Vec<FigureRow>,
     /// What to measure next, what an hour of work makes narrowest first; empty if it was not asked.
     pub next: Vec<NextRow>,
@@ -91,18 +91,18 @@ pub struct CalibrationResult {
 }
 
 impl CalibrationResult {
-    /// Whether a measurement contradicts others or is not reached, one that was held out among them.
+    /// Whether any measurement, including held-out ones, contradicts others or is out of reach.
     pub fn has_conflict(&self) -> bool {
         let is_met = |own: &MeasurementRow| matches!(own.verdict, Verdict::Met | Verdict::Predicted);
         !self.measurements.iter().all(is_met)
     }
 }
 
-/// What became of a measurement.
+/// Status of a measurement.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Verdict {
-    /// It conditions the inputs, and the other measurements predict it.
+    /// It conditions the inputs and is consistent with the other measurements.
     Met,
     /// It was held out, and the posterior predicts it.
     Predicted,
@@ -113,7 +113,7 @@ pub enum Verdict {
 }
 
 impl Verdict {
-    /// In words.
+    /// Describes it in words.
     pub fn as_str(self) -> &'static str {
         match self {
             Self::Met => "met",
@@ -133,44 +133,44 @@ pub struct MeasurementRow {
     pub condition: String,
     /// SI unit.
     pub unit: String,
-    /// The reading: its ends, equal for a value; null for an open end.
+    /// The reading: its bounds, equal for a single value; null for an open end.
     pub reading: [Option<f64>; 2],
-    /// P5 and P95 of the predictions of candidates.
+    /// P5 and P95 of the candidates' predictions.
     pub before: [f64; 2],
-    /// P5 and P95 of the predictions of the draws.
+    /// P5 and P95 of the draws' predictions.
     pub now: [f64; 2],
-    /// Reading less mean prediction, in standard deviations of both.
+    /// Reading minus mean prediction, in combined standard deviations.
     pub left_over: f64,
-    /// Predictive probability by the other measurements.
+    /// Predictive probability given the other measurements.
     pub probability: f64,
     /// Whether it conditions the inputs.
     pub counts: bool,
-    /// What became of it.
+    /// Its status.
     pub verdict: Verdict,
 }
 
-/// A conflict, and what could resolve it.
+/// A conflict, and possible resolutions.
 #[derive(Debug, Clone, Serialize)]
 pub struct ConflictRow {
     /// The measurement.
     pub measurement: String,
-    /// The measurement that it contradicts; null if it contradicts the rest together, or the ranges.
+    /// The measurement that it contradicts; null if it contradicts the others together, or the ranges.
     pub partner: Option<String>,
-    /// Predictive probability by the others; 0 if it is not reached.
+    /// Predictive probability given the others; 0 if out of reach.
     pub probability: f64,
-    /// The nearest value that any candidate has, in SI units, if it is not reached.
+    /// The nearest value of any candidate in SI units, if out of reach.
     pub nearest: Option<f64>,
     /// Distance of that value in standard deviations.
     pub distance: Option<f64>,
-    /// Rise of the log evidence without the measurements.
+    /// Increase in log evidence without the measurements.
     pub gain: Option<f64>,
-    /// Factor by which their errors were widened; null if they are left out.
+    /// Factor by which their errors were widened; null if they are excluded.
     pub widened: Option<f64>,
-    /// What would have to give, in words.
+    /// Assumptions that would have to change, in words.
     pub remedies: Vec<String>,
 }
 
-/// An input before and now.
+/// An input, before and after.
 #[derive(Debug, Clone, Serialize)]
 pub struct InputRow {
     /// Its key, or the name of a shared error.
@@ -184,7 +184,7 @@ pub struct InputRow {
     pub now: [f64; 2],
     /// Ratio of the widths.
     pub ratio: f64,
-    /// Value of the draw in the middle of all.
+    /// Value of the medoid, the most central draw.
     pub medoid: f64,
 }
 
@@ -197,7 +197,7 @@ pub struct PairRow {
     pub rank_correlation: f64,
 }
 
-/// A figure of the shot before and now.
+/// A figure of the shot, before and after.
 #[derive(Debug, Clone, Serialize)]
 pub struct FigureRow {
     /// Its name.
@@ -217,7 +217,7 @@ struct Figure {
     of: fn(&CycleRecord) -> Option<f64>,
 }
 
-/// Figures of the shot that decide the sources: the workpiece by speed, energy and force, the exhaust by its flow.
+/// Figures of the shot that determine the sources: speed, energy and force for the workpiece, flow for the exhaust.
 const FIGURES: [Figure; 8] = [
     Figure {
         name: "speed before impact",
@@ -275,7 +275,7 @@ fn energy_left(record: &CycleRecord) -> Option<f64> {
     Some(0.5 * mass * speed * speed)
 }
 
-/// Figures of the shots of points for a design; NaN where there are none.
+/// Figures of a design's shots at some points; NaN if missing.
 pub(super) fn figures_of<'z>(tool: &Tool, design: &Design, points: impl Iterator<Item = &'z [f64]>) -> Vec<Vec<f64>> {
     let points: Vec<&[f64]> = points.collect();
     let figures = |z: &&[f64]| {
@@ -318,8 +318,8 @@ fn number(variable: &Variable, share: f64) -> f64 {
     }
 }
 
-/// The number of the draw in the middle of all: that of the smallest distance from the mean in the inputs that moved,
-/// each in its standard deviation.
+/// The index of the most central draw: the one closest to the mean in the inputs that moved, each scaled by its
+/// standard deviation.
 pub(super) fn medoid(posterior: &Posterior, moved: &[usize]) -> usize {
     let particles = &posterior.state.particles;
     let moments: Vec<[f64; 2]> = moved
@@ -340,7 +340,7 @@ pub(super) fn medoid(posterior: &Posterior, moved: &[usize]) -> usize {
 pub(super) struct Table {
     /// Names of the columns.
     pub(super) names: Vec<String>,
-    /// A row for each draw.
+    /// One row per draw.
     pub(super) rows: Vec<Vec<f64>>,
 }
 
@@ -457,7 +457,7 @@ fn input(posterior: &Posterior, variable: usize, values: &[f64]) -> InputRow {
         unit: own.map_or_else(String::new, |own| own.unit().to_owned()),
         before,
         now,
-        // A count with one value before has not moved.
+        // A count that had only one value before has not moved.
         ratio: if ratio.is_finite() { ratio } else { 1.0 },
         medoid: f64::NAN,
     }
@@ -525,7 +525,7 @@ fn row(posterior: &Posterior, measured: &Measurements, k: usize) -> MeasurementR
     }
 }
 
-/// The key of the design that bounds an outcome.
+/// The key of the design that limits an outcome.
 fn bound_of(outcome: &str) -> Option<&'static str> {
     match outcome {
         "overdriven" => Some("nail.overdrive_limit"),

@@ -9,7 +9,7 @@ use crate::stages::cycle::{Cycle, Engine, Preset, ShotRecord};
 /// Computes the nailing cycle of a design.
 ///
 /// # Errors
-/// [`Error::Cycle`] when the design cannot be computed.
+/// [`Error::Cycle`] if the design cannot be computed.
 pub fn cycle(design: &Design) -> Result<CycleRecord, Error> {
     cycle_stage(design)?.record()
 }
@@ -36,12 +36,12 @@ pub(crate) fn engine(design: &Design) -> Result<Engine, Error> {
 /// Computes the nailing cycle of a design in a published form.
 ///
 /// # Errors
-/// As [`cycle`].
+/// Same as [`cycle`].
 pub fn cycle_as_published(design: &Design, preset: Preset) -> Result<CycleRecord, Error> {
     cycle_stage(design)?.published(preset).record()
 }
 
-/// The cycle with only the tool's lumped masses.
+/// The cycle with a lumped workpiece.
 ///
 /// # Errors
 /// Values of the design that do not yield inputs.

@@ -1,4 +1,4 @@
-//! Radiation per unit of modal motion, and fluid loads of the air on the modes.
+//! Radiation per unit of modal motion, and fluid loading of the modes.
 
 use nailnoise_acoustics::radiation::boundary_elements::ModalBem;
 use nailnoise_acoustics::radiation::radiator::{FluidLoads, Loading, Radiator};
@@ -16,15 +16,15 @@ use crate::stages::radiation::{
 use crate::stages::sound_fields::FieldMethod;
 use crate::stages::{Digest, OnDemand, Stored};
 
-/// How the bodies of a design radiate.
+/// Radiation of the bodies of a design.
 pub(crate) struct Radiators {
     /// The workpiece with its support.
     pub(crate) workpiece: WorkpieceStages,
-    /// Fluid loads of the air on the modes of workpiece and support.
+    /// Fluid loading of the modes of workpiece and support.
     pub(crate) workpiece_loads: Stored<Vec<FluidLoads>>,
     /// The tool, if boundary elements are requested.
     pub(crate) tool: Option<ToolStages>,
-    /// Fluid loads of the air that act on the modes.
+    /// The part of the fluid loading that acts on the modes.
     pub(crate) acts: Loading,
 }
 
@@ -32,7 +32,7 @@ pub(crate) struct Radiators {
 pub(crate) struct WorkpieceStages {
     /// The radiator.
     pub(crate) radiator: Stored<Box<dyn Radiator>>,
-    /// The same with its pressures at the microphones.
+    /// The same, with pressures at the microphones.
     pub(crate) at_microphones: Stored<Box<dyn Radiator>>,
     /// How its sound field is computed.
     pub(crate) field: FieldMethod,
@@ -44,11 +44,11 @@ pub(crate) struct WorkpieceStages {
 pub(crate) struct ToolStages {
     /// Its boundary elements.
     pub(crate) elements: ToolRadiation,
-    /// The full body.
+    /// The complete body.
     pub(crate) whole: ToolMatrix,
-    /// A second column for each mode with only the cap in motion, if the cap belongs to another source.
+    /// With a second column for each mode in which only the cap moves, if the cap belongs to another source.
     pub(crate) cap: Option<ToolMatrix>,
-    /// Fluid loads of the air on its modes.
+    /// Fluid loading of its modes.
     pub(crate) loads: Stored<Vec<FluidLoads>>,
 }
 
@@ -56,7 +56,7 @@ pub(crate) struct ToolStages {
 pub(crate) struct ToolMatrix {
     /// The radiator.
     pub(crate) radiator: Stored<ModalBem>,
-    /// The same with its pressures at the microphones.
+    /// The same, with pressures at the microphones.
     pub(crate) at_microphones: Stored<ModalBem>,
     /// The key of its radiation matrix in standard air.
     key: Digest,
@@ -66,7 +66,7 @@ impl Radiators {
     /// Adds the radiation of a design's bodies.
     ///
     /// # Errors
-    /// Values of the design that do not yield inputs.
+    /// If the values of the design do not yield valid inputs.
     pub(crate) fn add(context: Context<'_>, bodies: &Bodies) -> Result<Self, Error> {
         let Context { graph, design, .. } = context;
         let acts = inputs::radiation::loading(design);
@@ -103,7 +103,7 @@ impl Radiators {
     }
 }
 
-/// Damping ratios of structures with these loss factors, if the air's mass acts.
+/// Damping ratios of structures with these loss factors, if the added mass acts.
 fn damping_ratios(acts: Loading, loss_factors: impl Iterator<Item = f64>) -> Option<Vec<f64>> {
     (acts == Loading::Full).then(|| loss_factors.map(|loss_factor| 0.5 * loss_factor).collect())
 }

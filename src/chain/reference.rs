@@ -19,14 +19,14 @@ use crate::stages::{Digest, OnDemand, Stored};
 /// and reference bodies need no modes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct SharedShapes {
-    /// Of the workpiece with its table.
+    /// Shape of the workpiece with its table.
     pub workpiece: bool,
-    /// Of the tool.
+    /// Shape of the tool.
     pub tool: bool,
 }
 
 impl Default for SharedShapes {
-    /// All.
+    /// All shapes are shared.
     fn default() -> Self {
         Self {
             workpiece: true,
@@ -39,7 +39,7 @@ impl SharedShapes {
     /// Shapes that two designs have in common.
     ///
     /// # Errors
-    /// Those of the bodies' materials and mesh files.
+    /// Errors in the bodies' materials and mesh files.
     pub(crate) fn of(graph: &Graph, design: &Design, other: &Design) -> Result<Self, Error> {
         let alike = |is_tool: bool| -> Result<bool, Error> {
             let keys = |design: &Design| {
@@ -109,12 +109,12 @@ pub(super) fn references(graph: &Graph, design: &Design, kinds: &[BodyKind]) -> 
 pub(super) struct Radiation {
     /// Powers.
     pub(super) matrix: Stored<ModalBem>,
-    /// Pressures at the microphones in the same modes.
+    /// Pressures at the microphones for the same modes.
     pub(super) pressures: Stored<ModalPressures>,
 }
 
 impl Radiation {
-    /// Powers with the pressures at the microphones.
+    /// Combines powers and pressures at the microphones.
     pub(super) fn at_microphones(&self, graph: &Graph) -> Stored<ModalBem> {
         graph.add(MatrixWithMicrophones {
             matrix: self.matrix.clone(),
@@ -414,7 +414,7 @@ mod tests {
         assert!(!walls_differ(&slab("walls")));
     }
 
-    /// The surfaces of the tool for boundary elements: with and without a separate cap.
+    /// The surfaces of the tool used by boundary elements: with and without a separate cap.
     fn tool_shapes(design: &Design) -> [RadiatingShape; 2] {
         let elements = inputs::radiation::tool(design).unwrap();
         let mut wrapped = design.clone();
@@ -453,7 +453,7 @@ mod tests {
             |design: &mut Design| design.body.cap_wall *= 1.1,
             |design: &mut Design| design.body.nose_wall *= 0.9,
             |design: &mut Design| {
-                // The gap takes up the change of the wall.
+                // The gap compensates for the change of the wall.
                 design.body.barrel_wall += 1e-4;
                 design.body.sleeve_gap -= 1e-4;
             },
@@ -480,8 +480,8 @@ mod tests {
         }
     }
 
-    /// A slab as the housing, with the surfaces that carry the forces of a tool; its modes begin at some 700 Hz. Its
-    /// file has the name of the test, because tests run side by side.
+    /// A slab as housing, with the surfaces on which the forces of a tool act; its modes start at about 700 Hz. Its
+    /// file is named after the test, because tests run in parallel.
     fn slab(name: &str) -> Design {
         const SIZE: [f64; 3] = [0.1, 0.012, 0.3];
         let mut mesh = block(&Block {
@@ -537,13 +537,15 @@ mod tests {
         design
     }
 
-    /// Fourier transforms of the modal accelerations under 1 N at a load, at all frequencies alike \[m/s\].
+    /// Fourier transforms of the modal accelerations due to a force of 1 N at one load, the same at all frequencies
+    /// \[m/s\].
     fn driven(body: &Body, load: usize, to_hz: f64) -> ModalSpectra {
         let frequency: Vec<f64> = (0..=(to_hz / 5.0) as usize).map(|bin| 5.0 * bin as f64).collect();
         let column = body.loads.column(load);
         let accelerations = DMatrix::from_fn(body.omega.len(), frequency.len(), |mode, bin| {
             let (square, driven) = (body.omega[mode].powi(2), (TAU * frequency[bin]).powi(2));
-            // The stiffness of static corrections and of modes has the loss factor 0.02; rigid modes retain 1/m.
+            // Static corrections and modes have stiffness with a loss factor of 0.02; rigid modes are purely inertial,
+            // 1/m.
             let response = Complex::new(square - driven, 0.02 * square);
             if bin == 0 {
                 Complex::default()
@@ -558,8 +560,8 @@ mod tests {
         }
     }
 
-    /// Radiation and pressures carried over from the standard housing, which has no lumped mass, against boundary
-    /// elements with the design's modes: a mass of 0.3 kg, most of it at the nose, another modulus, Poisson's ratio and
+    /// Radiation and pressures derived from the standard housing without lumped mass, compared with boundary elements
+    /// for the design's modes: a mass of 0.3 kg, mostly at the nose, and a different modulus, Poisson's ratio and
     /// density.
     #[test]
     fn another_tool_mass_and_alloy_radiate_as_by_boundary_elements_of_their_own() {
@@ -580,7 +582,7 @@ mod tests {
                 .count()
                 > 0
         );
-        // Rings of the bore off the slab move nothing.
+        // Rings of the bore outside the slab do not load it.
         let loads: Vec<usize> = (0..body.loads.ncols())
             .filter(|&load| body.loads.column(load).norm() > 0.0)
             .collect();
@@ -635,7 +637,7 @@ mod tests {
     #[test]
     fn where_the_standard_tool_lacks_motion_the_modes_of_the_tool_are_solved() {
         let mut design = slab("own");
-        // Few modes of the standard, and a mass at the nose as large as the slab's.
+        // Few modes of the standard, and a mass at the nose equal to the slab's.
         design.analysis.body_max_frequency = 2000.0;
         design.body.housing.poisson_ratio = 0.25;
         (design.body.lumped, design.body.lumped_nose, design.body.lumped_magazine) = (true, 0.9, 0.0);

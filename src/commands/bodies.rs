@@ -58,10 +58,10 @@ pub(super) fn length(text: &str) -> Result<f64, String> {
     }
 }
 
-/// The option for the unit of a file.
+/// The option that gives the unit of a file.
 const UNIT: &str = "--unit";
 
-/// A file of the user that replaces a body of the design.
+/// A user's file that replaces a body of the design.
 #[derive(Args)]
 pub(super) struct Own {
     /// Mesh (.msh) or geometry (.step) that replaces the body, as if the design named it
@@ -73,7 +73,7 @@ pub(super) struct Own {
 }
 
 impl Own {
-    /// Enters the file into the design.
+    /// Enters the file in the design.
     ///
     /// # Errors
     /// [`BodyError::StatedUnit`] where a unit is given for a file that states its own.
@@ -99,7 +99,7 @@ impl Own {
             .into());
         }
         *unit = match &self.mesh {
-            // The unit of the design is that of the file that it names.
+            // The design's unit belongs to the file named in the design.
             Some(path) if states_unit(path) => FileUnit::USUAL,
             _ => self.unit.unwrap_or(*unit),
         };
@@ -107,7 +107,7 @@ impl Own {
     }
 }
 
-/// A design with the choice of a body, or a mesh or geometry of any origin.
+/// A design and the choice of a body, or a mesh or geometry of any origin.
 #[derive(Args)]
 pub(super) struct Input {
     /// Design file (.toml), mesh (.msh, .msh.gz) or geometry (.step, .stp, .brep, .igs)
@@ -135,20 +135,20 @@ pub(super) struct Input {
     threads: Threads,
 }
 
-/// A mesh, with the body of a design that it is, if it is one.
+/// A mesh, with the design's body that it represents, if any.
 pub(super) struct Loaded {
-    /// Name for headings and files.
+    /// Name used in headings and files.
     pub(super) name: String,
     /// The mesh.
     pub(super) imported: Imported,
-    /// The body, and the frequency below which its modes are wanted \[Hz\].
+    /// The body, and the frequency below which modes are computed \[Hz\].
     pub(super) body: Option<(Arc<Meshed>, f64)>,
-    /// Why a run cannot use the body.
+    /// Why the body cannot be used in a run.
     pub(super) problems: Vec<Error>,
 }
 
 impl Input {
-    /// Reads or builds the mesh; checks also whether a run can use it, if it is `for_run`.
+    /// Reads or builds the mesh; if `for_run`, also checks whether a run can use the body.
     pub(super) fn load(&self, for_run: bool) -> Result<Loaded, Error> {
         let is_design = self.path.extension().is_some_and(|end| end == "toml");
         if !is_design {
@@ -169,7 +169,7 @@ impl Input {
                 }
                 .into());
             }
-            // `check` lists the faults of a damaged mesh, everything else refuses it.
+            // `check` lists the faults of a damaged mesh; other commands reject it.
             if !for_run {
                 imported.validate()?;
             }
@@ -218,7 +218,7 @@ impl Input {
         })
     }
 
-    /// The design, if no body of it is chosen.
+    /// The design, if no body is chosen.
     pub(super) fn whole_design(&self) -> Result<Option<Design>, Error> {
         let is_design = self.path.extension().is_some_and(|end| end == "toml");
         (is_design && self.body.is_none())
@@ -240,7 +240,7 @@ impl Input {
         self.threads.start()
     }
 
-    /// Memory that the command may use.
+    /// Memory limit of the command.
     pub(super) fn memory(&self) -> MemoryLimit {
         self.memory.limit()
     }

@@ -13,7 +13,7 @@ use crate::error::Error;
 use crate::store::Store;
 use crate::{figures, report};
 
-/// The last file to be written, so that a folder with it has all the rest.
+/// The file written last, whose presence shows that the folder is complete.
 const LAST: &str = "calibration.json";
 
 /// Inputs and further measurements that are printed.
@@ -127,7 +127,7 @@ fn ends([low, high]: [f64; 2]) -> String {
     format!("{} .. {}", number(low), number(high))
 }
 
-/// A reading with its open ends.
+/// Formats a reading, which may be open-ended.
 fn reading([low, high]: [Option<f64>; 2]) -> String {
     match (low, high) {
         (Some(low), Some(high)) if low == high => number(low),
@@ -138,7 +138,7 @@ fn reading([low, high]: [Option<f64>; 2]) -> String {
     }
 }
 
-/// The result for the terminal.
+/// Formats the result for the terminal.
 fn text(result: &CalibrationResult) -> String {
     let mut text = format!(
         "{}: {} draws given {} ({} of {} candidates have the observed outcomes)\n",

@@ -1,4 +1,4 @@
-//! `nailnoise compare`: designs side by side.
+//! `nailnoise compare`: compares designs.
 
 use std::path::{Path, PathBuf};
 
@@ -141,12 +141,12 @@ pub(super) fn execute(arguments: &Arguments) -> Result<Status, Error> {
 struct Layout<'a> {
     #[serde(flatten)]
     comparison: &'a Comparison,
-    /// Each design against the first over common draws; absent without `--draws`.
+    /// Comparison of each design with the first over common draws; absent without `--draws`.
     #[serde(skip_serializing_if = "<[_]>::is_empty")]
     paired: &'a [PairedStudy],
 }
 
-/// Each design against the first over common draws, on request.
+/// Compares each design with the first over common draws, if requested.
 fn paired(arguments: &Arguments, cache: &Store, progress: &Progress) -> Result<Vec<PairedStudy>, Error> {
     let Some(draws) = arguments.draws else {
         return Ok(Vec::new());
@@ -168,7 +168,7 @@ fn paired(arguments: &Arguments, cache: &Store, progress: &Progress) -> Result<V
     designs.iter().skip(1).map(pair).collect()
 }
 
-/// The changes of a design as a person reads them.
+/// Formats the changes of a design.
 fn changes(paired: &PairedStudy) -> String {
     format!(
         "\n{}\n\n{}",
@@ -205,7 +205,7 @@ fn finish(
     Ok((Finished::parse(&folder, &artifacts.json)?, Some(folder)))
 }
 
-/// The name, followed by a number if another result of the comparison has it.
+/// The name, followed by a number if another result of the comparison has the same name.
 fn free_name(name: &str, others: &[Finished]) -> String {
     let taken = |name: &str| others.iter().any(|other| other.name() == name);
     if !taken(name) {

@@ -1,4 +1,4 @@
-//! `nailnoise compare --measured`: predictions next to measurements, like with like.
+//! `nailnoise compare --measured`: compares predictions with measurements.
 
 use std::path::Path;
 
@@ -19,7 +19,7 @@ use crate::virtual_test::comparison::{MeasuredComparison, Measurements, Predicte
 use crate::virtual_test::{VirtualTest, wrapping};
 use crate::wording::drawn_structures;
 
-/// Draws where `--draws` gives no number.
+/// Number of draws if `--draws` gives none.
 const DRAWS: u32 = 64;
 
 pub(super) fn execute(arguments: &Arguments, file: &Path) -> Result<Status, Error> {
@@ -52,7 +52,7 @@ pub(super) fn execute(arguments: &Arguments, file: &Path) -> Result<Status, Erro
         ..Request::new(arguments.draws.unwrap_or(DRAWS) as usize, arguments.seed)
     };
     let mut predicted = Vec::new();
-    // The designs' own shots first: the draws then find modes and radiation.
+    // The designs' own shots come first, so that the draws find modes and radiation in the cache.
     let mut shots = Vec::new();
     for design in &designs {
         progress.stage(&format!("shot of {}", design.name()));

@@ -233,8 +233,8 @@ fn text(found: &Optimisation, files: &[String], page: &Path) -> String {
     let table = table::text(&tables::best(found, &[]));
     let list: String = files.iter().map(|file| format!("  {file}\n")).collect();
     format!(
-        "{title}\n\n{table}\n{list}  {page}\n\n  `nailnoise run {}` computes the best in full; `nailnoise compare --draws` \
-         says how sure the change is\n",
+        "{title}\n\n{table}\n{list}  {page}\n\n  `nailnoise run {}` computes the best in full; `nailnoise compare \
+         --draws` says how sure the change is\n",
         files[0]
     )
 }

@@ -9,7 +9,7 @@ use super::Common;
 use crate::design::Design;
 use crate::error::Error;
 
-/// Variable that names the interpreter.
+/// Environment variable that names the interpreter.
 const PYTHON: &str = "NAILNOISE_PYTHON";
 
 /// Calls `python -m nailnoise COMMAND`, which needs a package in addition to nailnoise; returns the exit status. It
@@ -42,10 +42,10 @@ fn status(needed: &'static str, command: &str, arguments: &[OsString]) -> Result
     }
 }
 
-/// The number that a shell adds to the number of the signal that ended a program.
+/// The offset that a shell adds to the number of the signal that ended a program.
 const KILLED: u8 = 128;
 
-/// A cluster of Dask that fills the store of a command, which then states the same result as without it.
+/// A Dask cluster that fills the store of a command, which then reports the same result as without the cluster.
 pub(super) struct Cluster<'a> {
     /// Address of its scheduler.
     pub(super) scheduler: &'a str,
@@ -56,7 +56,7 @@ pub(super) struct Cluster<'a> {
 }
 
 impl Cluster<'_> {
-    /// Computes on the cluster the same as `python -m nailnoise COMMAND DESIGN` with these arguments.
+    /// Computes the same on the cluster as `python -m nailnoise COMMAND DESIGN` with these arguments.
     pub(super) fn fill(
         &self,
         command: &str,

@@ -22,7 +22,7 @@ use crate::store::Store;
 use crate::study::{Axis, Quantiles, Request, SweptPoint, at_point, sweep};
 use crate::tables::sweep::{self as tables, sources};
 
-/// The last file to be written, so that a folder with it has all the rest.
+/// The file written last, whose presence shows that the folder is complete.
 const LAST: &str = "sweep.csv";
 
 #[derive(Args)]
@@ -153,7 +153,7 @@ pub(super) fn execute(arguments: &Arguments) -> Result<Status, Error> {
     Ok(status_of(&checks))
 }
 
-/// Names a folder for each point with levels after its values.
+/// Names a folder after its values for each point that has levels.
 fn name_folders(points: &mut [SweptPoint], axes: &[Axis]) {
     let safe = |c: char| {
         if c.is_alphanumeric() || "=.,+-_".contains(c) {

@@ -1,4 +1,4 @@
-//! `nailnoise watch`: a design that runs again when it is saved, on a page that follows.
+//! `nailnoise watch`: reruns a design whenever it is saved, and shows the result on a live page.
 
 use std::net::{IpAddr, SocketAddr};
 use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
@@ -64,8 +64,8 @@ pub(super) fn execute(arguments: &Arguments) -> Result<Status, Error> {
     note(match arguments.listen {
         None => "open this address in a browser on this machine; Ctrl-C ends the command and the page",
         Some(_) => {
-            "whoever has this address sees the design, moves its sliders and saves designs beside it; 0.0.0.0 stands for \
-             any address of this machine; the connection is not encrypted; Ctrl-C ends the command and the page"
+            "whoever has this address sees the design, moves its sliders and saves designs beside it; 0.0.0.0 stands \
+             for any address of this machine; the connection is not encrypted; Ctrl-C ends the command and the page"
         }
     });
     let mut watching = Watching {
@@ -74,18 +74,18 @@ pub(super) fn execute(arguments: &Arguments) -> Result<Status, Error> {
         board,
         runs: 0,
     };
-    // An interruption ends the process, and with it the server.
+    // An interrupt ends the process and with it the server.
     loop {
         watching.follow()?;
     }
 }
 
-/// A design that is watched.
+/// A watched design.
 struct Watching<'a> {
     arguments: &'a Arguments,
     store: Store,
     board: Arc<Board>,
-    /// Runs that succeeded.
+    /// Number of successful runs.
     runs: u32,
 }
 
@@ -172,7 +172,9 @@ impl Watching<'_> {
             self.board.begin("which inputs matter");
             let effects = Effects::of(&graph, &design, false, progress)?;
             let keys = effects.inputs.into_iter().map(|own| own.key);
-            self.board.offer(Slider::of(&design, keys), &effects.basis);
+            // The rest of the sentence is about options of `check`.
+            let basis = effects.basis.split(';').next().unwrap_or_default();
+            self.board.offer(Slider::of(&design, keys), basis);
         }
         if source.awaits_screening(&design, &reported.run.result) {
             self.board.begin("how sure the levels are");
@@ -184,7 +186,7 @@ impl Watching<'_> {
     }
 }
 
-/// The levels of a run on one line.
+/// The levels of a run in one line.
 fn line(shot: &FinishedRun) -> String {
     let levels = shot
         .levels
@@ -203,7 +205,7 @@ fn line(shot: &FinishedRun) -> String {
     )
 }
 
-/// The changes, on one line.
+/// The changes in one line.
 fn changed(differences: &Differences, behind: &str) -> String {
     let levels = differences.levels.iter();
     let levels = levels.filter_map(|(name, db)| Some(format!("{name} {}", change((*db)?))));
@@ -226,30 +228,30 @@ fn changed(differences: &Differences, behind: &str) -> String {
     )
 }
 
-/// Changed values that are named on a line.
+/// Number of changed values named in a line.
 const NAMED: usize = 4;
 
-/// An error or a warning as the terminal shows it, for the page.
+/// Formats an error or warning as in the terminal, for the page.
 fn shown(diagnostic: &dyn Diagnostic) -> String {
     let mut text = String::new();
     let handler = GraphicalReportHandler::new_themed(GraphicalTheme::none())
         .with_links(false)
         .with_width(100)
         .with_context_lines(1);
-    // A diagnostic that cannot be drawn is written in words.
+    // A diagnostic that cannot be rendered is written as plain text.
     if handler.render_report(&mut text, diagnostic).is_err() {
         text = diagnostic.to_string();
     }
     text.trim_matches('\n').to_owned()
 }
 
-/// Interval between two checks of the files while a run works.
+/// Interval between checks of the files during a run.
 const LOOK: Duration = Duration::from_millis(50);
 
-/// The payload of the unwinding that ends work on files that have changed. No panic hook sees it.
+/// Payload of the unwinding that ends work on files that have changed. It does not trigger a panic hook.
 struct Abandoned;
 
-/// Shows progress in the terminal and on the page, and ends the work at its next report when the files have changed.
+/// Shows progress in the terminal and on the page, and aborts the work at its next report if the files have changed.
 struct Interested {
     terminal: Arc<dyn Observer>,
     board: Arc<Board>,
@@ -261,7 +263,7 @@ struct Interested {
 
 impl Interested {
     fn look(&self) {
-        // One thread checks, the others continue.
+        // One thread checks, while the others continue.
         let Ok(mut looked) = self.looked.try_lock() else { return };
         if looked.elapsed() < LOOK {
             return;

@@ -1,4 +1,4 @@
-//! A finished result as far as a comparison needs it, from a run or from the `result.json` it left.
+//! A finished result, reduced to what a comparison needs, from a run or from its `result.json`.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -42,7 +42,8 @@ pub struct Input {
 }
 
 impl Finished {
-    /// Whether `path` names a finished result and not a design: a `.json` file, or a folder with a `result.json`.
+    /// Whether `path` refers to a finished result instead of a design: a `.json` file, or a folder with a
+    /// `result.json`.
     pub fn is_at(path: &Path) -> Option<PathBuf> {
         if path.is_dir() {
             Some(path.join("result.json"))
@@ -53,7 +54,7 @@ impl Finished {
         }
     }
 
-    /// Reads a `result.json` whose numbers agree with each other.
+    /// Reads a `result.json` and checks that its numbers are consistent.
     ///
     /// # Errors
     /// [`Error::Unreadable`], [`ComparisonError::NotAResult`] or [`ComparisonError::Inconsistent`].
@@ -74,7 +75,7 @@ impl Finished {
         Ok(result)
     }
 
-    /// Reads the content of a `result.json`; `path` is named in errors.
+    /// Parses the contents of a `result.json`; `path` is used in errors.
     ///
     /// # Errors
     /// [`ComparisonError::NotAResult`].
@@ -105,7 +106,7 @@ impl Finished {
         &self.design.name
     }
 
-    /// Gives the design another name, if two of a comparison have the same.
+    /// Renames the design, if two designs of a comparison have the same name.
     pub fn rename(&mut self, name: String) {
         self.design.name = name;
     }
@@ -118,12 +119,12 @@ impl Finished {
         self.headline.clone().or_else(bare)
     }
 
-    /// The study that serves its design; none if it states none.
+    /// The study that applies to its design; none if it states none.
     pub(super) fn study(&self) -> Option<StudySummary> {
         self.study.as_ref().and_then(RunStudy::known).cloned()
     }
 
-    /// Version of the layout it was written in.
+    /// Version of its layout.
     pub fn schema(&self) -> &str {
         &self.schema
     }

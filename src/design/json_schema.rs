@@ -1,4 +1,4 @@
-//! The design file's schema for editors, from the same declarations that read it.
+//! JSON schema of the design file for editors, made from the same declarations that read the file.
 
 use nailnoise_quantities::{Group, GroupSpec, KeySpec, Kind};
 use serde_json::{Map, Value, json};
@@ -151,7 +151,7 @@ fn key(spec: &KeySpec) -> Value {
         Kind::Choice(words) => json!({"enum": words}),
         Kind::File => json!({"type": "string"}),
     };
-    // A number is in SI units; the limits do not apply to a text.
+    // A number is in SI units; the limits do not apply to a text with a unit.
     if let Some([low, high]) = spec.kind.domain() {
         (plain["minimum"], plain["maximum"]) = (json!(low), json!(high));
     }

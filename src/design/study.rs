@@ -40,10 +40,10 @@ use super::suggest;
 use nailnoise_documents::Place;
 use nailnoise_documents::{found, found_value, nearest};
 
-/// Draws of a screening at most: more are a study.
+/// Maximum number of draws in a screening; more would be a study.
 const MOST_SCREENED: u32 = 8;
 
-/// Options of an alternative at most.
+/// Maximum number of options of an alternative.
 const MOST_OPTIONS: usize = 64;
 
 /// Names of the outcomes of a shot.
@@ -51,7 +51,7 @@ pub(super) fn outcomes() -> impl Iterator<Item = &'static str> {
     Outcome::ALL.into_iter().map(Outcome::name)
 }
 
-/// Names of the sources whose method's error a design may give: those of the program, in their order.
+/// Names of the sources for which a design may give the method's error, in the order of the program.
 pub const SOURCES: [&str; 3] = ["workpiece", "exhaust", "body"];
 
 /// Variables of a study in addition to the ranges of the design, and the definition of shots that count.
@@ -63,7 +63,7 @@ pub struct StudySettings {
     pub screening: u32,
     /// Choices between sets of values, by name.
     pub alternatives: BTreeMap<String, Vec<Alternative>>,
-    /// Bounds of the error of a source's method \[dB\], which replace the method's.
+    /// Bounds of the method's error for a source \[dB\], which replace the default.
     pub model: BTreeMap<&'static str, [f64; 2]>,
     /// Rank correlations between drawn quantities.
     pub correlations: Vec<Correlation>,
@@ -83,7 +83,7 @@ pub struct Alternative {
     pub values: Vec<(String, Value)>,
 }
 
-/// Quantities that are drawn with a common rank correlation.
+/// Quantities that are drawn with the same rank correlation.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Correlation {
     /// Full names of the keys.
@@ -107,7 +107,7 @@ pub(crate) struct StudyLayer {
     correlations: Option<Vec<Placed<Correlation>>>,
 }
 
-/// An option before gauge pressures are made absolute and weights probabilities.
+/// An option before gauge pressures are made absolute and weights are converted to probabilities.
 #[derive(Debug)]
 struct DraftOption {
     name: String,
@@ -116,7 +116,7 @@ struct DraftOption {
 }
 
 impl StudyLayer {
-    /// Reads `[study]` of a file, if there is one, by the declaration `root` of the design's keys.
+    /// Reads `[study]` of a file, if present, by the declaration `root` of the design's keys.
     pub(crate) fn of(file: &File, table: &DeTable<'_>, root: &'static GroupSpec) -> Result<Option<Self>, DesignError> {
         let reader = Reader { file, root };
         table.get("study").map(|value| Self::read(&reader, value)).transpose()
@@ -165,7 +165,7 @@ impl StudyLayer {
     }
 }
 
-/// The range of values without one, by the nearest of the files that states it.
+/// The default range of values without one, from the nearest file that states it.
 pub(crate) fn default_range(layers: &[StudyLayer]) -> DefaultRange {
     layers
         .iter()
@@ -174,8 +174,8 @@ pub(crate) fn default_range(layers: &[StudyLayer]) -> DefaultRange {
         .unwrap_or_default()
 }
 
-/// Joins the settings of the files, the nearest last. `names` are the names of its wood and nail, `ranged` tests
-/// whether a key has a range, and `ambient` is the reference of gauge pressures \[Pa\].
+/// Joins the settings of the files, nearest last. `names` are the names of wood and nail, `ranged` tests whether a key
+/// has a range, and `ambient` is the reference for gauge pressures \[Pa\].
 pub(crate) fn joined(
     layers: Vec<StudyLayer>,
     names: &Names,
@@ -354,7 +354,7 @@ impl Reader<'_> {
         ends.ok_or_else(|| self.wrong(&dotted("study.model", source), value, "as \"low .. high dB\""))
     }
 
-    /// The declaration of a key, or of a group, by its full name.
+    /// The declaration of a key or a group by its full name.
     fn find(&self, name: &str) -> Option<Result<&'static KeySpec, &'static GroupSpec>> {
         let mut group: &'static GroupSpec = self.root;
         let mut parts = name.split('.').peekable();
@@ -483,7 +483,8 @@ impl Reader<'_> {
                     _ => return Err(self.unknown("study.correlation", key, &["keys", "rank"])),
                 }
             }
-            // The copula's matrix with one correlation off its diagonal is positive definite above -1/(k - 1).
+            // The copula's matrix with the same correlation in all off-diagonal elements is positive definite above
+            // -1/(k - 1).
             let pearson = |rank: f64| 2.0 * (std::f64::consts::PI * rank / 6.0).sin();
             match rank {
                 Some(rank) if keys.len() >= 2 && 1.0 + (keys.len() - 1) as f64 * pearson(rank) > 0.0 => {

@@ -1,8 +1,8 @@
 //! Charts of a run: [`cycle`] shows a nailing cycle, [`sound`] the levels of a run, [`penetration()`] compares
-//! penetration laws. Curves, bars and ticks are the same on a page and in a file: [`Chart::svg`] sets them in
-//! millimetres for print, the report in its page.
+//! penetration laws. Curves, bars and ticks are the same on a page and in a file: [`Chart::svg`] lays them out in
+//! millimetres for print, the report on its page.
 //!
-//! Time runs in ms from the trigger on; the events t0 to t18 appear over each chart of time.
+//! Time is in ms from the trigger; every chart over time shows the events t0 to t18.
 
 mod calibration;
 mod chart;
@@ -59,7 +59,7 @@ pub fn sound(subject: &str, run: &Run) -> Vec<Chart> {
     charts
 }
 
-/// Writes charts to the folder `folder` of a [`AtomicWrite`] as SVG and returns their files.
+/// Writes charts as SVG to the folder `folder` of an [`AtomicWrite`] and returns their files.
 ///
 /// # Errors
 /// [`Error::Write`] with the file that could not be written.

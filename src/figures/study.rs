@@ -1,4 +1,4 @@
-//! Charts of a study: intervals of levels, probabilities of orders, deciding inputs, convergence.
+//! Charts of a study: intervals of levels, probabilities of orders, most influential inputs, convergence.
 
 use super::chart::{Axis, Chart, Panel, Series, Shape};
 use super::levels::{SHOWN, in_palette};
@@ -8,11 +8,11 @@ use crate::study::{
     StudyResult, SweptPoint, Variable, VariableKind, column, levels_of, number_and_unit, value_at,
 };
 
-/// Inputs whose changes of a level are drawn, and the least change that is \[dB\].
+/// Number of inputs in the chart of level changes, and the smallest change shown \[dB\].
 const SWINGS: usize = 10;
 const LEAST_SWING: f64 = 0.05;
 
-/// Inputs of each output that are drawn as scatter.
+/// Number of inputs of each output shown as scatter plots.
 const SCATTERED: usize = 2;
 
 /// Charts of the results.
@@ -67,7 +67,7 @@ pub fn study(result: &StudyResult) -> Vec<Chart> {
     charts
 }
 
-/// Changes of a level, the inputs that change it most first; none if no input does.
+/// Changes of a level, largest first; `None` if no input changes it.
 fn swings(own: &OneAtATime, output: usize, name: &str) -> Option<Panel> {
     let mut inputs: Vec<&InputChanges> = own
         .inputs
@@ -114,7 +114,7 @@ fn whiskers(name: &str, colour: usize, rows: &[(usize, &Quantiles)]) -> Series {
     }
 }
 
-/// An axis of levels that shows the upper ends of all bars, and at most so many dB below the highest.
+/// A level axis that shows the upper ends of all bars, and at most `shown` dB below the highest.
 fn axis_of_levels(series: &[Series], shown: f64) -> Axis {
     let upper = series.iter().flat_map(|series| match &series.shape {
         Shape::Whiskers(ends) => ends.iter().map(|[_, high]| Some(*high)).collect::<Vec<_>>(),
@@ -357,7 +357,7 @@ pub fn sweep(design: &str, axes: &[SweepAxis], points: &[SweptPoint]) -> Chart {
         height: 80,
         series,
     }];
-    // Bars of the total for each of the other values would lie on each other.
+    // Bars of the total for each of the other values would overlap.
     if axes.len() == 1 && points.iter().any(|point| point.drawn.is_some()) {
         let sources = points.iter().find_map(|point| point.drawn.as_ref());
         let names: Vec<&str> = sources.into_iter().flatten().map(|own| own.source.as_str()).collect();

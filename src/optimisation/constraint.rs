@@ -6,13 +6,10 @@ use nailnoise_quantities::{Dimension, measure};
 use serde::Serialize;
 
 use super::error::OptimisationError;
-use super::trial::Shot;
+use super::shot::Shot;
 use crate::model::sources;
 use crate::result::TOTAL;
 use crate::wording::unit_of_figure;
-
-/// The work that nail and wood take up \[J\], beside the figures of the cycle's summary.
-pub(super) const DRIVE_ENERGY: &str = "drive_energy";
 
 /// The outcome of the shot in a constraint.
 const OUTCOME: &str = "outcome";

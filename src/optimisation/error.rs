@@ -35,8 +35,8 @@ pub enum OptimisationError {
     /// A text that is no constraint.
     #[error("`{text}` is no constraint: {problem}")]
     #[diagnostic(help(
-        "give FIGURE >= VALUE or FIGURE <= VALUE, as in \"penetration >= 80 mm\" or \"exhaust <= 92 dB\", or \"outcome == \
-         drives\""
+        "give FIGURE >= VALUE or FIGURE <= VALUE, as in \"penetration >= 80 mm\" or \"exhaust <= 92 dB\", or \
+         \"outcome == drives\""
     ))]
     BadConstraint {
         /// The text given.

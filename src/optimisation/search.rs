@@ -5,9 +5,10 @@ use std::path::Path;
 use nailnoise_optimisation::{Observation, Optimiser, Space, front};
 use serde::Serialize;
 
-use super::constraint::{Constraint, DRIVE_ENERGY, Objective, is_level};
+use super::constraint::{Constraint, Objective, is_level};
 use super::error::OptimisationError;
-use super::trial::{Candidate, Shot, Trial};
+use super::shot::Shot;
+use super::trial::{Candidate, Trial};
 use super::variable::{Variable, Varied};
 use crate::chain::{Chain, Options};
 use crate::cost::MemoryLimit;
@@ -52,7 +53,7 @@ pub struct Optimisation {
     pub constraints: Vec<Constraint>,
     /// Seed.
     pub seed: u64,
-    /// The design itself; its values are in words.
+    /// The design itself; values outside of the ranges are in words.
     pub start: Trial,
     /// All candidates in their order.
     pub trials: Vec<Trial>,
@@ -103,8 +104,8 @@ pub fn optimise(
     let design = Design::load_with(path, changes)?;
     let dimensions = vary.iter().map(|own| own.of((path, changes)));
     let dimensions: Vec<(Variable, Option<f64>)> = dimensions.collect::<Result<_, Error>>()?;
-    let place: Option<Vec<f64>> = dimensions.iter().map(|(_, place)| *place).collect();
-    let variables: Vec<Variable> = dimensions.into_iter().map(|(variable, _)| variable).collect();
+    let (variables, places): (Vec<Variable>, Vec<Option<f64>>) = dimensions.into_iter().unzip();
+    let place: Option<Vec<f64>> = places.iter().copied().collect();
     let twice = variables
         .iter()
         .enumerate()
@@ -113,7 +114,10 @@ pub fn optimise(
         let key = own.key.clone();
         return Err(OptimisationError::VariedTwice { key }.into());
     }
-    let words = variables.iter().map(|variable| own_value(&design, &variable.key));
+    let words = variables.iter().zip(&places).map(|(variable, place)| match place {
+        Some(place) => variable.value(*place),
+        None => own_value(&design, &variable.key),
+    });
     let start = Candidate::new(path, changes, words.collect(), memory).with_levels(graph, constraints);
     if let Some(shot) = &start.shot {
         refuse_unknown(shot, objectives, constraints)?;
@@ -144,16 +148,8 @@ pub fn optimise(
     let mut observed = Vec::new();
     // The design itself is the first candidate where the ranges include it.
     if let Some(point) = place {
-        let values = variables
-            .iter()
-            .zip(&point)
-            .map(|(variable, place)| variable.value(*place));
-        let trial = Trial {
-            values: values.collect(),
-            ..found.start.clone()
-        };
-        observed.push(observation(point, &trial, objectives));
-        found.trials.push(trial);
+        observed.push(observation(point, &found.start, objectives));
+        found.trials.push(found.start.clone());
     }
     while found.with_levels() < request.trials && found.trials.len() < CANDIDATES_A_TRIAL * request.trials {
         let missing = request.trials - found.with_levels();
@@ -248,6 +244,3 @@ fn own_value(design: &Design, key: &str) -> String {
     let value = entries.into_iter().find(|entry| entry.key == key);
     value.map_or_else(String::new, |entry| design.value_in_words(key, entry.value))
 }
-
-/// Figures of a shot that show what quieting costs: depth, work on nail and wood, air a shot.
-pub(crate) const COSTS: [&str; 3] = ["penetration", DRIVE_ENERGY, "supply_mass"];

@@ -1,15 +1,16 @@
 //! A design that is tried: its shot, and its levels where the shot meets the constraints.
 
+use std::path::Path;
+
 use serde::Serialize;
 
-use super::constraint::{Constraint, DRIVE_ENERGY};
-use crate::chain::{self, Chain, Options};
+use super::constraint::Constraint;
+use super::shot::Shot;
+use crate::chain::{Chain, Options};
 use crate::cost::{self, MemoryLimit};
 use crate::design::{Assignment, Design};
 use crate::error::Error;
 use crate::graph::Graph;
-use crate::result::TOTAL;
-use crate::stages::levels::Levels;
 use crate::study::{levels_of_shot, total_of, without_sensors};
 
 /// A design that was tried.
@@ -28,58 +29,6 @@ pub struct Trial {
     pub refused: String,
 }
 
-/// The shot of a design.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Shot {
-    /// Name of the outcome.
-    pub outcome: String,
-    /// Name and value of each figure of the cycle \[SI\]; none for a phase that does not occur.
-    #[serde(serialize_with = "as_object")]
-    pub figures: Vec<(String, Option<f64>)>,
-    /// Levels of the sources; none if the shot breaks a constraint.
-    pub levels: Option<Levels>,
-    /// Level of all sources together \[dB re 1 pW s\].
-    pub total_db: Option<f64>,
-}
-
-fn as_object<S: serde::Serializer>(figures: &[(String, Option<f64>)], serializer: S) -> Result<S::Ok, S::Error> {
-    serializer.collect_map(figures.iter().map(|(name, value)| (name, value)))
-}
-
-impl Shot {
-    /// The cycle of a design, without levels.
-    ///
-    /// # Errors
-    /// Those of the cycle.
-    fn of(design: &Design) -> Result<Self, Error> {
-        let record = chain::cycle(design)?;
-        let summary = serde_json::to_value(&record.summary).map_err(Error::Json)?;
-        let figures = summary.as_object().into_iter().flatten();
-        let figures = figures.map(|(name, value)| (name.clone(), value.as_f64()));
-        let work = (DRIVE_ENERGY.to_owned(), Some(record.energy.penetration));
-        Ok(Self {
-            outcome: record.outcome.name().to_owned(),
-            figures: figures.chain([work]).collect(),
-            levels: None,
-            total_db: None,
-        })
-    }
-
-    /// A figure of the cycle \[SI\] or a level \[dB re 1 pW s\] by its name; none where it does not occur or is silent,
-    /// or was not computed.
-    pub fn figure(&self, name: &str) -> Option<f64> {
-        if name == TOTAL {
-            return self.total_db;
-        }
-        let of_source = self.levels.iter().flat_map(|levels| &levels.sources);
-        let level = of_source.into_iter().find(|source| source.source == name);
-        match level {
-            Some(source) => source.lwa_db,
-            None => self.figures.iter().find(|(own, _)| own == name)?.1,
-        }
-    }
-}
-
 /// A candidate between its cycle and its levels.
 pub(super) struct Candidate {
     /// The values of the variables, and the assignments that make the design.
@@ -89,12 +38,7 @@ pub(super) struct Candidate {
 
 impl Candidate {
     /// The design of a file with these assignments and its cycle. Values that are no design are a result, too.
-    pub(super) fn new(
-        path: &std::path::Path,
-        assignments: &[Assignment],
-        values: Vec<String>,
-        memory: MemoryLimit,
-    ) -> Self {
+    pub(super) fn new(path: &Path, assignments: &[Assignment], values: Vec<String>, memory: MemoryLimit) -> Self {
         let made = || -> Result<(Design, Shot), Error> {
             let design = without_sensors(&Design::load_with(path, assignments)?);
             let shot = Shot::of(&design)?;

@@ -41,7 +41,7 @@ pub const OUTPUTS: [Output; 24] = [
     figures::FIGURES,
 ];
 
-/// Files of a cycle, which need no source.
+/// Files of a cycle, for which no source is needed.
 ///
 /// # Errors
 /// [`Error::Table`] where a table is not rectangular.
@@ -64,10 +64,10 @@ pub fn of_keys(record: &CycleRecord, exports: Exports) -> Result<Vec<File>, Erro
     files.collect()
 }
 
-/// Files of a run that no study changes, other than those of its cycle and its bodies.
+/// Files of a run that no study affects, other than those of its cycle and bodies.
 ///
 /// # Errors
-/// Those of the sensors' spectra and of sound files.
+/// The errors of the sensors' spectra and of sound files.
 pub fn of_run(view: &RunView<'_>) -> Result<Vec<File>, Error> {
     let own = |output: &&Output| (output.condition)(view);
     let files = OUTPUTS.par_iter().filter(own).map(|output| match output.writer {

@@ -8,7 +8,7 @@ use crate::result::TOTAL;
 /// The ranking of the sources.
 pub(super) const RANKING: Output = Output::of_study("ranking.csv", rows);
 
-/// The sources, loudest first, and the total; columns of a study are empty without one.
+/// The sources, loudest first, and the total; without a study, its columns are empty.
 fn rows(of: &RunView<'_>) -> Result<Vec<u8>, Error> {
     let result = &of.run.result;
     let over_draws = |source: &str| {

@@ -1,9 +1,9 @@
-//! Reports: one HTML file that opens without a network, for people who do not run the program.
+//! Reports: one HTML file that opens without a network, for readers who do not run the program.
 //!
-//! A report of a run shows everything in its result: every source, check, note and sensor separately, and the additions
-//! of a newer result as separate tables. Charts and pictures are in the page itself, so that it is complete without a
-//! script, with light and dark colours and in print; scripts add values under the pointer, a zoom, and a view in space
-//! that turns.
+//! A report of a run shows everything in its result: every source, check, note and sensor separately, and fields that
+//! newer results add as separate tables. Charts and pictures are part of the page, which is therefore complete without
+//! a script, with light and dark colours and in print. Scripts add values under the pointer, zooming, and a
+//! three-dimensional view that can be rotated.
 
 mod assumptions;
 mod axis;
@@ -86,7 +86,7 @@ const SHOWN: [&str; 20] = [
     "timing",
 ];
 
-/// The parts of a report that show the bodies in motion, ready for the page.
+/// The parts of a report that show the moving bodies, ready for the page.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Pictures {
     /// The surfaces in space, if any.
@@ -97,7 +97,7 @@ pub struct Pictures {
     modes: String,
 }
 
-/// Makes the parts of a report that show the bodies in motion.
+/// Makes the parts of a report that show the moving bodies.
 #[derive(Serialize)]
 pub struct BodyPictures {
     /// The bodies.
@@ -149,7 +149,8 @@ impl Stage for BodyPictures {
     }
 }
 
-/// The report of a run, with the pictures and sounds that belong to it. A summary comes first, then an appendix.
+/// The report of a run, with the pictures and sounds that belong to it. It begins with a summary, followed by an
+/// appendix.
 pub fn run(design: &Design, run: &Run, pictures: &Pictures, recordings: &[Recording]) -> String {
     let (result, subject) = (&run.result, run.result.design.name.as_str());
     let value = serde_json::to_value(result).unwrap_or_default();
@@ -255,7 +256,7 @@ pub fn run(design: &Design, run: &Run, pictures: &Pictures, recordings: &[Record
     .html()
 }
 
-/// Takes all panels of a chart but the first out of it, as a separate chart.
+/// Removes all panels but the first from a chart and returns them as a separate chart.
 fn more_panels(chart: &mut figures::Chart) -> Option<figures::Chart> {
     let panels = chart.panels.split_off(1);
     (!panels.is_empty()).then(|| figures::Chart {
@@ -277,12 +278,12 @@ fn surfaces(result: &RunResult, pictures: &Pictures, view: &str) -> Markup {
     }
 }
 
-/// The report of a study with these charts.
+/// The report of a study, with these charts.
 pub fn study(result: &StudyResult, charts: &[figures::Chart], scatter: &[figures::Chart]) -> String {
     study::page(result, charts, scatter).html()
 }
 
-/// The page of a calibration with these charts.
+/// The page of a calibration, with these charts.
 pub fn calibration(result: &CalibrationResult, charts: &[figures::Chart]) -> String {
     calibration::page(result, charts).html()
 }
@@ -310,13 +311,13 @@ pub fn measured(comparison: &MeasuredComparison) -> String {
     measured::page(comparison).html()
 }
 
-/// The page of a wrapping test with these charts.
+/// The page of a wrapping test, with these charts.
 pub fn measurement(result: &MeasurementResult, charts: &[figures::Chart]) -> String {
     measurement::page(result, charts).html()
 }
 
-/// The report of a comparison of the files with this identity, with the changes over common draws if there are any, and
-/// with a sound for each design that has one.
+/// The report of a comparison. `identity` identifies the files compared; the report includes the changes over common
+/// draws, if any, and a sound for each design that has one.
 pub fn comparison(comparison: &Comparison, paired: &[PairedStudy], identity: &str, recordings: &[Recording]) -> String {
     compared::page(comparison, paired, identity, recordings).html()
 }

@@ -59,7 +59,7 @@ fn varied(own: &Variable) -> Markup {
         @match &own.domain {
             Domain::Choices(choices) => { (choices.join(", ")) }
             Domain::Range { low, high, unit, whole, log } => {
-                (low) " to " (high) " " (unit)
+                (low) " to " (high) @if !unit.is_empty() { " " (unit) }
                 @if *whole { ", whole numbers" }
                 @if *log { ", equal ratios equally likely" }
             }

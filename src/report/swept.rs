@@ -28,8 +28,8 @@ pub(super) fn page(design: &str, axes: &[Axis], points: &[SweptPoint], chart: &C
             "How sure",
             html! {
                 (table::markup(&drawn))
-                p.quiet { "90 % of the common draws that count at all points lie between these levels; structures as in \
-                    the design; changes from the first point." }
+                p.quiet { "90 % of the common draws that count at all points lie between these levels; structures as \
+                    in the design; changes from the first point." }
             },
         ));
     }

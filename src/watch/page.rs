@@ -131,8 +131,8 @@ fn bar(state: &State) -> Markup {
 }
 
 impl State {
-    /// Loudness at full scale of the sounds of the pinned and of the last run, relative to the louder one; none if there
-    /// are not two.
+    /// Loudness at full scale of the sounds of the pinned and of the last run, relative to the louder one; none if
+    /// there are not two.
     fn scales(&self) -> Option<[f64; 2]> {
         let [pinned, last] = [self.pinned.as_ref()?, self.last.as_ref()?];
         let both = [pinned.sound.as_ref()?, last.sound.as_ref()?].map(|sound| sound.full_scale_pa);

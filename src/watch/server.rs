@@ -1,8 +1,8 @@
 //! The server of the page: on this machine unless the user names an address, for a handful of windows, without
 //! third-party content.
 //!
-//! It responds to each request on a separate thread and connection, and serves a handful of addresses. A client that has not
-//! shown the token yet is a stranger. Strangers have a limit on the number and the time of connections, separate from
+//! It responds to each request on a separate thread and connection, and serves a handful of addresses. A client
+//! that has not shown the token yet is a stranger. Strangers have a limit on the number and the time of connections, separate from
 //! the windows: when there are too many, the oldest goes. Heads are parsed by `httparse`; complete servers are not
 //! better here: `tiny_http` is no longer maintained, `oxhttp` chooses no free port and writes to standard error,
 //! `hyper` brings an asynchronous runtime.

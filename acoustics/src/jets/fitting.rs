@@ -8,7 +8,7 @@ use crate::air::Air;
 use crate::checks::{InputError, positive};
 use crate::muffler::plane_wave_limit;
 
-/// Width of the transition to the range above the plane waves: a sixth of an octave.
+/// Width of the transition to frequencies above the plane-wave range: a sixth of an octave.
 const TRANSITION: f64 = 1.0 / 6.0;
 
 /// A pipe on the exhaust holes, open at its end: closed by the choked holes on one side, it resonates as a quarter
@@ -25,8 +25,8 @@ const TRANSITION: f64 = 1.0 / 6.0;
 /// H = 1/(cos kL + j z sin kL)                     G = |H|^2 4 r(k0 a)/(k0 a)^2
 /// ```
 ///
-/// G is the energy over that of the same flow as a monopole in the open. Above the first cross mode of the pipe, G = 1
-/// is assumed; over the sixth of an octave below it, G goes over to 1.
+/// G is the radiated energy relative to that of the same flow as a monopole in free space. G = 1 is assumed above the
+/// first cross mode of the pipe; there is a transition over the sixth of an octave below it.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct PipeFitting {
     /// Length L from the holes to the open end \[m\].

@@ -47,8 +47,8 @@ pub use text::{AssemblyError, AssemblyText, BUILT_IN, DeclaredKey, Fault, KeyVal
 /// Integrates an assembly from its trigger at t = 0 to its end.
 ///
 /// # Errors
-/// [`RunError`]: a block that no kernel solves, a tool that is not seated, a volume that vanishes, a spring beyond its
-/// law, blocks that switch without end, or an integration that cannot go on.
+/// [`RunError`]: a block that no kernel supports, a tool that is not seated, a volume that vanishes, a spring beyond
+/// its law, blocks that switch endlessly, or an integration that cannot continue.
 pub fn simulate(assembly: &Assembly, numerics: &Numerics) -> Result<Record, RunError> {
     numerics.check(assembly.end)?;
     let plan = plan::Plan::new(assembly)?;

@@ -18,7 +18,7 @@ use crate::stages::{Code, Progress, Stage, Stored, Uncached, code};
 pub struct Meshed {
     /// Its mesh, with the numbers of the source file.
     pub imported: Imported,
-    /// One material a part.
+    /// One material for each part.
     pub materials: Vec<Material>,
     /// Constrained degrees of freedom.
     pub constraints: Constraints,
@@ -30,14 +30,14 @@ pub struct Meshed {
     pub unplaced: Vec<(&'static str, f64)>,
 }
 
-/// Gives a mesh its materials, supports and attachments.
+/// Adds materials, supports and attachments to a mesh.
 #[derive(Serialize)]
 pub struct Attachment {
     /// The mesh.
     pub mesh: Stored<NamedMesh>,
     /// Materials and attachments of the mesh.
     pub properties: Properties,
-    /// Gap that ties bridge by design \[m\].
+    /// Gap that ties have to bridge by design \[m\].
     pub fit: f64,
 }
 
@@ -74,7 +74,7 @@ impl Geometry {
 }
 
 impl Properties {
-    /// Adds materials, supports and attachments to a mesh; `fit` is the gap that ties bridge by design \[m\].
+    /// Adds materials, supports and attachments to a mesh; `fit` is the gap that ties have to bridge by design \[m\].
     fn attached(&self, named: NamedMesh, fit: f64) -> Result<Meshed, Error> {
         let NamedMesh { imported, surfaces } = named;
         let mesh = &imported.mesh;
@@ -117,10 +117,10 @@ pub(super) fn constraints(mesh: &Mesh, clamped: Option<&'static str>) -> Result<
 }
 
 impl Meshed {
-    /// Mass of everything, lumped masses included \[kg\].
+    /// Total mass including lumped masses \[kg\].
     ///
     /// # Errors
-    /// Those of the quadrature, never for a valid mesh.
+    /// The errors of the quadrature, which do not occur for a valid mesh.
     pub fn mass(&self) -> Result<f64, MeshError> {
         let lumped: f64 = self.attachments.masses.iter().map(|mass| mass.mass).sum();
         Ok(meshed_mass(&self.imported.mesh, &self.materials)? + lumped)
@@ -135,7 +135,7 @@ fn meshed_mass(mesh: &Mesh, materials: &[Material]) -> Result<f64, MeshError> {
 }
 
 /// Interfaces between bodies that are meshed separately: the nodes of every group `NAME_slave` follow the faces of
-/// `NAME_master`, across a gap of `fit` \[m\] and the chords of both meshes.
+/// `NAME_master`, across a gap of `fit` \[m\] and the deviation of both meshes from curved surfaces.
 pub(super) fn ties(mesh: &Mesh, fit: f64) -> Vec<Tie> {
     let longest = mesh.longest_edges().into_iter().fold(0.0, f64::max);
     let of_group = |group: &nailnoise_meshes::FaceGroup| {
@@ -149,12 +149,12 @@ pub(super) fn ties(mesh: &Mesh, fit: f64) -> Vec<Tie> {
     mesh.groups.iter().filter_map(of_group).collect()
 }
 
-/// Largest gap of a tied interface as a share of the longest element side: the chords of two curved meshes may be this
-/// far from each other.
+/// Largest gap of a tied interface as a fraction of the longest element side; two meshes of a curved surface may be
+/// this far apart.
 const TIED_WITHIN: f64 = 0.1;
 
 impl AddedSand {
-    /// The face group that it moves with.
+    /// The face group with which it moves.
     pub(super) const GROUP: &'static str = "bottom";
 
     fn lumped(self) -> LumpedMass {

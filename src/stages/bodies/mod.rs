@@ -1,10 +1,11 @@
 //! Finite-element bodies: geometry, mesh, modes, and the load vectors through which forces act on them.
 //!
-//! Workpiece and worktable meet in the plane z = 0, z up; the workpiece's centre is at x = y = 0, x along the grain.
+//! Workpiece and worktable meet in the plane z = 0, with z up; the workpiece's centre is at x = y = 0, with x along the
+//! grain.
 //!
 //! [`Meshing`] makes the mesh, [`Attachment`] adds materials, supports and masses, [`Discretisation`] load vectors.
-//! [`Modes`] solves for the full shapes in the order that [`Elimination`] finds. [`ModalModel`] reduces them to the
-//! values that a shot reads, so a run whose bodies have not changed needs neither mesh nor full shapes.
+//! [`Modes`] solves for the full shapes in the elimination order found by [`Elimination`]. [`ModalModel`] reduces them
+//! to the values that a shot reads, so a run whose bodies have not changed needs neither mesh nor full shapes.
 
 mod attachment;
 mod body;

@@ -1,4 +1,4 @@
-//! Place of the nail, and the stations along its axis at which its force acts on the wood.
+//! Place of the nail, and the stations along its axis where its force acts on the wood.
 
 use nailnoise_fem::{LoadVector, Rectangle};
 use nailnoise_meshes::{Mesh, MeshError};
@@ -30,7 +30,7 @@ pub struct NailPlace {
 }
 
 impl NailPlace {
-    /// Downward displacement of the nail's stations, then of the nose.
+    /// Downward displacement of the nail stations, then of the nose.
     pub(super) fn load_vectors(&self, mesh: &Mesh) -> Result<Vec<LoadVector>, MeshError> {
         let ([x, y], down) = (self.at, -Vector3::z());
         let station = |depth: f64| LoadVector::point(mesh, Point3::new(x, y, self.entry - depth), down, 0.0);

@@ -1,4 +1,4 @@
-//! Pieces of a mesh that nothing joins or fixes.
+//! Detects pieces of a mesh that nothing joins or fixes.
 
 use std::collections::BTreeMap;
 
@@ -20,7 +20,7 @@ impl Meshed {
         let followers = self.attachments.followers(mesh, &self.constraints);
         let followers = followers.map_err(|cause| BodyError::NotTied { body, cause })?;
         let piece_of = mesh.piece_of_nodes();
-        // Each piece that is tied to another has the number of that.
+        // Each piece that is tied to another takes its number.
         let mut whole: BTreeMap<usize, usize> = piece_of.iter().flatten().map(|&piece| (piece, piece)).collect();
         let mut join = |a: usize, b: usize| {
             let (keep, replace) = (whole[&a].min(whole[&b]), whole[&a].max(whole[&b]));

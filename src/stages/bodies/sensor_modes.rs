@@ -11,8 +11,8 @@ use crate::error::Error;
 use crate::stages::bodies::BodyError;
 use crate::stages::{Code, Postcard, Progress, Stage, Stored, code, matrix};
 
-/// Permitted distance of a sensor from its body \[m\]: less than half its base, and more than the distance between the
-/// chords of a mesh and the cylinders that they approximate.
+/// Maximum distance of a sensor from its body \[m\]: less than half its base, and larger than the deviation of a mesh
+/// from a cylinder.
 const OFF: f64 = 1e-3;
 
 /// Place of a sensor on an elastic body.
@@ -22,7 +22,7 @@ pub struct SensorPoint {
     pub name: String,
     /// Position \[m\].
     pub position: [f64; 3],
-    /// Direction whose scalar product with the displacement is measured \[-\].
+    /// Direction of the measured displacement component \[-\].
     pub direction: [f64; 3],
 }
 
@@ -69,7 +69,7 @@ impl Stage for SensorModes {
 }
 
 impl SensorPoint {
-    /// The load vector that reads the displacement there on the mesh of a body.
+    /// The load vector on the mesh of a body that measures this displacement.
     ///
     /// # Errors
     /// [`BodyError::SensorOffBody`] with the distance.

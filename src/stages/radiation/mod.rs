@@ -1,4 +1,4 @@
-//! Radiation of the moving bodies per unit of modal motion, before the motion is known.
+//! Radiation of the bodies per unit of modal motion, independent of the actual motion.
 //!
 //! The costly part depends only on the wavelength. It is computed in standard air and stored ([`RadiationMatrix`],
 //! [`PressureOnSurface`], [`FlushMatrix`]). For boundary elements, it is that of the modes of reference bodies of the

@@ -23,24 +23,24 @@ use crate::stages::bodies::BodyError;
 use crate::stages::bodies::{Body, MovingSurface};
 use crate::stages::{Code, OnDemand, Postcard, Progress, Stage, Stored, Uncached, all};
 
-/// Largest share of a surface's energy of motion under any load that the known modes of workpiece and table may miss.
-/// Beyond it others are added, or the matrix is solved for the body's modes.
+/// Maximum fraction of a surface's kinetic energy under any load that the known modes of workpiece and table may miss.
+/// Above it, others are added, or the matrix is solved for the body's own modes.
 const LIMIT: f64 = 1e-3;
 
-/// The same for a single structure of a tool. With walls where one missed 1.4e-4 and 3.6e-4, levels of the tool
-/// differed by up to 0.025 and 0.28 dB (at 8 kHz, above boundary elements, where the damping by radiation is that of
-/// the fit). With two, which missed 2.3e-5 and 1.7e-5, they differed by 0.004 and 0.008 dB. Alloys and masses where one
-/// missed at most 1.2e-5 differed by 0.003 dB.
+/// The same for a tool with one standard structure. With walls for which one structure missed 1.4e-4 and 3.6e-4, levels
+/// of the tool differed by up to 0.025 and 0.28 dB (at 8 kHz, above boundary elements, where the fit determines the
+/// radiation damping). With two structures, which missed 2.3e-5 and 1.7e-5, they differed by 0.004 and 0.008 dB. For
+/// alloys and masses for which one structure missed at most 1.2e-5, they differed by 0.003 dB.
 const LIMIT_OF_FIRST_TOOL: f64 = 5e-5;
 
-/// The same for two structures of a tool. Walls where they missed 3.6e-4, 4.2e-4 and 5.6e-4 gave levels that differed
-/// by up to 0.006, 0.016 and 0.034 dB.
+/// The same for a tool with two standard structures. For walls for which they missed 3.6e-4, 4.2e-4 and 5.6e-4, levels
+/// differed by up to 0.006, 0.016 and 0.034 dB.
 const LIMIT_OF_BOTH_TOOLS: f64 = 5e-4;
 
-/// Loss factor with which responses to loads are compared: near resonances the modes count as much as they do in wood.
+/// Loss factor for comparing responses to loads; near resonances, the modes have the same weight as in wood.
 const LOSS_FACTOR: f64 = 0.02;
 
-/// Frequencies an octave at which they are compared, from the lowest on \[Hz\].
+/// Number of frequencies per octave at which they are compared.
 const PER_OCTAVE: f64 = 6.0;
 const LOWEST_HZ: f64 = 50.0;
 
@@ -49,8 +49,8 @@ const LOWEST_HZ: f64 = 50.0;
 pub struct Projection {
     /// The fit; none if the surfaces differ.
     pub fit: Option<SurfaceFit>,
-    /// Frequency \[Hz\] and share of the energy of the surface's motion that the known modes miss \[-\], root mean
-    /// square over the loads.
+    /// Frequency \[Hz\] and fraction of the energy of the surface's motion that the known modes miss \[-\], RMS over
+    /// the loads.
     pub lacking: Vec<[f64; 2]>,
 }
 
@@ -77,7 +77,7 @@ pub enum RadiatingShape {
     Workpiece(WorkpieceBoundaryElements),
     /// The tool's housing.
     Tool(ToolRadiation),
-    /// The tool's housing in the motion of each mode, followed by only its cap in that motion.
+    /// The tool's housing for each mode, followed by its cap alone moving in that mode.
     Cap(ToolRadiation, CapSurface),
 }
 
@@ -152,9 +152,9 @@ impl Stage for ReferenceProjection {
     }
 }
 
-/// The share of the energy of the surface's motion that a fit misses, by frequency. Each body moves independently under
-/// a force of one newton at each of its loads and supports; the energies under all are summed before they are divided.
-/// The worst body counts.
+/// The fraction of the energy of the surface's motion that a fit misses, for each frequency. Each body moves
+/// independently under a force of one newton at each of its loads and supports; the energies under all are summed
+/// before they are divided. The result is that of the worst body.
 fn lacking(fit: &SurfaceFit, bodies: &[&Body], top_hz: f64) -> Vec<[f64; 2]> {
     let modes: usize = bodies.iter().map(|body| body.omega.len()).sum();
     let places = (0..fit.modes() / modes.max(1)).flat_map(|part| {
@@ -195,9 +195,9 @@ pub struct ReferenceResult<T> {
     pub fit: Stored<Projection>,
     /// The known results of their modes; read only if the fit is good enough.
     pub known: Stored<T>,
-    /// Description of the bodies, in words.
+    /// Description of the bodies.
     pub name: &'static str,
-    /// Largest share of the energy that their modes may miss.
+    /// Maximum fraction of the energy that their modes may miss.
     pub limit: f64,
 }
 

@@ -12,14 +12,14 @@ use std::collections::BTreeMap;
 use std::f64::consts::PI;
 use std::sync::LazyLock;
 
-/// Normalised surface admittance beta = rho0 c0 / Z of a half space of porous material.
+/// Normalised surface admittance beta = rho0 c0 / Z of a half-space of porous material.
 ///
 /// ```text
 /// Z / (rho0 c0) = 1 + 0.070 (f/sigma)^{-0.632} - j 0.107 (f/sigma)^{-0.632}
 /// ```
 ///
-/// Y. Miki, J. Acoust. Soc. Jpn. (E) 11, 19 (1990), fitted for 0.01 < f/sigma < 1 and causal below. `resistivity` is
-/// the flow resistivity sigma \[Pa s/m²\].
+/// Y. Miki, J. Acoust. Soc. Jpn. (E) 11, 19 (1990), fitted for 0.01 < f/sigma < 1 and causal below that range.
+/// `resistivity` is the flow resistivity sigma \[Pa s/m²\].
 pub fn miki_admittance(hz: f64, resistivity: f64) -> Complex<f64> {
     let x = (hz / resistivity).powf(-0.632);
     Complex::new(1.0 + 0.070 * x, -0.107 * x).inv()
@@ -27,14 +27,14 @@ pub fn miki_admittance(hz: f64, resistivity: f64) -> Complex<f64> {
 
 /// Sand that absorbs sound at grazing incidence.
 ///
-/// Above an infinite locally reacting plane, the power of a compact source in the plane is multiplied by g(f), relative
-/// to a rigid plane.
+/// Above an infinite locally reacting plane, the power of a compact source in the plane is multiplied by g(f) relative
+/// to a rigid plane:
 ///
 /// ```text
 /// g(f) = int_0^1 |u / (u + beta)|^2 du       u the cosine of the angle to the normal
 /// ```
 ///
-/// The sand of a box is finite, so that only the fraction `share` of the loss in decibels is applied.
+/// The sand in a box is finite, so only the fraction `share` of the loss in decibels is applied.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct AbsorbingSand {
     /// Flow resistivity sigma \[Pa s/m²\]; dry sand has 1e5 to 5e5.
@@ -53,7 +53,7 @@ impl Default for AbsorbingSand {
 }
 
 impl AbsorbingSand {
-    /// The factor g on power above an infinite plane.
+    /// The power factor g above an infinite plane.
     pub fn infinite_plane_factor(&self, hz: f64) -> f64 {
         let beta = miki_admittance(hz, self.resistivity);
         // The substitution u = t² concentrates the nodes where u ~ beta.
@@ -62,7 +62,7 @@ impl AbsorbingSand {
         RULE.iter().map(|(x, w)| 0.5 * w * value(0.5 * (1.0 + x))).sum()
     }
 
-    /// The factor g^share applied.
+    /// The applied factor g^share.
     pub fn factor(&self, hz: f64) -> f64 {
         self.infinite_plane_factor(hz).powf(self.share)
     }
@@ -82,20 +82,20 @@ impl AbsorbingSand {
     }
 }
 
-/// Sand that moves with the block and radiates with it.
+/// Sand that moves and radiates with the block.
 ///
 /// ```text
 /// v(s) = v_edge (2/pi) asin(a / (a + s)) e^{-j k_R s (1 - j eta/2)}      a = sqrt(A/pi),  k_R = omega / c_R
 /// ```
 ///
-/// The distance to the edge of the block is s. The velocity v_edge is that of the block at the nearest point of its
-/// edge, and A is the area of its top. This is the static surface displacement around a rigid disk, propagating outward
-/// as a Rayleigh wave.
+/// s is the distance from the edge of the block. v_edge is the block's velocity at the nearest point of its edge, and A
+/// the area of its top. The law is the static surface displacement around a rigid disc, propagating outward as a
+/// Rayleigh wave.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct MovingSand {
-    /// The block's top, intervals of x and y \[m\].
+    /// The block's top: intervals of x and y \[m\].
     pub footprint: [[f64; 2]; 2],
-    /// The sand's surface, intervals of x and y \[m\].
+    /// The sand's surface: intervals of x and y \[m\].
     pub sand: [[f64; 2]; 2],
     /// Shear wave speed V_s of the sand \[m/s\].
     pub shear_speed: f64,
@@ -103,19 +103,19 @@ pub struct MovingSand {
     pub poisson_ratio: f64,
     /// Loss factor eta of the sand.
     pub loss_factor: f64,
-    /// Highest frequency at which the sand moves \[Hz\]; its motion fades out over the one-third octave below.
+    /// Highest frequency at which the sand moves \[Hz\]; its motion fades out over the third of an octave below.
     pub to_hz: f64,
 }
 
 /// Relative difference below which lengths count as equal.
 const ROUNDING: f64 = 1e-6;
 
-/// Quadrature points of the sand's surface; the motion of each follows a point of the block's edge.
+/// Quadrature points on the sand's surface; the motion of each follows a point of the block's edge.
 #[derive(Debug, Clone)]
 pub(super) struct SandPatch {
     /// Positions, x and y \[m\].
     pub(super) places: Vec<[f64; 2]>,
-    /// Bounding rectangle, intervals of x and y \[m\].
+    /// Bounding rectangle: intervals of x and y \[m\].
     pub(super) extent: [[f64; 2]; 2],
     points: Vec<FollowingPoint>,
     /// Modal displacements of the block at the edge points that the sand follows, edge points x modes.
@@ -127,9 +127,9 @@ pub(super) struct SandPatch {
 /// A point of the sand's surface.
 #[derive(Debug, Clone)]
 struct FollowingPoint {
-    /// Number of the edge point that it follows.
+    /// Index of the edge point that it follows.
     leader: usize,
-    /// Its distance from there \[m\].
+    /// Distance from that point \[m\].
     distance: f64,
     /// Its quadrature weight \[m²\].
     weight: f64,
@@ -168,7 +168,7 @@ impl MovingSand {
         let strips = |i: usize| {
             let ([a, b], [c, d]) = (self.footprint[i], self.sand[i]);
             [(c, a), (a, b), (b, d)].map(|(low, high)| {
-                // Two points per wavelength are the limit of Gauss rules; the others resolve the amplitude law.
+                // Gauss rules need at least two points per wavelength; the others resolve the amplitude law.
                 let n = (k * (high - low) / PI * 1.3).ceil() as usize + 6;
                 let half = 0.5 * (high - low);
                 gauss_legendre(n)
@@ -220,8 +220,8 @@ impl MovingSand {
     }
 }
 
-/// Displacement at a point of the edge: least-squares plane through the nine nearest quadrature points and any as far
-/// away as the ninth, so that mirror images of edge points move equally. Exact for rigid motion.
+/// Displacement at a point of the edge, from a least-squares plane through the nine nearest quadrature points and any
+/// at the same distance as the ninth, so that mirror images of edge points move equally. It is exact for rigid motion.
 fn plane_fit(block: &[[f64; 2]], displacement: &DMatrix<f64>, at: [f64; 2]) -> nalgebra::RowDVector<f64> {
     let mut near: Vec<(f64, usize)> = block
         .iter()
@@ -248,8 +248,8 @@ fn plane_fit(block: &[[f64; 2]], displacement: &DMatrix<f64>, at: [f64; 2]) -> n
 }
 
 impl SandPatch {
-    /// Motion of every point relative to its edge point at one frequency; `None` above the frequency range of the
-    /// moving sand.
+    /// Motion of each point relative to its edge point at one frequency; `None` above the frequency range of the moving
+    /// sand.
     pub(super) fn followers(&self, hz: f64) -> Option<Vec<Follower>> {
         self.law.fade(hz)?;
         let follower = |p: &FollowingPoint| Follower {
@@ -259,7 +259,7 @@ impl SandPatch {
         Some(self.points.iter().map(follower).collect())
     }
 
-    /// The points that follow each edge point as equivalent sources on a grid: real and imaginary part, grid points x
+    /// The points that follow each edge point, as equivalent sources on a grid: real and imaginary part, grid points x
     /// edge points.
     pub(super) fn carried(&self, grid: &Grid, followers: &[Follower]) -> [DMatrix<f64>; 2] {
         let n = grid.len();
@@ -284,7 +284,7 @@ impl SandPatch {
         farthest / self.law.rayleigh_speed()
     }
 
-    /// As [`MovingSand::fade_hz`].
+    /// Same as [`MovingSand::fade_hz`].
     pub(super) fn fade_hz(&self) -> [f64; 2] {
         self.law.fade_hz()
     }
@@ -313,7 +313,7 @@ impl MovingSand {
         [0, 1].map(|i| point[i].clamp(self.footprint[i][0], self.footprint[i][1]))
     }
 
-    /// v(s)/v_edge at a point (x, y) of the sand's surface: its velocity over that of the block at [`Self::edge`]; 0
+    /// v(s)/v_edge at a point (x, y) of the sand's surface, relative to the velocity of the block at [`Self::edge`]; 0
     /// above the frequency range of the moving sand.
     pub fn ratio(&self, point: [f64; 2], hz: f64) -> Complex<f64> {
         let edge = self.edge(point);
@@ -334,8 +334,8 @@ impl MovingSand {
         ((x1 - x0) * (y1 - y0) / PI).sqrt()
     }
 
-    /// Frequency range of one third of an octave over which the motion fades out \[Hz\]. Its second derivative jumps at
-    /// both ends.
+    /// Frequency range of one third of an octave over which the motion fades out \[Hz\]. Its second derivative is
+    /// discontinuous at both ends.
     fn fade_hz(&self) -> [f64; 2] {
         [self.to_hz * 10f64.powf(-0.1), self.to_hz]
     }

@@ -5,7 +5,7 @@ use crate::network::assembly::Assembly;
 use crate::network::text::fault::{AssemblyError, Fault};
 use crate::network::text::resolver::Resolver;
 
-/// Relative excess of the compression that counts as rounding.
+/// Relative excess of the compression attributed to rounding.
 const ROUNDING: f64 = 1e-9;
 
 /// Checks that no stop lets a spring be compressed beyond its limit.
