@@ -34,10 +34,10 @@ const ERROR_OF_CORRELATION: f64 = 1.0;
 /// Number of standard errors by which a change must exceed the random variation of unchanged inputs.
 const BEYOND_CHANCE: f64 = 2.0;
 
-/// The same for a pair, as a multiple: of 4000 pairs, chance brings ten beyond three standard errors.
+/// The same for a pair, as a multiple: of 4000 pairs, ten exceed three standard errors by chance.
 const OF_A_PAIR: f64 = 2.0;
 
-/// Most pairs that are listed.
+/// Largest number of pairs listed.
 const MOST_PAIRS: usize = 12;
 
 /// Results of a calibration.

@@ -178,8 +178,8 @@ fn next(result: &CalibrationResult) -> Markup {
                 td.n { (format!("{:+.3}", own.surer_an_hour)) }
             } } }
         } }
-        p.quiet { "Mean over the draws of what remains once the measurement is made with this error, which includes the \
-            model's. \u{2265}: the draws are too few for so sharp a measurement." }
+        p.quiet { "Mean over the draws of what remains once the measurement is made with this error, which \
+            includes the model's. \u{2265}: the draws are too few for so sharp a measurement." }
     }
 }
 

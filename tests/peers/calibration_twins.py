@@ -176,9 +176,8 @@ def main():
         sampler = ["--draws", arguments.draws, "--moves", arguments.moves, "--seed", twin + 1]
         result, _ = calibrate(arguments, file, folder, *sampler)
         own = covered(result["inputs"], tool, lambda row: row["now"], lambda row: row["name"])
-        shot = covered(
-            result["figures"], tool, lambda row: (row["now"][0], row["now"][2]), lambda row: row["name"].replace(" ", "_")
-        )
+        figure_ends, figure_name = (lambda row: row["now"][::2]), (lambda row: row["name"].replace(" ", "_"))
+        shot = covered(result["figures"], tool, figure_ends, figure_name)
         conflicts = [[row["measurement"], row["partner"]] for row in result["conflicts"]]
         names = [name for pair in conflicts for name in pair if name]
         work, halves, ancestors = result["work"], result["halves_apart"], result["ancestors"]
