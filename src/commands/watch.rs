@@ -127,7 +127,7 @@ impl Watching<'_> {
         Ok(())
     }
 
-    /// Before the next run: a file that was saved takes back what the page moved.
+    /// Prepares the next run: saving a file discards the values set on the page.
     fn renew(&self, watched: &Watched, moves: u64) {
         if self.board.moves() == moves {
             watched.settle();
