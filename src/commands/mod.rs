@@ -22,6 +22,7 @@ mod comparison_page;
 mod comparison_sounds;
 mod completions;
 mod cycle;
+mod declare;
 mod draw;
 mod drawing;
 mod effects;

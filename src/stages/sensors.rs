@@ -181,6 +181,9 @@ fn decayed_length(signal: &[f64]) -> usize {
 
 /// Acceleration of a rigid tool, multiplied by a factor.
 fn rigid(record: &ShotRecord, (step, samples): (f64, usize), factor: f64) -> Vec<f64> {
+    if record.tool_acceleration().is_empty() {
+        return vec![0.0; samples];
+    }
     // After the record the forces on the tool balance each other.
     let acceleration = Loads {
         interval: record.sample_interval,

@@ -306,6 +306,34 @@ mod tests {
     }
 
     #[test]
+    fn the_share_below_a_value_is_the_inverse_of_the_value_at_a_share() {
+        let measured = parameter(Value::Number(3.0), [2.0, 5.0], Distribution::Uniform).measured(2.2, 0.3);
+        let all = [
+            Distribution::Uniform,
+            Distribution::Triangular,
+            Distribution::Normal,
+            Distribution::LogUniform,
+        ];
+        let all = all.map(|distribution| parameter(Value::Number(3.0), [2.0, 5.0], distribution));
+        for own in all.iter().chain([&measured]) {
+            for share in [1e-6, 0.1, 0.5, 0.77, 1.0 - 1e-6] {
+                let Value::Number(value) = own.at(share) else {
+                    panic!("a number");
+                };
+                let found = own.share_below(value);
+                assert!(
+                    (found - share).abs() < 1e-9,
+                    "{:?}: {found}, expected {share}",
+                    own.distribution
+                );
+            }
+            assert_eq!([own.share_below(0.1), own.share_below(9.0)], [0.0, 1.0]);
+        }
+        let count = parameter(Value::Count(2), [1.0, 5.0], Distribution::Uniform);
+        assert!((1..=5).all(|own| count.at(count.share_below(f64::from(own))) == Value::Count(own)));
+    }
+
+    #[test]
     fn the_logarithm_of_a_log_uniform_quantity_is_uniform() {
         assert_moments(
             Distribution::LogUniform,

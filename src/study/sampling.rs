@@ -590,7 +590,38 @@ mod tests {
         }
     }
 
-    /// The distribution after rejection: given the rule, the pair is uniform over the remaining domain.
+    /// A row of joint draws sets all of its keys, and a key without joint draws obeys its rules around them.
+    #[test]
+    fn joint_draws_come_as_whole_rows() {
+        let keys = ["head_valve.exhaust_lap", "head_valve.intake_lap", "piston.mass"];
+        let rows = vec![vec![0.7e-3, 0.1295], vec![1.9e-3, 0.1325]];
+        let names = [keys[0], keys[2]].map(str::to_owned).to_vec();
+        let joint = JointDraws::new(String::new(), String::new(), names, rows.clone());
+        let design = design("").with_joint_draws(Arc::new(joint));
+        let variables = of(&design, &keys);
+        let sampler = Sampler::new(&design, variables.clone(), 3);
+        let bases = [Values::clone(&design)];
+        let frame = Frame::new(&bases, &[true; 3], 0);
+        for index in 0..40 {
+            let point = sampler.point(frame, index, &mut Rejections::new()).unwrap();
+            let value = |place: usize| match variables[place].drawn(point.shares[place]) {
+                Some(Drawn::Value(Value::Number(value))) => value,
+                other => panic!("{other:?}"),
+            };
+            // The seed begins with the second row.
+            let row = &rows[(index as usize + 1) % 2];
+            for (place, expected) in [(0, row[0]), (2, row[1])] {
+                assert!(
+                    (value(place) / expected - 1.0).abs() < 1e-9,
+                    "{} {expected}",
+                    value(place)
+                );
+            }
+            assert!(value(0) <= value(1), "{} {}", value(0), value(1));
+        }
+    }
+
+    /// The law of rejection: conditional on the rule, the pair is uniform over the remaining domain.
     #[test]
     fn values_that_do_not_go_together_are_drawn_anew_alone() {
         let design = design("");

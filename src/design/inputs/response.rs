@@ -20,7 +20,7 @@ pub(crate) fn shot(design: &Design, engine: &Engine) -> Result<ShotInputs, Error
     let added_sand = added_sand.map(|sand| (sand.mass, supports::underside(design)));
     Ok(ShotInputs {
         added_sand,
-        gravity: engine.gravity(),
+        gravity: design.ambient.gravity,
         fastener: fastener(design, engine),
         supports: springs(design)?,
         step: design.analysis.time_step,
