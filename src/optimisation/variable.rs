@@ -7,7 +7,7 @@ use nailnoise_optimisation::Dimension;
 use serde::Serialize;
 
 use super::error::OptimisationError;
-use crate::design::{Assignment, Design, Value};
+use crate::design::{Assignment, Design, DesignError, Problem, Value};
 use crate::error::Error;
 use crate::study::{StudyError, number_and_unit};
 
@@ -211,10 +211,18 @@ impl Variable {
                         _ => None,
                     }
                 };
-                // A conflict with other values at the ends is not a fault of the range.
-                let at = |end: f64| Some(number(&with(&format!("{end} {unit}")).ok()?));
-                let ends = [at(*low), at(*high)].map(Option::flatten);
-                let [Some(from), Some(to)] = ends else { return Ok(None) };
+                let at = |end: f64| match with(&format!("{end} {unit}")) {
+                    Ok(design) => Ok(number(&design)),
+                    // Ends that conflict with other values are no fault of the range.
+                    Err(Error::Design(DesignError {
+                        problem: Problem::Conflict { .. },
+                        ..
+                    })) => Ok(None),
+                    Err(error) => Err(error),
+                };
+                let [Some(from), Some(to)] = [at(*low)?, at(*high)?] else {
+                    return Ok(None);
+                };
                 let part = number(&own).map(|number| (number - from) / (to - from));
                 // Rounding may place a value just outside an end.
                 let part = part.filter(|part| (-1e-9..=1.0 + 1e-9).contains(part));

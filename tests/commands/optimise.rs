@@ -10,13 +10,15 @@ use serde_json::Value;
 use crate::common::{SMALL, command, folder, json, messages};
 
 /// A small search over a count, a range and choices.
-const SEARCH: [&str; 9] = [
+const SEARCH: [&str; 11] = [
     "--vary",
     "exhaust.holes=3,9,12",
     "--vary",
     "exhaust.hole_diameter=3mm..8mm",
     "--vary",
     "supply.pressure=80psig..110psig",
+    "--subject-to",
+    "outcome == drives",
     "--subject-to",
     "penetration >= 82 mm",
     "--json",
@@ -136,7 +138,7 @@ fn a_search_that_cannot_be_says_why() {
     ends(&["--vary", "exhaust.holes"], 2, "does not vary a key");
     ends(&["--vary", holes, "--vary", holes], 2, "twice");
     ends(
-        &["--vary", holes, "--subject-to", "depth >= 3 mm"],
+        &["--vary", holes, "--subject-to", "depth >= 3"],
         2,
         "no figure `depth`",
     );
