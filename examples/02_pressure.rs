@@ -20,7 +20,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         let figure = |name: &str| shot.figures.get(name);
         println!(
             "{kilopascal:.0}  {}  {:.1}  {:.2}  {:.1}",
-            // None where the nail is not driven to its length.
+            // None if the nail is not driven completely.
             figure("mean_drive_speed").map_or("-".to_owned(), |speed| format!("{speed:.1}")),
             1e3 * figure("penetration").unwrap_or(f64::NAN),
             1e3 * figure("exhaust_mass").unwrap_or(f64::NAN),

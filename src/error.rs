@@ -125,7 +125,7 @@ pub enum Error {
     #[error(transparent)]
     #[diagnostic(transparent)]
     Penetration(#[from] crate::penetration::PenetrationError),
-    /// A design whose support the wrapping test does not have.
+    /// A design with a support that the wrapping test does not use.
     #[error("{design}: a wrapping test has its workpiece on the worktable or in the sandbox, not on \"{support}\"")]
     #[diagnostic(help("set support.kind = \"worktable\" or \"sandbox\""))]
     NoTestSetup {
@@ -180,7 +180,7 @@ pub enum Error {
     #[error(transparent)]
     #[diagnostic(transparent)]
     Body(#[from] BodyError),
-    /// Several faults that prevent a run from using a body.
+    /// Several faults, each of which prevents a run from using a body.
     #[error("the {body} cannot be used: {} problems", problems.len())]
     #[diagnostic(help("`nailnoise check DESIGN --body {body}` shows the mesh with its surfaces"))]
     Unusable {
@@ -342,7 +342,7 @@ pub enum Error {
         /// Message of the operating system.
         source: std::io::Error,
     },
-    /// A name that a list does not have.
+    /// A name that is not in a list.
     #[error("there is no \"{name}\" among the {list} that nailnoise knows")]
     #[diagnostic(help("{}`nailnoise list {list}` prints all names",
         nearest.as_ref().map_or_else(String::new, |near| format!("is it \"{near}\"? "))))]

@@ -67,7 +67,7 @@ pub struct RunResult {
     pub performance: Option<Performance>,
     /// Event times \[s\], t0..t18 or those that an assembly names; null where one does not occur.
     pub events: EventTimes,
-    /// What the structures do to the shot and its sound, against a lumped workpiece; absent from a one-way run.
+    /// Effect of the structures on the shot and its sound, compared with a lumped workpiece; absent from a one-way run.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub coupling: Option<Coupling>,
     /// Levels of each source in linear motion with the air's impedance frozen at each mode's resonance, and with the

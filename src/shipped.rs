@@ -65,7 +65,7 @@ pub fn studied() -> impl Iterator<Item = &'static str> {
     paths.filter(|path| !WITHOUT_STUDY.contains(path))
 }
 
-/// Names of all designs, as a person writes them.
+/// Names of all designs, as users write them.
 pub fn names() -> impl Iterator<Item = &'static str> {
     DESIGNS.iter().map(|(path, _)| stem(path))
 }

@@ -9,23 +9,23 @@ use super::resistance::{Driven, Resistance};
 /// ```text
 /// E(z) = F_r(min(z, l_n)) + k_w max(0, z - l_n),   k_w = scale H_M
 /// ```
-/// where the head does not yield ([`HeadContact`]),
-/// with F_r the design's law times its scale, a published one at [`REFERENCE_SPEED`](super::REFERENCE_SPEED). In the
-/// published form of the nail F_r is lost where the head meets the wood: E(z) = k_w (z - l_n) for z > l_n (C-09).
+/// where the head does not yield ([`HeadContact`]), where F_r is the design's law times its scale factor; a published
+/// law is evaluated at [`REFERENCE_SPEED`](super::REFERENCE_SPEED). The published nail model drops F_r once the head
+/// meets the wood: E(z) = k_w (z - l_n) for z > l_n (C-09).
 #[derive(Debug, Clone)]
 pub struct Envelope {
     law: Resistance,
     length: f64,
     head: HeadContact,
-    /// Whether the force along the shank stays beyond l_n.
+    /// Whether the shank force persists beyond l_n.
     seated: bool,
     /// Assumed impact speed if none is known \[m/s\].
     usual_impact: f64,
 }
 
 impl Envelope {
-    /// The envelope of a fastener. `seated`: the force along the shank stays where the head meets the wood, unlike in
-    /// the published form of the nail. The head has a diameter \[m\].
+    /// Creates the envelope of a fastener. `seated`: the shank force persists after the head meets the wood, unlike in
+    /// the published nail model. The head has a diameter \[m\].
     pub fn new(driven: &Driven<'_>, head_diameter: f64, seated: bool) -> Self {
         let law = Resistance::new(driven);
         Self {
@@ -75,7 +75,7 @@ impl Envelope {
         [friction, tip, self.head(depth)]
     }
 
-    /// E(z) of a nail at rest after an impact at `impact` \[m/s\]: where unloading begins \[N\].
+    /// E(z) of a nail at rest after an impact at `impact` \[m/s\], from which unloading starts \[N\].
     pub fn at_rest(&self, depth: f64, impact: f64) -> f64 {
         self.shank_after(depth, impact) + self.head(depth)
     }

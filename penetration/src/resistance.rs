@@ -33,7 +33,7 @@ impl Shanks {
 pub struct Driven<'a> {
     /// The wood.
     pub wood: &'a NailedWood,
-    /// Resistance by points, in place of the law of the wood.
+    /// Tabulated resistance, which replaces the law of the wood.
     pub table: Option<&'a ForceTable>,
     /// The fitted law, used if the design chooses `fitted`.
     pub fit: Option<&'a FittedLaw>,

@@ -34,7 +34,7 @@ struct Found {
     input: Box<dyn Any>,
 }
 
-/// Runs work that serialises values; also returns the inputs within them, each once.
+/// Runs work that serialises values; also returns the distinct inputs found in them.
 pub(crate) fn collect<T, E: 'static>(work: impl FnOnce() -> T) -> (T, Vec<Arc<dyn Input<E>>>) {
     let outer = FOUND.replace(Some(Vec::new()));
     let value = work();
@@ -46,7 +46,7 @@ pub(crate) fn collect<T, E: 'static>(work: impl FnOnce() -> T) -> (T, Vec<Arc<dy
     (value, inputs.collect())
 }
 
-/// Counts the output of the stage `key` as an input of the stage that is being serialised, if one is.
+/// Records the output of the stage `key` as an input of the stage being serialised, if any.
 pub(crate) fn register<E: 'static>(key: &Digest, input: impl FnOnce() -> Arc<dyn Input<E>>) {
     FOUND.with_borrow_mut(|found| {
         let Some(found) = found else { return };

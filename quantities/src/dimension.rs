@@ -56,7 +56,7 @@ impl Dimension {
         even.then_some(Self::new(length, mass, time, temperature, angle, current))
     }
 
-    /// The SI unit that the design uses for a quantity of this dimension; empty for a plain number.
+    /// The SI unit of the design file for this dimension; empty for a plain number.
     pub fn unit(self) -> String {
         self.named()
             .map_or_else(|| self.base_units(), |named| named.unit.to_owned())

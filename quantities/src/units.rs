@@ -159,7 +159,7 @@ impl Dimension {
     }
 }
 
-/// A pressure unit with the suffix g, as in psig, barg, kPag.
+/// A pressure unit with the suffix g, such as psig, barg or kPag.
 fn gauge(text: &str) -> Option<Unit> {
     let unit = atom(text.strip_suffix('g')?)?;
     (unit.dimension == PRESSURE).then_some(Unit { gauge: true, ..unit })

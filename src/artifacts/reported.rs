@@ -68,7 +68,7 @@ impl ReportedRun {
         self.recordings.first()
     }
 
-    /// The report, by the current state of the result.
+    /// The report page for the current result.
     pub fn page(&self, design: &Design) -> String {
         report::run(design, &self.run, &self.pictures, &self.recordings)
     }

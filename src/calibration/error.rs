@@ -60,7 +60,7 @@ pub enum CalibrationError {
         /// The file of measurements.
         measured: String,
     },
-    /// No key of the design that takes part in the cycle has a range.
+    /// No key of the design that affects the cycle has a range.
     #[error("no key that takes part in the nailing cycle has a range, so that there is nothing to calibrate")]
     NoVariables,
 }

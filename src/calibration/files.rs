@@ -19,7 +19,7 @@ pub struct Files {
     pub draws: Vec<u8>,
     /// `calibrated.draws`: the draws of the keys.
     pub joint: Vec<u8>,
-    /// `calibrated.toml`, which names its base relative to a folder; as text without its first line.
+    /// `calibrated.toml` without its first line, which names its base relative to a folder.
     design: String,
     base: std::path::PathBuf,
 }

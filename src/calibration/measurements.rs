@@ -5,7 +5,7 @@ use nailnoise_calibration::likelihood::Reading;
 use super::quantities::Quantity;
 use crate::design::Design;
 
-/// What a user measured.
+/// The user's measurements.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Measurements {
     /// Keys that were measured directly.

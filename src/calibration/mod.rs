@@ -33,8 +33,8 @@ use crate::store::{Key, Store};
 /// Name of the measurements where there are none.
 const NO_MEASUREMENTS: &str = "no measurements";
 
-/// Calibrates the design in a file, with further assignments, by the measurements in another file. Without measurements
-/// the draws are those of the ranges.
+/// Calibrates the design in a file, with further assignments, using the measurements in another file. Without
+/// measurements the draws are those of the ranges.
 ///
 /// Completed blocks of candidates and completed moves of the sampler are stored, so that repeating the call resumes an
 /// interrupted one.

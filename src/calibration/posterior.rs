@@ -34,7 +34,7 @@ const MOST_CONFLICTS: usize = 8;
 /// to the last twentieth of a range once in 300 000 times.
 const NEAREST: usize = 40;
 
-/// What is done with readings that contradict each other.
+/// Treatment of readings that contradict each other.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
 pub enum Treatment {
     /// They are excluded from the posterior.

@@ -164,7 +164,7 @@ impl Quantity {
         }
     }
 
-    /// Whether a gauge pressure is meant as an absolute one.
+    /// Whether a gauge pressure is converted to an absolute one.
     pub(super) fn is_absolute_pressure(self) -> bool {
         matches!(self, Self::Pressure(..) | Self::PeakPressure(_))
     }

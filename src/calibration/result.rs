@@ -86,7 +86,7 @@ pub struct CalibrationResult {
     pub figures: Vec<FigureRow>,
     /// What to measure next, what an hour of work makes narrowest first; empty if it was not asked.
     pub next: Vec<NextRow>,
-    /// What a reader should know.
+    /// Notes for the reader.
     pub notes: Vec<String>,
 }
 

@@ -44,7 +44,7 @@ pub fn cycle_as_published(design: &Design, preset: Preset) -> Result<CycleRecord
 /// The cycle with a lumped workpiece.
 ///
 /// # Errors
-/// Values of the design that do not yield inputs.
+/// If the values of the design do not yield valid inputs.
 fn cycle_stage(design: &Design) -> Result<Cycle, Error> {
     Ok(Cycle {
         parameters: inputs::cycle::parameters(design)?,

@@ -26,7 +26,7 @@ pub(crate) struct Motions<'a> {
     pub(crate) bodies: &'a Bodies,
     /// How they radiate.
     pub(crate) radiators: &'a Radiators,
-    /// The cycle with only the tool's lumped masses.
+    /// The cycle with a lumped workpiece.
     pub(crate) lumped: Stored<ShotRecord>,
     /// The engine of the cycle.
     pub(crate) engine: Engine,
@@ -53,7 +53,7 @@ pub(crate) struct Drive {
     pub(crate) engine: Engine,
     /// The cycle with a lumped workpiece.
     pub(crate) lumped: Stored<ShotRecord>,
-    /// Factor on the forces of the shot on the workpiece, if that cycle drives it one way \[-\].
+    /// Factor on the forces of the shot on the workpiece if the cycle is coupled one way \[-\].
     pub(crate) force_scale: f64,
 }
 
@@ -185,7 +185,7 @@ impl<'a> Motions<'a> {
         analysis.map(|stage| self.graph.add(stage)).collect()
     }
 
-    /// Motion and spectra of an elastic tool in a cycle, with the impedance of the air that acts.
+    /// Motion and spectra of an elastic tool in a cycle, with the radiation impedance that applies.
     pub(crate) fn tool(&self, cycle: &Stored<ShotRecord>) -> Option<ToolMotion> {
         let stages = self.bodies.tool.as_ref()?;
         let frozen = self.frozen_tool(stages, cycle);
@@ -207,7 +207,7 @@ impl<'a> Motions<'a> {
         Some(ToolMotion { vibration, motion })
     }
 
-    /// Spectra of an elastic tool with the impedance of the air frozen, for comparison with the complete one.
+    /// Spectra of an elastic tool with the frozen radiation impedance, for comparison with the full one.
     pub(crate) fn tool_with_frozen_impedance(&self, cycle: &Stored<ShotRecord>) -> Option<Stored<BodyMotion>> {
         let stages = self.bodies.tool.as_ref()?;
         self.radiators.tool.as_ref()?;

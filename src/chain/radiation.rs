@@ -119,8 +119,8 @@ fn tool_radiation(context: Context<'_>, stages: &BodyStages, acts: Loading) -> R
     let Some(elements) = inputs::radiation::tool(design) else {
         return Ok(None);
     };
-    // A user's housing has individual modes: most of the tool's mass is lumped on it, and the motion that standard
-    // structures in its shape miss may be worth a decibel.
+    // A user's housing has its own modes: most of the tool's mass is lumped on it, and the motion that standard
+    // structures of its shape cannot represent may amount to a decibel.
     let references = match design.body.mesh.is_empty() && shared.tool {
         true => references(graph, design, &[BodyKind::Tool])?,
         false => ReferenceStructures::new(),

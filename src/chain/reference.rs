@@ -73,7 +73,8 @@ fn bodies(graph: &Graph, design: &Design, kinds: &[BodyKind]) -> Result<Vec<Stor
         .collect()
 }
 
-/// Structures whose modes may represent the motion of a design's bodies, in the order of trial, with their names.
+/// Standard structures whose modes may represent the motion of a design's bodies, with their names, in the order in
+/// which they are tried.
 pub(super) type ReferenceStructures = Vec<(SurfaceModes, &'static str)>;
 
 /// ReferenceResult structures in the shape of a design's tool, or of its workpiece and table; none if these have no

@@ -33,7 +33,7 @@ pub(crate) struct ShotStages<'a> {
     pub(crate) noise_seed: u32,
     /// The nailing cycle.
     pub(crate) cycle: Stored<ShotRecord>,
-    /// Cycle and structure together, if they are coupled two ways.
+    /// Cycle and structure combined, if they are coupled two ways.
     pub(crate) coupled: Option<Stored<Coupled>>,
     /// Response of workpiece and support with the radiation impedance frozen at each mode's resonance.
     pub(crate) frozen: Stored<Vibration>,

@@ -278,7 +278,7 @@ fn next(rows: &[NextRow]) -> String {
     )
 }
 
-/// A conflict in words.
+/// Describes a conflict.
 fn conflict(own: &ConflictRow) -> String {
     let mut text = match (&own.partner, own.nearest, own.distance) {
         (_, Some(nearest), Some(distance)) => format!(

@@ -92,7 +92,7 @@ struct Common {
 }
 
 impl Common {
-    /// Starts the threads, reads the design and prints its warnings. Refuses an assembly.
+    /// Starts the threads, reads the design and prints warnings. Refuses an assembly.
     fn begin(&self) -> Result<Design, Error> {
         let design = self.begin_with_any_tool()?;
         design.refuse_assembly()?;

@@ -18,7 +18,7 @@ pub(super) fn silence() {
     QUIET.store(true, Ordering::Relaxed);
 }
 
-/// Shows a remark of a command without progress.
+/// Prints a remark of a command without progress.
 pub(super) fn note(text: &str) {
     if !QUIET.load(Ordering::Relaxed) {
         message(&format!("note: {text}"));

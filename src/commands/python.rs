@@ -12,8 +12,8 @@ use crate::error::Error;
 /// Environment variable that names the interpreter.
 const PYTHON: &str = "NAILNOISE_PYTHON";
 
-/// Calls `python -m nailnoise COMMAND`, which needs a package in addition to nailnoise; returns the exit status. It
-/// ends when this process ends, however that happens.
+/// Runs `python -m nailnoise COMMAND`, which needs the Python package `needed`; returns the exit status. The child ends
+/// when this process ends, however that happens.
 fn status(needed: &'static str, command: &str, arguments: &[OsString]) -> Result<u8, Error> {
     let python = std::env::var_os(PYTHON).unwrap_or_else(|| "python3".into());
     let missing = |reason: String| Error::NoPython {

@@ -209,7 +209,7 @@ fn performance(point: &SweptPoint) -> [String; 4] {
     all.map(|value| value.map_or_else(String::new, |value| format!("{value:.6e}")))
 }
 
-/// `sweep.csv`: a row for every point.
+/// `sweep.csv`: one row per point.
 fn csv(axes: &[Axis], points: &[SweptPoint]) -> Result<Vec<u8>, Error> {
     let sources = sources(points);
     let header = axes.iter().map(|axis| axis.key.clone());

@@ -102,7 +102,7 @@ impl Watching<'_> {
             looked: Mutex::new(Instant::now()),
         }));
         self.board.begin("the design");
-        // A fault of one run need not stop the next; the outputs of that run are gone.
+        // A fault in one run need not prevent the next; outputs of that run are lost.
         let outcome = catch_unwind(AssertUnwindSafe(|| self.run(&values, &progress)));
         progress.end();
         match outcome {
@@ -113,7 +113,7 @@ impl Watching<'_> {
                 super::report(error);
             }
             Err(panic) if panic.is::<Abandoned>() => {
-                // The files may have returned to their old state: they still have no result.
+                // The files may have returned to their old state, but there is still no result for them.
                 self.renew(&watched, moves);
                 return Ok(());
             }
@@ -127,7 +127,7 @@ impl Watching<'_> {
         Ok(())
     }
 
-    /// Before the next run: a file that was saved takes back what the page moved.
+    /// Prepares the next run: saving a file discards the values set on the page.
     fn renew(&self, watched: &Watched, moves: u64) {
         if self.board.moves() == moves {
             watched.settle();

@@ -176,7 +176,7 @@ impl OwnAssembly {
     }
 }
 
-/// The error of an assembly as one of its design.
+/// Converts the error of an assembly to one of its design.
 pub(crate) fn refused(error: AssemblyError) -> DesignError {
     let at = error.at.clone();
     Problem::Assembly(Box::new(error)).at(at)
@@ -231,7 +231,7 @@ fn named(file: &File) -> Result<Option<File>, DesignError> {
     Ok(File::read(&file.beside(name), None).ok())
 }
 
-/// The error of a command that needs more than an assembly, at the table `[cycle]` of the nearest file.
+/// The error of a command that needs more than an assembly, at the table `[cycle]` of the file closest to the design.
 pub(super) fn only_assembly(text: &AssemblyText, chain: &[File]) -> DesignError {
     let place = chain.iter().find_map(|file| {
         let table = file.table().ok()?;

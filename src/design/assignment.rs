@@ -70,7 +70,7 @@ impl Assignment {
         self.line.split_once(" = ").map_or(&self.line, |(key, _)| key)
     }
 
-    /// The assignment as a design file of one line; files that its value names are relative to the working folder.
+    /// The assignment as a one-line design file; file names in its value are relative to the working directory.
     pub(crate) fn file(&self) -> File {
         File::new(Path::new(COMMAND_LINE), &self.line)
     }

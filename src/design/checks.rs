@@ -27,7 +27,7 @@ impl Values {
     }
 }
 
-/// The rules in their order: the first that is broken is reported.
+/// Applies the rules in order; the first violation is reported.
 const RULES: [fn(&Values) -> Result<(), Conflict>; 11] = [
     nail,
     tool,

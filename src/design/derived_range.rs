@@ -173,7 +173,7 @@ impl MergedDerived {
                 .iter()
                 .map(|(key, given)| (*key, absolute(given)))
                 .collect();
-            // Values in the files of the chain are of their keys' kinds.
+            // Values in the files of the chain have the kinds of their keys.
             let _ = base.set(&primaries);
             let [own, base] = [values, &base].map(|values| (derived.value)(values));
             let range = draft.range.of(base, ambient);

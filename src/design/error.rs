@@ -98,7 +98,7 @@ pub enum Problem {
     /// The assembly has an error.
     #[error(transparent)]
     Assembly(Box<AssemblyError>),
-    /// A design with its own assembly, where only the tool of the keys can be computed.
+    /// The design has its own assembly, but the command only supports tools described by keys.
     #[error("`[cycle]` describes the tool as the assembly \"{name}\"; this command computes only the tool of the keys")]
     OwnAssembly {
         /// Name of the assembly.
@@ -122,7 +122,7 @@ pub enum Problem {
         /// What to do instead.
         remedy: &'static str,
     },
-    /// A member of a list whose name could not be one in results and files.
+    /// The name of a list member is not suitable for results and files.
     #[error("\"{name}\" cannot be a name")]
     BadName {
         /// The name.

@@ -324,7 +324,7 @@ impl Design {
         design
     }
 
-    /// Texts in the head of the report other than the design. No result depends on it.
+    /// Texts in the head of the report, apart from the design. No result depends on it.
     pub fn report(&self) -> &ReportSettings {
         &self.report
     }

@@ -369,7 +369,7 @@ fn dimension(kind: Kind) -> Dimension {
     }
 }
 
-/// The conflict at the key that was set last: in the file nearest to the design, and there furthest down.
+/// The conflict, reported at the key that was set last: in the file nearest to the design, and there furthest down.
 pub(crate) fn conflicting(conflict: super::Conflict, records: &Records) -> DesignError {
     let mut places: Vec<_> = conflict
         .keys()

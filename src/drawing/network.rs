@@ -11,7 +11,7 @@ use nailnoise_dynamics::network::assembly::{
 
 /// Width of the diagram \[px\].
 const WIDTH: f64 = 1200.0;
-/// Width of the text at the left of the rows \[px\].
+/// Width of the text to the left of the rows \[px\].
 const TEXT: f64 = 310.0;
 /// Height of the columns' heads \[px\].
 const HEAD: f64 = 96.0;

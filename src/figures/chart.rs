@@ -213,7 +213,7 @@ impl Series {
     }
 }
 
-/// The events that take place, in ms.
+/// The events that occur, in ms.
 pub(crate) fn events(events: &[EventTime]) -> Vec<Event> {
     let taking_place = events.iter().filter_map(|event| {
         let words = event_name(&event.name);

@@ -14,7 +14,7 @@ const SMALL: f64 = 1e-3;
 /// A step of a cascade: its name, and the energy that enters (positive) or leaves \[J\].
 type Term = (&'static str, f64);
 
-/// The chart of the energy flow of a nailing cycle. `subject` names its subject.
+/// The chart of the energy flow of a nailing cycle. `subject` names the design.
 pub fn energy(subject: &str, ambient: &Ambient, record: &CycleRecord) -> Chart {
     Chart {
         name: "energy".to_owned(),

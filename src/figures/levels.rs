@@ -149,7 +149,7 @@ pub(crate) fn from_event(name: &str) -> String {
     }
 }
 
-/// A-weighted sound power of every source over time. `subject` names its subject.
+/// A-weighted sound power of every source over time. `subject` names the design.
 pub fn power(subject: &str, record: &ShotRecord, powers: &[SoundPower]) -> Chart {
     let curve = |(place, power): (usize, &SoundPower)| {
         let history = &power.history;

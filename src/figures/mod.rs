@@ -52,7 +52,7 @@ pub fn shot(subject: &str, design: &Values, shot: &ShotRecord) -> Vec<Chart> {
     }
 }
 
-/// The charts of a run: [`levels`] and [`power`]. `subject` names their subject.
+/// The charts of a run: [`levels`] and [`power`]. `subject` names the design.
 pub fn sound(subject: &str, run: &Run) -> Vec<Chart> {
     let mut charts = levels(subject, &run.result);
     charts.push(power(subject, &run.record, &run.powers));

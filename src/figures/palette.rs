@@ -38,7 +38,7 @@ pub(crate) fn hexadecimal(place: usize) -> String {
 /// Places of designs side by side: neighbours differ in lightness, so that colour-blind readers can tell them apart.
 const DESIGNS: [usize; 12] = [8, 18, 13, 14, 19, 11, 15, 12, 9, 16, 17, 10];
 
-/// Place in the palette of a design among others.
+/// Index in the palette of a design among others.
 pub(crate) fn of_design(place: usize) -> usize {
     DESIGNS[place % DESIGNS.len()]
 }

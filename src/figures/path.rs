@@ -76,7 +76,7 @@ impl Frame {
                 }
                 vec![("mark", d)]
             }
-            // Horizontal bars are rows.
+            // Horizontal bars are drawn as rows.
             Shape::Spans(_) | Shape::Swings(_) => Vec::new(),
         }
     }

@@ -249,8 +249,8 @@ fn nominal(result: &StudyResult, variable: &Variable, output: &str) -> Option<[f
     Some([value_at(variable, report.nominal_place?)?, level])
 }
 
-/// Levels over the inputs that decide them most, a dot a draw: for the total and for the difference of the two loudest
-/// sources.
+/// Scatter plots of levels against the inputs that affect them most, one dot per draw: for the total and for the
+/// difference of the two loudest sources.
 pub fn scatter(result: &StudyResult, made: &Draws) -> Vec<Chart> {
     let of_interest = |own: &&Contributions| own.output == "total" || own.output.contains(" less ");
     let outputs = result.contributions.iter().filter(of_interest);
@@ -313,8 +313,9 @@ pub fn scatter(result: &StudyResult, made: &Draws) -> Vec<Chart> {
     charts.filter(|chart| !chart.panels.is_empty()).collect()
 }
 
-/// Levels over the values of the first axis of a sweep, a line for each source. With more axes there is a line for each
-/// of their values, only for the total. Numbers in one unit have a linear axis; over common draws it has bands.
+/// Levels over the values of the first axis of a sweep, with a line for each source. With more axes, there is one line
+/// for each combination of their values, only for the total. Numbers in one unit have a linear axis; over common draws
+/// it has bands.
 pub fn sweep(design: &str, axes: &[SweepAxis], points: &[SweptPoint]) -> Chart {
     let scale = Scale::of(axes.first());
     let line = |name: &str, colour: usize, of: &dyn Fn(&SweptPoint) -> Option<f64>, others: Option<&[String]>| {

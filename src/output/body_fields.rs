@@ -20,7 +20,7 @@ pub(super) const FIELDS: Output = Output::of_bodies("fields/*");
 /// Files of the bodies in a shot: `modes.csv`, and `fields/*` for ParaView, with films on request.
 ///
 /// # Errors
-/// Those of the bodies' response.
+/// The errors of the bodies' response.
 fn made(moving: &[BodyInMotion], events: &[EventTime], films: bool) -> Result<Fields, Error> {
     let mut made = Fields::default();
     made.text("modes.csv", modes::modes(moving)?);
@@ -41,7 +41,7 @@ pub struct BodyFields {
     pub moving: Vec<MovingBody>,
     /// The cycle, whose events the films show.
     pub cycle: Stored<ShotRecord>,
-    /// Whether films of the shot and series over the bands are among the files.
+    /// Whether the files include films of the shot and series over the bands.
     pub films: bool,
 }
 

@@ -44,7 +44,7 @@ pub const OUTPUTS: [Output; 24] = [
 /// Files of a cycle, for which no source is needed.
 ///
 /// # Errors
-/// [`Error::Table`] where a table is not rectangular.
+/// [`Error::Table`] if a table is not rectangular.
 pub fn of_cycle(shot: &ShotRecord, exports: Exports) -> Result<Vec<File>, Error> {
     match &shot.record {
         EngineRecord::Keys(record) => of_keys(record, exports),

@@ -16,7 +16,7 @@ const AROUND: [f64; 3] = [5e-5, 3e-4, 1e-3];
 /// Number of surface rows whose velocities are computed together.
 const ROWS: usize = 512;
 
-/// Adds `BODY-shot.pvd` and the `.vtu` of each instant: the velocity vector \[m/s\] on every point of the surface.
+/// Adds `BODY-shot.pvd` and one `.vtu` per instant: the velocity vector \[m/s\] at every point of the surface.
 pub(super) fn add(fields: &mut Fields, driven: &BodyInMotion, events: &[EventTime]) -> Result<(), Error> {
     let (response, skin) = (&*driven.vibration.response, &driven.body.skin);
     let samples = instants(events, response);
@@ -44,7 +44,7 @@ pub(super) fn add(fields: &mut Fields, driven: &BodyInMotion, events: &[EventTim
     Ok(())
 }
 
-/// Samples of the response around the events, ascending, each once.
+/// Samples of the response around the events, ascending and without repetition.
 fn instants(events: &[EventTime], response: &ModalResponse) -> Vec<usize> {
     let last = response.samples() - 1;
     let mut samples: Vec<usize> = events

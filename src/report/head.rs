@@ -123,7 +123,7 @@ fn in_words(result: &RunResult) -> String {
     format!("3 dB less is half of the sound energy; 10 dB less is a tenth of it, and sounds about half as loud.{day}")
 }
 
-/// How a shot ended that does not drive its nail, before all levels; nothing for one that does.
+/// The outcome of a shot that does not drive its nail, shown above all levels; empty otherwise.
 pub(crate) fn missed(headline: Option<&Headline>) -> Markup {
     html! {
         @if let Some(headline) = headline {

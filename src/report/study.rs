@@ -132,7 +132,7 @@ fn answer(result: &StudyResult) -> Vec<String> {
         .collect()
 }
 
-/// The output's variance, and the least part of it that is not by chance.
+/// The output's variance, and the smallest part of it that is statistically significant.
 fn resolved(own: &Contributions) -> String {
     let structures = own.by_chance_of_structures;
     let structures = structures.map_or_else(String::new, |limit| format!(" of shots and {limit:.2} of structures"));

@@ -5,7 +5,7 @@ use maud::{Markup, html};
 use super::legend::marked;
 use crate::tables::{Cell, Column, Content, Table};
 
-/// Characters of the terminal, and those that a page sets for them.
+/// Characters in the terminal, and their typeset form on a page.
 const TYPESET: [(&str, &str); 10] = [
     ("+-", "\u{b1}"),
     ("<= ", "\u{2264} "),

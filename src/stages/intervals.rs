@@ -44,7 +44,7 @@ pub struct EventEdges {
 }
 
 impl EventEdges {
-    /// The edges of a shot whose records last until `end` \[s\]. Events that do not occur are left out.
+    /// The edges for a shot whose records last until `end` \[s\]. Events that do not occur are omitted.
     pub fn new(events: &[EventTime], end: f64) -> Self {
         let happened = events
             .iter()

@@ -53,7 +53,7 @@ pub struct Notes {
     pub methods: Vec<String>,
 }
 
-/// Notes on one run.
+/// Notes on a run.
 pub fn notes(inputs: &NoteInputs<'_>, record: &ShotRecord) -> Notes {
     let mut shot = vec![inputs.shot.clone()];
     shot.extend(inputs.fitted_law.iter().cloned());

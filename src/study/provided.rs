@@ -148,10 +148,10 @@ impl ProvidedStudy {
         Ok(self.population.difference(design)? == Difference::None)
     }
 
-    /// The same study, renewed for the current code and design. It must draw quantities with the distributions of a
-    /// study with few draws that the current code made of the design, and its first draws must be equal to those.
-    /// Values that are not drawn, and names, may have changed: the equal draws show that the levels do not depend on
-    /// them.
+    /// The same study, renewed for the current code and design. The current code must have made a study with few draws
+    /// of the design. The drawn quantities must have the same distributions in both studies, and the first draws must
+    /// be equal. Values that are not drawn, and names, may have changed: the equal draws show that the levels do not
+    /// depend on them.
     ///
     /// # Errors
     /// If a design cannot be digested.

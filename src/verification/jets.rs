@@ -94,7 +94,7 @@ const STATED: [f64; 2] = [-16.0, 8.5];
 /// The same for the audible part of the spectrum of small holes \[dB\].
 const STATED_AUDIBLE: [f64; 2] = [2.0, 7.0];
 
-/// Frequencies of the analysis \[Hz\]: the outermost bands with some room.
+/// Frequency range of the analysis \[Hz\]: slightly wider than the outermost bands.
 const RANGE_HZ: [f64; 2] = [100.0, 120_000.0];
 
 /// The air of the rig, with a jet from a reservoir at the same temperature.

@@ -37,7 +37,7 @@ const LENGTH: f64 = 0.4;
 const WALL: f64 = 0.01;
 const CYLINDER_MATERIAL: [f64; 3] = [200e9, 0.3, 7800.0];
 
-/// Whether a coordinate is zero but for rounding.
+/// Whether a coordinate is zero apart from rounding.
 fn is_zero(c: f64) -> bool {
     c.abs() < 1e-9
 }

@@ -137,7 +137,7 @@ impl Board {
         moved
     }
 
-    /// Takes back what the page moved.
+    /// Discards the values set on the page.
     pub fn reset(&self) {
         self.change(|state| {
             // The next run offers sliders with the values of the file.

@@ -1,11 +1,11 @@
 //! Serves the page, on this machine unless the user names an address, to a handful of windows, without third-party
 //! content.
 //!
-//! It responds to each request on a separate thread and connection, and serves a handful of addresses. A client
-//! that has not shown the token yet is a stranger. Strangers have a limit on the number and the time of connections,
-//! separate from the windows: when there are too many, the oldest goes. Heads are parsed by `httparse`; complete servers are not
-//! better here: `tiny_http` is no longer maintained, `oxhttp` chooses no free port and writes to standard error,
-//! `hyper` brings an asynchronous runtime.
+//! It responds to each request on a separate thread and connection, and serves a handful of addresses. A client that
+//! has not yet shown the token is a stranger. The number and duration of strangers' connections are limited separately
+//! from those of windows: if there are too many, the oldest is closed. Heads are parsed by `httparse`. Complete servers
+//! are less suitable: `tiny_http` is no longer maintained, `oxhttp` cannot choose a free port and writes to standard
+//! error, and `hyper` requires an asynchronous runtime.
 
 use std::io::{self, ErrorKind, Read, Write};
 use std::net::{Ipv4Addr, Shutdown, SocketAddr, TcpListener, TcpStream};

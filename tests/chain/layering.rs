@@ -1,5 +1,5 @@
-//! The layering of the source: its files can be put in an order in which none names an item of a later one, stages use
-//! neither store nor commands, and a stage's key digests the code of all that it uses.
+//! The layering of the source. Its files can be ordered so that none names an item of a later one; stages use neither
+//! store nor commands; and a stage's key digests all the code that it uses.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
@@ -87,7 +87,7 @@ fn files_of_the_python_module_form_no_circle() {
     assert_no_circle("python/src");
 }
 
-/// Circles of a crate of these files.
+/// Number of dependency cycles in a crate with these files.
 fn circles_of(files: &[(&str, &str)]) -> usize {
     let files = files
         .iter()
@@ -170,15 +170,14 @@ fn stages_use_neither_store_nor_graph_nor_commands() {
             let design = first == "design" && item.name.as_deref() == Some("Design");
             assert!(!design, "{file} takes a whole design");
         }
-        // `stages` gives on what they may use of the pipeline: neither graph nor store.
+        // `stages` re-exports what they may use of the pipeline: neither graph nor store.
         let gathers = module.len() == 1;
         let pipeline = program.foreign(module).iter().any(|name| name == "nailnoise_pipeline");
         assert!(gathers || !pipeline, "{file} uses the pipeline directly");
     }
 }
 
-/// Names of sources in quotes that are not names of sources, by file and name: keys of designs, bodies, headings,
-/// labels.
+/// Quoted names of sources that mean something else, by file and name: keys of designs, bodies, headings, labels.
 const OTHER_NAMES: &[(&str, &[&str], &str)] = &[
     ("src/calibration/reader.rs", &["body"], "a key of a measurement"),
     ("src/commands/assembly/check.rs", &["body"], "a heading"),
@@ -285,7 +284,7 @@ fn crates_below(unit: &str) -> Vec<String> {
 #[test]
 fn the_code_in_a_stages_key_is_that_of_all_it_uses() {
     let program = library("src");
-    // What each unit uses: crates of the workspace and other units.
+    // Crates of the workspace and other units that each unit uses.
     let mut used: BTreeMap<String, BTreeSet<String>> = BTreeMap::new();
     for module in program.modules() {
         let Some(own) = unit(module) else { continue };

@@ -77,7 +77,8 @@ pub struct ExhaustNoise {
     pub mass: f64,
     /// Stagnation temperature of the outflow, averaged over its mass \[K\]; that of the air where nothing flows.
     pub outflow_temperature: f64,
-    /// Mass of the isentropic jets \[kg\]; close to `mass` if areas and pressures agree with those of the cycle.
+    /// Mass of the isentropic jets \[kg\]; close to `mass` if areas and pressures are consistent with those of the
+    /// cycle.
     pub jet_mass: f64,
     /// Noise over time.
     #[serde(skip)]

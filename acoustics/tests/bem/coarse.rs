@@ -60,7 +60,7 @@ fn euler(boundary: &Boundary) -> i64 {
     boundary.nodes() as i64 - 3 * faces / 2 + faces
 }
 
-/// Pulsating, oscillating along z, and a wave that is shorter than the body.
+/// Three patterns: pulsation, oscillation along z, and a wave shorter than the body.
 fn patterns(boundary: &Boundary) -> DMatrix<f64> {
     boundary.project(3, |_, _, point, v| {
         let n = point.area_vector().normalize();

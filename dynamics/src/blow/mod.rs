@@ -6,7 +6,7 @@
 //! head. The limits of the grips sum to the resistance of the cycle's law at the nail's local speed.
 //!
 //! ```text
-//! along the shank:  limit f_shank dx,   Z = 2 pi r rho c_s dx                 (M. Novak, Can. Geotech. J. 11, 574, 1974)
+//! along the shank:  limit f_shank dx,   Z = 2 pi r rho c_s dx               (M. Novak, Can. Geotech. J. 11, 574, 1974)
 //! tip and head:     limit f_tip, f_head,  Z = 3.4 a^2 rho c_s/(1 - nu), nu = 0.4, a the radius       (J. Lysmer, 1965)
 //! ```
 //!

@@ -44,7 +44,7 @@ pub use record::{
 pub use resistance::FastenerResistance;
 pub use text::{AssemblyError, AssemblyText, BUILT_IN, DeclaredKey, Fault, KeyValue, Keys, Literal, Resolved};
 
-/// Integrates an assembly from its trigger at t = 0 to its end.
+/// Integrates an assembly from the trigger at t = 0 to its end.
 ///
 /// # Errors
 /// [`RunError`]: a block that no kernel supports, a tool that is not seated, a volume that vanishes, a spring beyond

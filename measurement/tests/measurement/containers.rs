@@ -1,4 +1,5 @@
-//! Recordings as recorders, test systems and spreadsheets write them: each reads as the samples that it was made of.
+//! Recordings as written by recorders, test systems and spreadsheets: reading each returns the samples from which it
+//! was made.
 
 use std::io::{Seek as _, SeekFrom, Write as _};
 use std::path::Path;
@@ -10,7 +11,7 @@ use nailnoise_measurement::{MeasurementError, Shot};
 /// Amplitude of all recordings here \[m/s²\], a quarter of full scale.
 const AMPLITUDE: f64 = 250.0;
 
-/// A test of one accelerometer with these keys; its recording is `N` with these bytes.
+/// A test with one accelerometer and these keys; its recording is the file `N` with these bytes.
 fn accelerometer(folder: &Folder, bytes: impl AsRef<[u8]>, keys: &str) -> Result<Shot, MeasurementError> {
     folder.write("mic.wav", wav(&[&sine(0.1)]));
     folder.write("N", bytes);
@@ -72,7 +73,7 @@ fn integers(valid: u32, container: usize) -> Vec<u8> {
 
 const FULL: &str = "full_scale = \"1000 m/s2\"";
 
-/// Half a step of so many bits \[m/s²\].
+/// Half a quantisation step for this number of bits \[m/s²\].
 fn step(bits: u32) -> f64 {
     0.501 * 1000.0 / ((1_i64 << (bits - 1)) - 1) as f64
 }
@@ -160,7 +161,8 @@ fn files_with_lengths_of_64_bits_are_read() {
     }
 }
 
-/// A sparse RF64 file of so many frames: 16 bits, `channels` channels, zeros but for the last two frames of channel 2.
+/// A sparse RF64 file with this number of frames: 16 bits, `channels` channels, zeros except for the last two frames of
+/// channel 2.
 fn sparse(path: &Path, channels: u16, frames: u64) -> u64 {
     let frame = 2 * u64::from(channels);
     let ds64: Vec<u8> = [0, frame * frames, frames]
@@ -190,7 +192,7 @@ fn sparse(path: &Path, channels: u16, frames: u64) -> u64 {
     length
 }
 
-/// Length and last samples of two channels of a file that was refused for its size.
+/// Length and last samples of two channels of a file that was once rejected for its size.
 #[test]
 fn a_recording_of_300_megabytes_is_read_block_by_block() {
     let folder = Folder::new("rf64-long");
@@ -353,7 +355,7 @@ fn a_record_in_units_of_another_quantity_is_refused() {
             names(&error, &["channel N", "is an acceleration", words, label, "`kind`"]);
         }
     }
-    // Without a label the specific data type decides it: 12 is an acceleration, 15 a pressure.
+    // Without a label, the specific data type decides: 12 is an acceleration, 15 a pressure.
     let unlabelled = dataset(&format!("{:<20}", "m/s2"), &format!("{:<20}", "NONE"));
     reads(&folder, "unlabelled", &unlabelled, "unit = \"m/s2\"", 1e-8);
     let pressure = String::from_utf8(unlabelled)

@@ -106,7 +106,7 @@ pub(in crate::commands) fn draw(
     Ok(Status::SUCCESS)
 }
 
-/// Names of the states: position and velocity of each body, then energy and mass of the gas in each volume.
+/// Names of the states: position and velocity of each body, followed by energy and mass of the gas in each volume.
 fn states(assembly: &Assembly) -> Vec<String> {
     let bodies = assembly.bodies.iter();
     let mut states: Vec<String> = bodies

@@ -68,7 +68,7 @@ pub(crate) fn room(design: &Design) -> Room {
     }
 }
 
-/// The tool as the sphere of its volume.
+/// Sphere with the volume of the tool.
 pub(crate) fn tool_sphere(design: &Design, engine: &Engine) -> ToolSphere {
     ToolSphere {
         centre: on_axis(design, 0.5 * tool_height(design)),

@@ -50,7 +50,7 @@ pub(crate) fn outcome_of_assembly(shot: &ShotRecord) -> String {
     format!("outcome of the assembly: {}{depths}", shot.outcome.replace('_', " "))
 }
 
-/// Values outside the ranges that the design gives.
+/// Values outside the ranges that the design states.
 pub(crate) fn outside_ranges(design: &Design) -> Vec<String> {
     warnings_in_words(design, |warning| matches!(warning, Warning::OutsideRange { .. }))
 }
@@ -68,7 +68,7 @@ fn warnings_in_words(design: &Design, is_wanted: impl Fn(&Warning) -> bool) -> V
 /// Position of the shot within the data range of a fitted penetration law; empty for other laws.
 ///
 /// # Errors
-/// As [`law_of`].
+/// Same as [`law_of`].
 pub(crate) fn fitted_law(design: &Design, shot: &ShotRecord) -> Result<Vec<String>, Error> {
     let Some(law) = law_of(design)? else {
         return Ok(Vec::new());

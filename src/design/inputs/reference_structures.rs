@@ -186,7 +186,7 @@ fn with_inside_of(dimensions: &ToolDimensions, from: &ToolDimensions) -> ToolDim
 
 /// Designs with reference bodies in the shape of a design's.
 pub(crate) struct ReferenceStructures {
-    /// With the materials and the nail of the N80CB.
+    /// Has the materials and the nail of the N80CB.
     pub(crate) first: Design,
     /// Has other materials, and other walls if the tool has the outer dimensions of the N80CB. It is for motion that
     /// the first does not represent.
@@ -194,9 +194,9 @@ pub(crate) struct ReferenceStructures {
 }
 
 impl ReferenceStructures {
-    /// Whether the tool of the second has different walls and so a separate mesh, which is the case in the outer
-    /// surface of the N80CB's. A designer changes walls there, and one structure does not represent the motion of
-    /// others: both are solved together from the start.
+    /// Whether the tool of the second design has different walls and so a separate mesh, which is the case for the
+    /// outer surface of the N80CB. Designers change walls, and one structure does not represent the motion of others;
+    /// so both are solved together from the start.
     pub(crate) fn walls_differ(&self) -> bool {
         let [first, second] = [Some(&self.first), self.second.as_ref()].map(|design| design.map(|design| &design.body));
         first

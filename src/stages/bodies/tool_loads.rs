@@ -14,7 +14,8 @@ pub(crate) const MASS_LIMIT: f64 = 1e-3;
 /// Number of rings of the bore, in which the pressure changes as the piston passes.
 pub(crate) const RINGS: usize = 12;
 
-/// Names in a shot of the surfaces of the loads along the axis, unit forces \[N\]: their places in the list of all loads.
+/// Names in a shot of the surfaces of the loads along the axis, which are unit forces \[N\], in the order of the list
+/// of all loads.
 pub(crate) const AXIAL_SURFACES: [&str; AXIAL] = ["roof", "cap", "rim", "floor", "bore", "nose", "handle"];
 
 /// Place of the load on the handle.
@@ -86,7 +87,7 @@ pub(crate) fn load_vectors(places: &ToolPlaces, mesh: &Mesh) -> Result<Vec<LoadV
     for load in axial {
         match down(load) {
             Ok(vector) => vectors.push(vector),
-            // The cap takes two forces; its absence is one problem.
+            // Two forces act on the cap; its absence is reported once.
             Err(Error::Body(BodyError::NoLoadSurface { group, .. }))
                 if problems.iter().any(|other| other.lacks(group)) => {}
             Err(error) => problems.push(error),

@@ -47,7 +47,7 @@ const LOWEST_HZ: f64 = 50.0;
 /// Quality with which modes of reference bodies represent the motion of the design's bodies.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Projection {
-    /// The fit; none if the surfaces differ.
+    /// The fit; `None` if the surfaces differ.
     pub fit: Option<SurfaceFit>,
     /// Frequency \[Hz\] and fraction of the energy of the surface's motion that the known modes miss \[-\], RMS over
     /// the loads.
@@ -55,7 +55,7 @@ pub struct Projection {
 }
 
 impl Projection {
-    /// Largest share of the energy that the known modes miss \[-\].
+    /// Largest fraction of the energy that the known modes miss \[-\].
     pub fn worst(&self) -> f64 {
         self.lacking.iter().map(|[_, share]| *share).fold(0.0, f64::max)
     }
@@ -92,7 +92,7 @@ impl RadiatingShape {
         }
     }
 
-    /// The meshes that are solved, with the velocities of all modes, in standard air.
+    /// The meshes to be solved, with the velocities of all modes, in standard air.
     pub(super) fn mesh_hierarchy(&self, surfaces: &[MovingSurface<'_>]) -> Result<Vec<MeshRange>, Error> {
         let air = Air::default();
         match self {

@@ -308,7 +308,7 @@ impl ToolRadiation {
     /// The meshes for the solution of the housing.
     ///
     /// # Errors
-    /// As [`Self::finest`].
+    /// Same as [`Self::finest`].
     pub fn mesh_hierarchy(
         &self,
         bodies: &[MovingSurface<'_>],

@@ -308,7 +308,7 @@ impl MovingSand {
         self.shear_speed * x.sqrt()
     }
 
-    /// The nearest point of the block's edge to a point (x, y) of the sand's surface \[m\].
+    /// The point of the block's edge nearest to a point (x, y) of the sand's surface \[m\].
     pub fn edge(&self, point: [f64; 2]) -> [f64; 2] {
         [0, 1].map(|i| point[i].clamp(self.footprint[i][0], self.footprint[i][1]))
     }

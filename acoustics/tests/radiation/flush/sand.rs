@@ -282,8 +282,7 @@ fn a_shot_has_the_same_power_by_surface_and_by_far_field() {
     assert!(worst < 0.85, "{worst}");
 }
 
-/// Sand that moves in its own air, continued by the surface only out of another air, equals both solved in that air
-/// together.
+/// Moving sand combined with a surface matrix computed in other air agrees with both computed together in that air.
 #[test]
 fn moving_sand_in_another_air_agrees_with_the_surface_alone() {
     let (standard, cold) = (Air::default(), Air::at(258.15, 85_000.0).unwrap());

@@ -163,8 +163,8 @@ impl AssemblyText {
         entries.iter().map(|entry| entry.key.as_str()).collect()
     }
 
-    /// All fields and values of keys, one a line, in alphabetical order: the same for two assemblies that are written
-    /// in different files and order of fields.
+    /// All fields and values of keys, one per line in alphabetical order; equal for assemblies that differ only in the
+    /// division into files and the order of fields.
     pub fn canonical(&self) -> String {
         let mut lines = Vec::new();
         self.cycle.lines("cycle", &mut lines);
