@@ -1,4 +1,4 @@
-//! Effect of the supply pressure on the shot and on its exhaust: `cargo run --release --example 02_pressure`.
+//! Effect of the supply pressure on the shot and on exhaust noise: `cargo run --release --example 02_pressure`.
 
 use nailnoise::model::sources::exhaust;
 use nailnoise::{Design, chain};

@@ -1,14 +1,14 @@
-//! The chain from a design to ranked sources: which stage reads which, from top to bottom.
+//! The chain from a design to ranked sources: which stage reads which output.
 //!
-//! [`Chain::new`] adds the stages of a design to a graph without computing any. [`Chain::run`] (`run.rs`) makes the
-//! outputs that a result needs, side by side, and ranks the sources.
+//! [`Chain::new`] adds the stages of a design to a graph without computing anything. [`Chain::run`] (`run.rs`) computes
+//! the outputs that a result needs, in parallel, and ranks the sources.
 
 mod bodies;
 mod context;
 mod cycle;
 mod motion;
 mod radiation;
-mod shape;
+mod reference;
 mod shot;
 
 use std::time::Instant;
@@ -35,22 +35,22 @@ pub(crate) use cycle::engine;
 pub use cycle::{cycle, cycle_as_published, shot};
 pub(crate) use motion::{Drive, Motions};
 use radiation::Radiators;
-pub use shape::SharedShapes;
+pub use reference::SharedShapes;
 pub(crate) use shot::ShotStages;
 
-/// Changes of the physics for a run of the same design; for studies and tests of laws.
+/// Modifications of the physics for a run of the same design, used by studies and by tests of physical laws.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Options {
-    /// Factor on the forces of the shot on the workpiece, if a cycle drives it one way \[-\].
+    /// Factor on the forces of the shot on the workpiece if the cycle is coupled one way \[-\].
     pub workpiece_force_scale: f64,
-    /// Seed of the jets' noise at the microphones; its levels do not depend on it.
+    /// Seed of the jet noise at the microphones; levels do not depend on it.
     pub noise_seed: u32,
-    /// Shapes that other designs share.
+    /// Shapes shared with other designs.
     pub shared: SharedShapes,
 }
 
 impl Default for Options {
-    /// The design without changes.
+    /// No modifications.
     fn default() -> Self {
         Self {
             workpiece_force_scale: 1.0,
@@ -63,9 +63,9 @@ impl Default for Options {
 /// The stages of a design's shot.
 pub struct Chain {
     pub(crate) graph: Graph,
-    /// Requirements of a run on each body.
+    /// Preflight checks of each body.
     pub(crate) usable: Vec<Stored<Preflight>>,
-    /// When the run began.
+    /// Start time of the run.
     pub(crate) begin: Instant,
     /// The engine of the cycle.
     pub(crate) engine: Engine,
@@ -77,15 +77,15 @@ pub struct Chain {
     pub tool: Option<BodyStages>,
     /// Response of workpiece and support.
     pub vibration: Stored<Vibration>,
-    /// All elastic bodies in motion: the workpiece, its support, the tool.
+    /// All elastic bodies: the workpiece, its support, the tool.
     pub moving: Vec<MovingBody>,
     /// End of all records \[s\].
     pub end: Stored<f64>,
     /// The sources, in the order of their list.
     pub(crate) sources: Vec<SourceStages>,
-    /// Only the levels of all sources.
+    /// Levels of all sources, without further results.
     pub levels: Stored<Levels>,
-    /// Keys of modes and of radiation in standard air, which shots on the same structures share.
+    /// Keys of modes and of radiation in standard air, which are shared by shots with the same structures.
     pub(crate) structures: Vec<Digest>,
     /// Signals of the sensors.
     pub sensors: Stored<Vec<SensorRecord>>,
@@ -97,13 +97,13 @@ pub struct Chain {
     pub(crate) response_report: Stored<ResponseChecks>,
     /// Checks of an elastic tool.
     pub(crate) tool_report: Option<Stored<ToolChecks>>,
-    /// The same shot one way, for a two-way coupled one.
+    /// The same shot with one-way coupling, if the shot is coupled two ways.
     pub(crate) one_way: Option<OneWay>,
-    /// As in [`Options`].
+    /// See [`Options`].
     pub(crate) noise_seed: u32,
 }
 
-/// A two-way coupled shot and the one-way shot of the same design.
+/// A shot with two-way coupling and the same design's shot with one-way coupling.
 pub(crate) struct OneWay {
     pub(crate) report: Stored<Reported>,
     pub(crate) cycle: Stored<ShotRecord>,
@@ -113,10 +113,18 @@ impl Chain {
     /// Adds the stages of a design to a graph.
     ///
     /// # Errors
-    /// Values of the design that do not yield inputs.
+    /// If the values of the design do not yield valid inputs.
     pub fn new(graph: &Graph, design: &Design, options: Options) -> Result<Self, Error> {
+        Self::with_engine(graph, design, cycle::engine(design)?, options)
+    }
+
+    /// The same with the nailing cycle of another design, whose modes and radiation matrices need not be computed. The
+    /// cycle drives the bodies one way.
+    ///
+    /// # Errors
+    /// Same as [`new`](Self::new).
+    pub(crate) fn with_engine(graph: &Graph, design: &Design, engine: Engine, options: Options) -> Result<Self, Error> {
         let begin = Instant::now();
-        let engine = cycle::engine(design)?;
         let context = Context {
             graph,
             design,
@@ -222,7 +230,7 @@ mod tests {
     use crate::stages::sound_fields::FieldMethod;
     use radiation::workpiece_radiation;
 
-    /// Beginnings of keys whose values reach no mesh, no mode and no load vector.
+    /// Prefixes of keys that affect neither meshes nor modes nor load vectors.
     const BEYOND_BODIES: [&str; 4] = ["acoustics.", "ambient.", "exhaust.", "supply."];
 
     /// Keys of the stages of all bodies.
@@ -253,7 +261,7 @@ mod tests {
         assert_eq!(before[1..], after[1..]);
     }
 
-    /// Key of the tool's order of elimination.
+    /// Key of the elimination order of the tool.
     fn order(design: &Design) -> Digest {
         let geometry = inputs::bodies::geometry(design, BodyKind::Tool, false).unwrap();
         let graph = Graph::default();

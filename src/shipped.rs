@@ -1,7 +1,7 @@
-//! Designs and measurements that come with the program, in the program itself: it needs no other files, wherever it is
-//! installed.
+//! Designs and measurements that come with the program. They are compiled into it, so that it needs no other files
+//! wherever it is installed.
 
-/// Files of the folder `designs`, by their paths in it with their content.
+/// Files of the folder `designs`, by their paths, with their content.
 macro_rules! files {
     ($($path:literal),* $(,)?) => {
         &[$(($path, include_str!(concat!("../designs/", $path)))),*]
@@ -45,15 +45,15 @@ pub const WITHOUT_STUDY: &[&str] = &[
 pub const MEASURED: &[(&str, &str)] = files!["measured/n80cb.json"];
 
 /// Studies of designs, for the intervals of `nailnoise run`: every file of the folder `designs/studies`, which
-/// `nailnoise provide` makes anew. The list is made when the program is built.
+/// `nailnoise provide` renews. The list is made when the program is built.
 pub const STUDIES: &[(&str, &str)] = include!(concat!(env!("OUT_DIR"), "/studies.rs"));
 
-/// The design of this name, with or without folder and extension: `n80cb`, `muffler.toml`, `quieter/muffler`.
+/// The design with this name, with or without folder and extension: `n80cb`, `muffler.toml`, `quieter/muffler`.
 pub fn design(name: &str) -> Option<(&'static str, &'static str)> {
     find(DESIGNS, name)
 }
 
-/// The measurements of this name, as those of [`design`].
+/// The measurements with this name, which may be written like that of a [`design`].
 pub fn measured(name: &str) -> Option<(&'static str, &'static str)> {
     find(MEASURED, name)
 }

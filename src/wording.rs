@@ -1,14 +1,15 @@
-//! Text for numbers, changes of levels, uncertainty bands and the ranking, the same in tables and pages.
+//! Text for numbers, changes of levels, uncertainty bands and the ranking; the same in tables and pages.
 
 use std::borrow::Cow;
 
 pub(crate) use nailnoise_pipeline::store::hexadecimal;
 pub(crate) use nailnoise_quantities::rounded;
 
-/// A text as a terminal may show it: control characters, which could move its cursor or set its title, and those that
-/// reverse the direction of writing as escapes. `colours` leaves the sequences of colours, `ESC [ ... m`, unchanged.
+/// A text that is safe to show in a terminal: control characters, which could move its cursor or set its title, and
+/// characters that reverse the writing direction are escaped. With `colours`, the colour sequences `ESC [ ... m` are
+/// left unchanged.
 ///
-/// Names of files and texts of files are chosen by others, and may have any characters.
+/// Names and contents of files are chosen by others and may contain any characters.
 pub(crate) fn visible(text: &str, colours: bool) -> Cow<'_, str> {
     let hidden = |letter: char| {
         letter.is_control() && !matches!(letter, '\n' | '\t')
@@ -35,20 +36,20 @@ pub(crate) fn visible(text: &str, colours: bool) -> Cow<'_, str> {
     Cow::Owned(shown)
 }
 
-/// Length of a sequence of colours at the beginning of a text.
+/// Length of a colour sequence at the beginning of a text.
 fn colour(text: &str) -> Option<usize> {
     let parameters = text.strip_prefix("\u{1b}[")?;
     let end = parameters.find(|letter: char| !(letter.is_ascii_digit() || letter == ';'))?;
     parameters[end..].starts_with('m').then_some(2 + end + 1)
 }
 
-/// A number to so many decimals without a tail of zeros.
+/// A number rounded to some decimals, without trailing zeros.
 pub(crate) fn trimmed(value: f64, decimals: usize) -> String {
     let text = format!("{value:.decimals$}");
     text.trim_end_matches('0').trim_end_matches('.').to_owned()
 }
 
-/// A change of a level to a tenth of a decibel, with its sign: `-0.4`, `+1.2`; `0.0` if it rounds to zero.
+/// A change of a level with one decimal and its sign: `-0.4`, `+1.2`; `0.0` if it rounds to zero.
 pub(crate) fn change(db: f64) -> String {
     let rounded = (10.0 * db).round() / 10.0;
     if rounded == 0.0 {
@@ -58,7 +59,7 @@ pub(crate) fn change(db: f64) -> String {
     }
 }
 
-/// Unit of a figure of the shot by its name in [`nailnoise_dynamics::Summary`]; empty for counts and fractions.
+/// Unit of a figure of the shot, from its name in [`nailnoise_dynamics::Summary`]; empty for counts and fractions.
 pub(crate) fn unit_of_figure(figure: &str) -> &'static str {
     match figure {
         "penetration" | "head_depth" => "m",
@@ -67,11 +68,12 @@ pub(crate) fn unit_of_figure(figure: &str) -> &'static str {
         _ if figure.starts_with("speed_") => "m/s",
         _ if figure.ends_with("_force") => "N",
         _ if figure.ends_with("_mass") => "kg",
+        _ if figure.ends_with("_energy") => "J",
         _ => "",
     }
 }
 
-/// A figure of the shot, from its name and its value in SI units, in the unit that people use for it: mm, ms, kN, g, %.
+/// A figure of the shot, from its name and its value in SI units, in the customary unit: mm, ms, kN, g, %.
 pub(crate) fn figure(name: &str, value: f64) -> String {
     let (scale, unit, digits) = match unit_of_figure(name) {
         "m" => (1e3, " mm", 2),
@@ -79,6 +81,7 @@ pub(crate) fn figure(name: &str, value: f64) -> String {
         "N" => (1e-3, " kN", 3),
         "kg" => (1e3, " g", 3),
         "m/s" => (1.0, " m/s", 2),
+        "J" => (1.0, " J", 1),
         _ if name.ends_with("_fraction") => (1e2, " %", 1),
         _ => (1.0, "", 0),
     };
@@ -94,7 +97,7 @@ pub(crate) fn drawn_structures(count: usize) -> String {
     }
 }
 
-/// A readable unit for a quantity in this SI unit, and the factor to it: mm, ms, kN, g.
+/// A readable unit for a quantity in this SI unit, and the conversion factor: mm, ms, kN, g.
 pub(crate) fn readable(unit: &str) -> (&str, f64) {
     match unit {
         "m" => ("mm", 1e3),
@@ -103,6 +106,36 @@ pub(crate) fn readable(unit: &str) -> (&str, f64) {
         "kg" => ("g", 1e3),
         unit => (unit, 1.0),
     }
+}
+
+/// The unit in which people read a quantity of this SI unit and size, and the factor to it.
+pub(crate) fn readable_at(unit: &str, size: f64) -> (&str, f64) {
+    let from = |limit: f64| size.abs() >= limit;
+    match unit {
+        "Pa" if from(1e9) => ("GPa", 1e-9),
+        "Pa" if from(1e6) => ("MPa", 1e-6),
+        "Pa" if from(1e3) => ("kPa", 1e-3),
+        "N" if from(1e3) => ("kN", 1e-3),
+        "N/m" if from(1e6) => ("kN/mm", 1e-6),
+        "N/m" if from(1e3) => ("N/mm", 1e-3),
+        "kg" if from(1.0) => ("kg", 1.0),
+        "m" if from(1.0) => ("m", 1.0),
+        "m" if size != 0.0 && !from(1e-4) => ("um", 1e6),
+        "s" if from(1.0) => ("s", 1.0),
+        "m2" if from(1e-2) => ("m2", 1.0),
+        "m2" => ("mm2", 1e6),
+        "m3" => ("cm3", 1e6),
+        "rad" => ("deg", 180.0 / std::f64::consts::PI),
+        "N" => ("N", 1.0),
+        unit => readable(unit),
+    }
+}
+
+/// Values of one quantity in the unit of the largest, with four digits at most, and that unit.
+pub(crate) fn in_one_unit<const N: usize>(unit: &str, values: [f64; N]) -> ([String; N], &str) {
+    let largest = values.iter().fold(0.0, |largest: f64, value| largest.max(value.abs()));
+    let (unit, factor) = readable_at(unit, largest);
+    (values.map(|value| rounded(factor * value, 4, 1e5)), unit)
 }
 
 /// The band around a predicted level: `-4.0 .. +4.0`. Bounds other than zero are rounded to at least a tenth; `open`
@@ -119,7 +152,7 @@ pub(crate) fn band([minus, plus]: [Option<f64>; 2]) -> String {
 /// A source in a ranking: its name, its level \[dB\] and the band around it \[dB\].
 pub(crate) type Placed<'a> = (&'a str, Option<f64>, [Option<f64>; 2]);
 
-/// The neighbours in a ranking, loudest first, whose order is not certain because their bands overlap.
+/// The adjacent sources in a ranking, loudest first, whose order is uncertain because their bands overlap.
 pub(crate) fn order(ranking: &[Placed<'_>]) -> String {
     let overlaps = |pair: &&[Placed<'_>]| {
         let [(_, Some(above), [minus, _]), (_, Some(below), [_, plus])] = pair else {

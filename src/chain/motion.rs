@@ -1,4 +1,5 @@
-//! Motion of the bodies of a design: of workpiece and support for each start and coupling, of the tool for each cycle.
+//! Motion of the bodies of a design: of workpiece and support for each start and coupling, and of the tool for each
+//! cycle.
 
 use nailnoise_acoustics::radiation::radiator::Loading;
 
@@ -38,7 +39,7 @@ pub(crate) struct Motions<'a> {
     /// Sensors on each body of the structure, and on the tool.
     on_structure: Vec<Option<Stored<BodySensors>>>,
     on_tool: Option<Stored<BodySensors>>,
-    /// Factor on the forces of the shot on the workpiece, if a cycle drives it one way \[-\].
+    /// Factor on the forces of the shot on the workpiece if the cycle is coupled one way \[-\].
     pub(crate) force_scale: f64,
     /// Range of the levels \[Hz\].
     pub(crate) range_hz: [f64; 2],
@@ -50,7 +51,7 @@ pub(crate) struct Motions<'a> {
 pub(crate) struct Drive {
     /// The engine of the cycle.
     pub(crate) engine: Engine,
-    /// The cycle with only the tool's lumped masses.
+    /// The cycle with a lumped workpiece.
     pub(crate) lumped: Stored<ShotRecord>,
     /// Factor on the forces of the shot on the workpiece, if that cycle drives it one way \[-\].
     pub(crate) force_scale: f64,
@@ -64,21 +65,21 @@ pub(crate) struct ToolMotion {
     pub(crate) motion: Stored<BodyMotion>,
 }
 
-/// Motion of workpiece and support with the cycle that drives it.
+/// Motion of workpiece and support, with the cycle that drives it.
 pub(crate) struct DrivenVibration {
     /// The cycle.
     pub(crate) cycle: Stored<ShotRecord>,
     /// The motion.
     pub(crate) vibration: Stored<Vibration>,
-    /// Both together, if they are coupled two ways.
+    /// Both combined, if they are coupled two ways.
     pub(crate) coupled: Option<Stored<Coupled>>,
 }
 
 impl<'a> Motions<'a> {
-    /// For the bodies of a design.
+    /// Creates the builder for the bodies of a design.
     ///
     /// # Errors
-    /// Values of the design that do not yield inputs.
+    /// If the values of the design do not yield valid inputs.
     pub(crate) fn new(
         context: Context<'a>,
         bodies: &'a Bodies,
@@ -113,13 +114,13 @@ impl<'a> Motions<'a> {
         })
     }
 
-    /// Whether the complete impedance of the air acts: it is requested, and the contact neither opens nor acts back on
+    /// Whether the full radiation impedance is used: it is requested, and the contact neither opens nor acts back on
     /// the cycle.
     pub(crate) fn is_linear(&self) -> bool {
         self.radiators.acts == Loading::Full && !self.two_way && !self.shot.can_lose_contact()
     }
 
-    /// The shot from one of its starts, with the impedance of the air frozen at each mode's resonance.
+    /// The shot from one of its initial states, with the radiation impedance frozen at each mode's resonance.
     pub(crate) fn driven(&self, start: u32, two_way: bool) -> DrivenVibration {
         let shot = self.shot.with_start(start);
         // A design couples two ways only if the engine can.
@@ -151,7 +152,7 @@ impl<'a> Motions<'a> {
         })
     }
 
-    /// A response whose contact cannot open, with the complete impedance of the air.
+    /// A response whose contact cannot open, with the full radiation impedance.
     pub(crate) fn with_complete_impedance(&self, frozen: &Stored<Vibration>, shot: &ShotInputs) -> Stored<Vibration> {
         self.graph.add(LinearResponse {
             frozen: frozen.clone(),
@@ -164,7 +165,7 @@ impl<'a> Motions<'a> {
         })
     }
 
-    /// The same shot one way with every contact bonded: with the impedance frozen, and with the complete one.
+    /// The same shot with one-way coupling and bonded contacts: with the frozen and with the full impedance.
     pub(crate) fn bonded(&self) -> [Stored<Vibration>; 2] {
         let bonded = self.shot.bonded();
         let frozen = self.one_way(bonded.clone());
@@ -172,7 +173,7 @@ impl<'a> Motions<'a> {
         [frozen, complete]
     }
 
-    /// Spectra of workpiece and support, with the signals of their sensors on request.
+    /// Spectra of workpiece and support, with the signals of their sensors if requested.
     pub(crate) fn analysed(&self, vibration: &Stored<Vibration>, with_sensors: bool) -> Vec<Stored<BodyMotion>> {
         let bodies = self.bodies.structure.iter().zip(&self.on_structure).enumerate();
         let analysis = bodies.map(|(index, (stages, sensors))| BodyAnalysis {
@@ -233,7 +234,7 @@ impl<'a> Motions<'a> {
         })
     }
 
-    /// The range of the levels up to a frequency \[Hz\].
+    /// The range of the levels, limited to a frequency \[Hz\].
     fn range_up_to(&self, top_hz: f64) -> [f64; 2] {
         let [low, high] = self.range_hz;
         [low, top_hz.min(high)]

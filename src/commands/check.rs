@@ -1,4 +1,4 @@
-//! `nailnoise check`: whether a mesh can be trusted, and the cost of its modes; a design without a body is explained in
+//! `nailnoise check`: checks a mesh and estimates the cost of its modes; a design without a chosen body is explained in
 //! full.
 
 use std::path::PathBuf;
@@ -48,7 +48,7 @@ struct CheckResult {
     /// Number of the worst element in its file.
     worst_element: u64,
     unused_nodes: usize,
-    /// Tied interfaces between pieces.
+    /// Number of tied interfaces between pieces.
     ties: usize,
     parts: Vec<MeshPart>,
     groups: Vec<Group>,
@@ -56,7 +56,7 @@ struct CheckResult {
     faults: Vec<String>,
     /// Warnings for the user.
     warnings: Vec<String>,
-    /// Mass with lumped masses \[kg\]; none without a design.
+    /// Mass including lumped masses \[kg\]; none without a design.
     mass: Option<f64>,
     cost: Option<ModalCost>,
 }
@@ -74,11 +74,11 @@ struct MeshPart {
 struct Group {
     name: String,
     faces: usize,
-    /// Area \[m2\]; faces between two elements have none here.
+    /// Area \[m2\], excluding faces between two elements.
     area: f64,
     /// Centroid \[m\].
     centre: Option<[f64; 3]>,
-    /// Origin of its name: the file, the design, or a guess by its shape.
+    /// Origin of its name: the file, the design, or a guess from its shape.
     origin: &'static str,
 }
 
@@ -152,7 +152,7 @@ pub(super) fn execute(arguments: &Arguments) -> Result<Status, Error> {
         })
         .collect();
     let ties = body.map_or(0, |(meshed, _)| meshed.attachments.ties.len());
-    // Pieces of a body are checked with the other requirements of a run on it.
+    // Pieces of a body are checked together with the other preflight checks.
     let (mut faults, mut warnings) = findings(
         mesh,
         &quality,

@@ -16,12 +16,13 @@ use crate::figures::{self, Chart};
 use crate::graph::Graph;
 use crate::headline;
 use crate::output::{self, Exports};
+use crate::report;
 use crate::result::DesignId;
 use crate::store::Store;
 use crate::study::{Axis, Quantiles, Request, SweptPoint, at_point, sweep};
 use crate::tables::sweep::{self as tables, sources};
 
-/// The last file to be written, so that a folder with it has all the rest.
+/// The file written last, whose presence shows that the folder is complete.
 const LAST: &str = "sweep.csv";
 
 #[derive(Args)]
@@ -56,6 +57,9 @@ pub(super) struct Arguments {
     /// Draw the levels over the first key as SVG
     #[arg(long)]
     figures: bool,
+    /// Also run each point and leave its report and result in a folder named after its values, which the page opens
+    #[arg(long)]
+    reports: bool,
     /// Also run each point and leave its films and sound fields for ParaView, report and result in a folder named after
     /// its values. Each takes as long as `nailnoise run --fields`
     #[arg(long)]
@@ -101,20 +105,20 @@ pub(super) fn execute(arguments: &Arguments) -> Result<Status, Error> {
     let mut points = sweep(&graph, base, &arguments.vary, request.as_ref(), limit, &progress)?;
     headline::explain_first(&graph, base, &arguments.vary, &mut points)?;
     let mut checks = Vec::new();
-    if arguments.fields {
+    if arguments.fields || arguments.reports {
         name_folders(&mut points, &arguments.vary);
-        let films = Exports {
-            films: true,
+        let exports = Exports {
+            films: arguments.fields,
             ..Exports::default()
         };
         for point in &points {
             let Some(name) = &point.folder else { continue };
-            progress.note(&format!("films of {name}"));
+            progress.note(&format!("run of {name}"));
             let design = at_point(base, &arguments.vary, &point.values)?;
             let (_, own) = delivered(&Delivery {
                 design: &design,
                 folder: &folder.join(name),
-                exports: films,
+                exports,
                 screening: false,
                 printer: super::run::printed,
                 store: graph.store(),
@@ -125,8 +129,10 @@ pub(super) fn execute(arguments: &Arguments) -> Result<Status, Error> {
         }
     }
     let staging = AtomicWrite::within(&folder)?;
+    let chart: Chart = figures::sweep(design.name(), &arguments.vary, &points);
+    let page = report::swept(design.name(), &arguments.vary, &points, &chart);
+    staging.write("sweep.html".as_ref(), page.as_bytes())?;
     if arguments.figures {
-        let chart: Chart = figures::sweep(design.name(), &arguments.vary, &points);
         figures::write(&staging, "figures".as_ref(), &[chart])?;
     }
     staging.write(LAST.as_ref(), &csv(&arguments.vary, &points)?)?;
@@ -142,12 +148,12 @@ pub(super) fn execute(arguments: &Arguments) -> Result<Status, Error> {
     } else {
         print(&super::alarm(&headline::alarms(&points)))?;
         print(&text(design.name(), &arguments.vary, &points))?;
-        print(&format!("\n  files in {}\n", folder.display()))?;
+        print(&format!("\n  {}\n", folder.join("sweep.html").display()))?;
     }
     Ok(status_of(&checks))
 }
 
-/// Names a folder for each point with levels after its values.
+/// Names a folder after its values for each point that has levels.
 fn name_folders(points: &mut [SweptPoint], axes: &[Axis]) {
     let safe = |c: char| {
         if c.is_alphanumeric() || "=.,+-_".contains(c) {
@@ -179,8 +185,28 @@ fn text(name: &str, axes: &[Axis], points: &[SweptPoint]) -> String {
     });
     format!(
         "{name}: A-weighted single-event sound power levels, dB re 1 pW s, of the design itself; `nailnoise study` \
-         says how sure they are\n\n{levels}{drawn}"
+         says how sure they are; head below the surface, energy left as the nail is flush, air of a shot\n\n{levels}{drawn}"
     )
+}
+
+/// Columns of [`performance`].
+const PERFORMANCE: [&str; 4] = [
+    "head below the surface [m]",
+    "energy left at flush [J]",
+    "air a shot [m3]",
+    "shots a second at most [Hz]",
+];
+
+/// What the shot of a point has left and consumes; empty where there is no value.
+fn performance(point: &SweptPoint) -> [String; 4] {
+    let own = point.performance;
+    let all = [
+        own.map(|own| own.head_depth_m),
+        own.and_then(|own| own.energy_left_j),
+        own.map(|own| own.air_m3),
+        own.and_then(|own| own.shots_per_second),
+    ];
+    all.map(|value| value.map_or_else(String::new, |value| format!("{value:.6e}")))
 }
 
 /// `sweep.csv`: a row for every point.
@@ -191,6 +217,7 @@ fn csv(axes: &[Axis], points: &[SweptPoint]) -> Result<Vec<u8>, Error> {
     let header = header.chain(["L_WA,1s total [dB]", "outcome", "refused"].map(str::to_owned));
     let with_films = points.iter().any(|point| point.folder.is_some());
     let header = header.chain(with_films.then(|| "folder".to_owned()));
+    let header = header.chain(PERFORMANCE.map(str::to_owned));
     let drawn = points.iter().find_map(|point| point.drawn.as_ref());
     let quantiles = |own: &Quantiles| [own.p05, own.p50, own.p95].map(|own| own.value);
     let header = header.chain(drawn.into_iter().flatten().flat_map(|change| {
@@ -207,6 +234,7 @@ fn csv(axes: &[Axis], points: &[SweptPoint]) -> Result<Vec<u8>, Error> {
         cells
             .chain([decibels(point.total_db), outcome, point.refused.clone()])
             .chain(with_films.then(|| point.folder.clone().unwrap_or_default()))
+            .chain(performance(point))
             .chain(match &point.drawn {
                 None => vec![String::new(); widths],
                 Some(drawn) => drawn

@@ -47,7 +47,7 @@ const OF_PLACE: [&str; 9] = [
 /// The assembly of a design, with the literals that a program set.
 #[derive(Debug, Clone)]
 pub(super) struct OwnAssembly {
-    /// Shared: a study makes thousands of designs that differ only in values.
+    /// Shared, because a study makes thousands of designs that differ only in values.
     read: Arc<ReadAssembly>,
     /// Literals that were set since it was read \[SI\].
     set: BTreeMap<String, f64>,
@@ -182,7 +182,7 @@ pub(crate) fn refused(error: AssemblyError) -> DesignError {
     Problem::Assembly(Box::new(error)).at(at)
 }
 
-/// The assembly of a chain of files, the nearest first; none if no file has a table `[cycle]`.
+/// The assembly of a chain of files, beginning with the design itself; none if no file has a table `[cycle]`.
 pub(super) fn of_chain(chain: &[File]) -> Result<Option<AssemblyText>, DesignError> {
     if !has_cycle(chain)? {
         return Ok(None);
@@ -200,7 +200,7 @@ pub(super) fn has_cycle(chain: &[File]) -> Result<bool, DesignError> {
     Ok(false)
 }
 
-/// The documents of a chain, the base first.
+/// The documents of a chain, beginning with the base.
 pub(super) fn documents(chain: &[File]) -> Vec<Document> {
     chain.iter().rev().map(|file| file.document().clone()).collect()
 }
@@ -244,7 +244,7 @@ pub(super) fn only_assembly(text: &AssemblyText, chain: &[File]) -> DesignError 
     .at(place)
 }
 
-/// What an assembly adds to the keys of a design.
+/// Keys that an assembly adds to those of a design.
 #[derive(Debug, Default)]
 pub(crate) struct OwnKeys {
     /// Whether there is an assembly.
@@ -263,7 +263,7 @@ impl OwnKeys {
         }
     }
 
-    /// Whether the reader of the assembly reads the key or group of this name.
+    /// Whether the key or group of this name is read by the reader of the assembly.
     pub(super) fn covers(&self, name: &str) -> bool {
         let group = format!("{name}.");
         self.given && (matches!(name, "cycle" | "keys") || self.declared.contains(name))

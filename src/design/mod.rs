@@ -1,4 +1,4 @@
-//! The design file: the definition of a nailer, in the words and units of an engineer.
+//! The design file: the definition of a nailer in the terms and units of an engineer.
 //!
 //! ```text
 //! base = "n80cb.toml"                 # inherit everything, relative to this file, and give what differs
@@ -7,7 +7,7 @@
 //! wood.density = { value = "429 kg/m3", range = "400 .. 480 kg/m3", provenance = "estimated: own scale" }
 //! ```
 //!
-//! [`Design::load`] reads a file and those it inherits from, converts every quantity to SI, and refuses impossible
+//! [`Design::load`] reads a file and those it inherits from, and converts every quantity to SI. It rejects impossible
 //! designs: unknown keys, wrong dimensions, numbers that are not finite, values outside the physical limits,
 //! conflicting values, and derived quantities that disagree with their primary ones. Each error names file, line, key
 //! and remedy ([`DesignError`]).
@@ -26,6 +26,7 @@ mod error;
 mod facts;
 mod groups;
 pub mod inputs;
+mod joint_draws;
 mod json_schema;
 mod lists;
 mod merged;
@@ -49,7 +50,7 @@ mod suggest;
 mod surfaces;
 mod transducers;
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write as _;
 use std::ops::{Deref, DerefMut};
 use std::path::{Path, PathBuf};
@@ -69,6 +70,7 @@ pub use entry::Entry;
 pub use error::{DesignError, Problem, Warning};
 pub use facts::{KeyFacts, Measurement, OutsideValue, facts};
 pub use groups::*;
+pub use joint_draws::JointDraws;
 pub use json_schema::json_schema;
 pub use migration::{Migration, RenamedKey, ReplacedKey};
 pub use nailnoise_documents::Place;
@@ -99,14 +101,14 @@ pub(crate) use source::File;
 /// A design: every quantity in SI units, with its origin.
 ///
 /// The groups are fields of the design: `design.supply.pressure` is the supply pressure in Pa. A program may change
-/// them; [`digest`](Self::digest) and [`entries`](Self::entries) follow, and [`conflict`](Values::conflict) checks the
-/// result.
+/// them. [`digest`](Self::digest) and [`entries`](Self::entries) reflect the change, and [`conflict`](Values::conflict)
+/// checks the result.
 #[derive(Debug, Clone)]
 pub struct Design {
     name: String,
     path: PathBuf,
     values: Values,
-    /// Shared: a study makes thousands of designs that differ only in values.
+    /// Shared, because a study makes thousands of designs that differ only in values.
     records: Arc<Records>,
     /// Derived quantities that a study draws.
     derived: Arc<Vec<DerivedRange>>,
@@ -115,7 +117,7 @@ pub struct Design {
     /// The network of its tables `[cycle]`; none for the tool of the keys.
     assembly: Option<OwnAssembly>,
     warnings: Vec<Warning>,
-    /// Standard normal scores by which the fitted penetration law is drawn; none for the law itself.
+    /// Standard normal scores with which the fitted penetration law is drawn; empty for the fitted law itself.
     law_scores: Vec<f64>,
 }
 
@@ -123,30 +125,30 @@ impl Design {
     /// Reads a design file and those it inherits from.
     ///
     /// # Errors
-    /// A [`DesignError`] for the first thing that is wrong, with its place and remedy.
+    /// A [`DesignError`] for the first fault, with its place and remedy.
     pub fn load(path: impl AsRef<Path>) -> Result<Self, DesignError> {
         Self::load_with(path, &[])
     }
 
-    /// Reads a design file and those it inherits from, with other values for some keys; the last one for a key counts.
+    /// Reads a design file and those it inherits from, with other values for some keys; the last value of a key wins.
     ///
     /// # Errors
-    /// As [`load`](Self::load). A wrong assignment is shown as line 1 of the file `command line`.
+    /// Same as [`load`](Self::load). A wrong assignment is reported as line 1 of the file `command line`.
     pub fn load_with(path: impl AsRef<Path>, assignments: &[Assignment]) -> Result<Self, DesignError> {
         let path = path.as_ref();
         Self::resolve(path, File::read(path, None)?, assignments)
     }
 
-    /// Reads a design from text, as if it were in the file `path`, to whose folder a `base` is relative.
+    /// Reads a design from text as if it were the file `path`; a `base` is relative to the folder of `path`.
     ///
     /// # Errors
-    /// As [`load`](Self::load).
+    /// Same as [`load`](Self::load).
     pub fn parse(text: &str, path: impl AsRef<Path>) -> Result<Self, DesignError> {
         let path = path.as_ref();
         Self::resolve(path, File::new(path, text), &[])
     }
 
-    /// The design of this path in the folder `designs` that comes with the program.
+    /// The design with this path in the folder `designs` that comes with the program.
     pub fn shipped(path: &str) -> Option<Self> {
         Self::resolve(Path::new(path), File::shipped(path)?, &[]).ok()
     }
@@ -195,11 +197,11 @@ impl Design {
         }
     }
 
-    /// The assembly of a file and those it inherits from: with the design whose keys it uses, or alone if the files
-    /// give no base. None if no file has a table `[cycle]`.
+    /// The assembly of a file and those it inherits from, together with the design whose keys it uses; alone if no base
+    /// is given. `None` if no file has a table `[cycle]`.
     ///
     /// # Errors
-    /// As [`load`](Self::load).
+    /// Same as [`load`](Self::load).
     pub(crate) fn load_assembly(
         path: &Path,
         assignments: &[Assignment],
@@ -221,7 +223,7 @@ impl Design {
         Ok(Some(LoadedAssembly::Alone(text)))
     }
 
-    /// The network of its tables `[cycle]`; none for a design that has no such table.
+    /// Network given by the tables `[cycle]`; `None` for a design without such tables.
     pub fn assembly(&self) -> Option<&AssemblyText> {
         self.assembly.as_ref().map(OwnAssembly::text)
     }
@@ -288,7 +290,7 @@ impl Design {
         .at(record.map(|record| record.place.clone()))
     }
 
-    /// Refuses a design with its own assembly, where only the tool of the keys can be computed.
+    /// Rejects a design with its own assembly, for operations that support only the built-in tool.
     ///
     /// # Errors
     /// [`Problem::OwnAssembly`].
@@ -305,14 +307,21 @@ impl Design {
         &self.name
     }
 
-    /// The file, as requested.
+    /// Path of the file, as requested.
     pub fn path(&self) -> &Path {
         &self.path
     }
 
-    /// Settings of a study other than the ranges, and the definition of shots that count.
+    /// Settings of a study other than ranges, and the definition of shots that count.
     pub fn study(&self) -> &StudySettings {
         &self.study
+    }
+
+    /// The design with joint draws of keys in place of those that its file names.
+    pub(crate) fn with_joint_draws(&self, draws: std::sync::Arc<JointDraws>) -> Self {
+        let mut design = self.clone();
+        design.study.draws = Some(draws);
+        design
     }
 
     /// Texts in the head of the report other than the design. No result depends on it.
@@ -325,8 +334,8 @@ impl Design {
         &self.warnings
     }
 
-    /// Draws the fitted penetration law of this design by standard normal scores: the specimen's, then one a principal
-    /// component of the covariance of the coefficients. Without scores it is the law itself.
+    /// Draws the fitted penetration law of this design from standard normal scores: one for the specimen, then one for
+    /// each principal component of the covariance of the coefficients. Without scores, the fitted law itself is used.
     pub(crate) fn draw_law(&mut self, scores: Vec<f64>) {
         self.law_scores = scores;
     }
@@ -338,13 +347,13 @@ impl Design {
 
     /// SHA-256 of all values in hexadecimal digits.
     ///
-    /// It is the same for two designs whose values agree to twelve digits, regardless of how and in which files and
-    /// units they are written, and of provenance and range.
+    /// It is the same for two designs whose values agree to twelve digits, regardless of how, in which files and in
+    /// which units they are written, and of provenance and range.
     pub fn digest(&self) -> String {
         self.digest_without(&[])
     }
 
-    /// The same of all values but those of some keys.
+    /// SHA-256 of all values except those of some keys.
     pub(crate) fn digest_without(&self, keys: &[&str]) -> String {
         let mut text = String::new();
         self.values.visit("", &mut |key, _, value| {
@@ -374,7 +383,7 @@ impl Design {
         hexadecimal(&Sha256::digest(text))
     }
 
-    /// Every key with its kind and value, for tests that move all of them.
+    /// Every key with its kind and value, for tests that vary all of them.
     #[cfg(test)]
     pub(crate) fn keys(&self) -> Vec<(String, Kind, Value)> {
         let mut keys = Vec::new();
@@ -384,7 +393,7 @@ impl Design {
         keys
     }
 
-    /// The error that a sensor of this design cannot make the requested measurement.
+    /// The error that a sensor of this design cannot make the measurement.
     pub(crate) fn refuse_sensor(&self, name: &str, problem: SensorProblem) -> DesignError {
         resolve::sensor(name, problem, &self.records)
     }
@@ -406,7 +415,8 @@ impl Design {
         resolve::too_costly((stage, needs, allowed), keys, &self.records)
     }
 
-    /// The error that the cap's panels cannot be separated from those of the rest of the tool body, of how many.
+    /// The error that the cap's panels cannot be separated from those of the rest of the tool body; `panels` are their
+    /// numbers.
     pub(crate) fn refuse_cap(&self, surface: Option<&'static str>, panels: [usize; 2]) -> DesignError {
         let convention = self.records.get("sources.convention");
         Problem::Cap { surface, panels }.at(convention.map(|record| record.place.clone()))
@@ -417,8 +427,8 @@ impl Design {
         resolve::surface(name, problem, &self.records)
     }
 
-    /// Every key with its value in a readable unit, in the order of the reference. The name of a file is followed by a
-    /// part of the digest of its content.
+    /// Every key with its value in a readable unit, in the order of the reference. A file name is followed by part of
+    /// the digest of its content.
     pub fn in_words(&self) -> Vec<(String, String)> {
         let mut words = Vec::new();
         self.values.visit("", &mut |key, spec, value| {
@@ -442,9 +452,22 @@ impl Design {
         words
     }
 
+    /// The first sentence of the description of each key.
+    pub(crate) fn meanings(&self) -> BTreeMap<String, String> {
+        let mut meanings = BTreeMap::new();
+        self.values.visit("", &mut |key, spec, _| {
+            let description = spec.description();
+            let first = description
+                .split_once(". ")
+                .map_or(description.as_str(), |(first, _)| first);
+            meanings.insert(key.to_owned(), first.trim_end_matches('.').to_owned());
+        });
+        meanings
+    }
+
     /// Every key with its value and origin, in the order of the reference.
     ///
-    /// A value changed by the program since the design was read has the provenance "design".
+    /// A value that the program has changed since the design was read has the provenance "design".
     pub fn entries(&self) -> Vec<Entry> {
         let mut entries = Vec::new();
         self.values.visit("", &mut |key, spec, value| {
@@ -460,7 +483,7 @@ impl Design {
                 place,
                 ..
             } = record;
-            // A numerical setting remains one with any value.
+            // A numerical setting keeps its class with any value.
             let changed = value != record.value && record.provenance != Provenance::Numerical;
             entries.push(Entry {
                 key: key.to_owned(),
@@ -481,7 +504,7 @@ impl Design {
         entries
     }
 
-    /// The derived quantities that a study draws, as [`entries`](Self::entries), in the order of the reference.
+    /// The derived quantities that a study draws, in the order of the reference, like [`entries`](Self::entries).
     pub fn drawn_derived(&self) -> impl Iterator<Item = (Entry, &'static Solution)> + '_ {
         self.derived.iter().map(|own| (own.entry(&self.values), own.solution))
     }
@@ -490,14 +513,14 @@ impl Design {
 /// An assembly that a command reads.
 #[derive(Debug)]
 pub(crate) enum LoadedAssembly {
-    /// One that uses the keys of a design.
+    /// It uses the keys of a design.
     OfDesign(Box<Design>),
-    /// One whose files give all values.
+    /// Its files give all values.
     Alone(AssemblyText),
 }
 
-/// SHA-256 of the content of a file, so that a digest follows the content and not the place; its name if it cannot be
-/// read.
+/// SHA-256 of the content of a file, so that a digest depends on the content and not on the location; the name of the
+/// file if it cannot be read.
 fn content(path: &str) -> String {
     std::fs::read(path).map_or_else(|_| path.to_owned(), |bytes| hexadecimal(&Sha256::digest(bytes)))
 }
@@ -516,7 +539,7 @@ impl DerefMut for Design {
     }
 }
 
-/// Another value of a key of this kind; none if only one is possible.
+/// Another value for a key of this kind; `None` if only one is possible.
 #[cfg(test)]
 pub(crate) fn another(value: &Value, kind: Kind) -> Option<Value> {
     Some(match (kind, value) {

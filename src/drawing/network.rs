@@ -23,7 +23,7 @@ const HEADING: f64 = 34.0;
 /// Style of the diagram; its selectors name its class, because a page shows it beside other charts.
 const STYLE: &str = include_str!("network.css");
 
-/// What a column is.
+/// The block that a column represents.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Column {
     Reservoir(usize),
@@ -69,7 +69,7 @@ struct Row {
     what: String,
     ends: [Column; 2],
     mark: Mark,
-    /// Columns that switch it: bodies whose travel opens it, triggers.
+    /// Columns that switch it: bodies whose travel opens it, and triggers.
     switched_by: Vec<Column>,
 }
 
@@ -144,7 +144,7 @@ impl<'a> Diagram<'a> {
         60.0 + HEAD + HEADING * self.sections.len() as f64 + ROW * rows as f64 + lists + 24.0
     }
 
-    /// Middle of a column \[px\].
+    /// Centre of a column \[px\].
     fn x(&self, column: Column) -> f64 {
         let place = self.columns.iter().position(|own| *own == column).unwrap_or(0);
         let width = self.column_width();
@@ -221,7 +221,7 @@ impl<'a> Diagram<'a> {
         };
         let width = self.column_width().min(112.0) - 6.0;
         let x = self.x(column);
-        // Names with underscores break there where the column is narrow.
+        // Names are broken at underscores if the column is narrow.
         let letters = ((width - 6.0) / 6.6).max(4.0) as usize;
         let names = broken(name, letters);
         html! {
@@ -443,7 +443,7 @@ impl Rows<'_> {
             .collect()
     }
 
-    /// A trigger in words.
+    /// Description of a trigger.
     fn trigger(&self, own: &Trigger) -> String {
         let words = |words: &[Word]| {
             let word = |word: &Word| format!("{} {}", self.0.name_of(word.block), word.action.word());
@@ -512,7 +512,7 @@ fn significant(value: f64) -> f64 {
     (value * scale).round() / scale
 }
 
-/// A name in lines of at most so many letters, broken at underscores where it can be.
+/// A name split into lines of limited length, at underscores if possible.
 fn broken(name: &str, letters: usize) -> Vec<String> {
     let mut lines: Vec<String> = Vec::new();
     for word in name.split('_') {

@@ -6,7 +6,7 @@ use super::chart::{Axis, Chart, Panel, Series, Shape, events};
 use crate::design::Values;
 use crate::stages::cycle::event_times;
 
-/// The charts of a nailing cycle, [`energy`](super::energy) last. `subject` names their subject.
+/// The charts of a nailing cycle, [`energy`](super::energy) last. `subject` names the design.
 pub fn cycle(subject: &str, design: &Values, record: &CycleRecord) -> Vec<Chart> {
     let (r, f) = (record, &record.forces);
     let time: Vec<f64> = (0..r.len()).map(|index| 1e3 * r.time(index)).collect();
@@ -94,8 +94,8 @@ pub fn cycle(subject: &str, design: &Values, record: &CycleRecord) -> Vec<Chart>
         line("trigger vent", 3, scaled(&r.vent.mass_flow, 1e3)),
     ];
 
-    // The thesis judges the exhaust by the chamber, P_a/P_1; the holes, the origin of the sound, have P_a/P_m. A ratio
-    // is drawn where its passage is open.
+    // The thesis assesses the exhaust by the chamber, P_a/P_1, but sound originates at the holes, which have P_a/P_m. A
+    // ratio is drawn while its passage is open.
     let gamma = design.ambient.heat_capacity_ratio;
     let critical = (2.0 / (gamma + 1.0)).powf(gamma / (gamma - 1.0));
     let (above, motion) = (&r.above_piston.pressure, &r.motion.valve_lift);
@@ -188,11 +188,11 @@ pub fn cycle(subject: &str, design: &Values, record: &CycleRecord) -> Vec<Chart>
             "Air that enters from the supply side and leaves through exhaust and trigger vent.",
             vec![panel("Mass flow", "g/s", 66, flow)],
         ),
-        super::energy(subject, record),
+        super::energy(subject, &design.ambient, record),
     ]
 }
 
-/// The axis of all charts of time.
+/// The time axis of all charts.
 pub(super) fn time_axis(record: &CycleRecord) -> Axis {
     let last = record.len().checked_sub(1).map_or(1.0, |last| 1e3 * record.time(last));
     Axis::new("Time from the trigger", "ms", [0.0, last])

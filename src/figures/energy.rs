@@ -1,50 +1,65 @@
-//! Energy of a shot as two cascades: of the gas, and of the mechanics that its work drives.
+//! Energy of a shot as two cascades: for the gas, and for the mechanics that its work drives.
 //!
 //! Each bar begins at the end of the one above it, so that inputs build up to the right and losses lead back to the
-//! remainder at the end.
+//! remainder.
 
-use nailnoise_dynamics::{CycleRecord, EnergyFlow};
+use nailnoise_dynamics::{Ambient, CycleRecord, EnergyFlow};
 
 use super::chart::{Axis, Chart, Panel, Series, Shape};
 use super::palette::GREY;
 
-/// Part of the largest level below which terms are drawn together.
+/// Terms below this fraction of the largest are drawn together.
 const SMALL: f64 = 1e-3;
 
-/// A step of a cascade: its name, and the energy that comes in (positive) or goes out \[J\].
+/// A step of a cascade: its name, and the energy that enters (positive) or leaves \[J\].
 type Term = (&'static str, f64);
 
 /// The chart of the energy flow of a nailing cycle. `subject` names its subject.
-pub fn energy(subject: &str, record: &CycleRecord) -> Chart {
+pub fn energy(subject: &str, ambient: &Ambient, record: &CycleRecord) -> Chart {
     Chart {
         name: "energy".to_owned(),
         title: "Energy flow",
         subject: subject.to_owned(),
         caption:
-            "Energy of the gas (enthalpies are counted from 0 K), and of the mechanics that its work drives. Each bar \
+            "Energy of the gas against that of air at ambient temperature, from its value at the start, and of the \
+                  mechanics that the work of the gas drives. Air that flows in or out brings its flow work. Each bar \
                   begins where the one above it ends."
                 .to_owned(),
-        panels: vec![gas(&record.energy), mechanics(&record.energy)],
+        panels: vec![gas(ambient, record), mechanics(&record.energy)],
         events: Vec::new(),
     }
 }
 
-fn gas(e: &EnergyFlow) -> Panel {
+/// Each mass is counted with the internal energy of air at ambient temperature, R T_a / (gamma - 1), as its zero: a
+/// constant of each kilogram drops out of the balance.
+fn gas(ambient: &Ambient, record: &CycleRecord) -> Panel {
+    let (e, mass) = (&record.energy, &record.summary);
+    let zero = ambient.gas_constant * ambient.temperature / (ambient.heat_capacity_ratio - 1.0);
+    let gained = mass.supply_mass - mass.exhaust_mass - mass.vent_mass - mass.leak_mass;
+    let change = e.gas_end - e.gas_start - gained * zero;
     let flows = vec![
-        ("hose, enthalpy in", e.supply),
+        ("air from the hose", e.supply - mass.supply_mass * zero),
         ("heat from the walls", e.wall_heat),
         ("work on the piston", -e.piston_work),
         ("work on the head valve", -e.valve_work),
-        ("exhaust, enthalpy out", -e.exhaust),
-        ("trigger vent, enthalpy out", -e.vent),
-        ("leak, enthalpy out", -e.leak),
+        ("air out of the exhaust", mass.exhaust_mass * zero - e.exhaust),
+        ("air out of the trigger vent", mass.vent_mass * zero - e.vent),
+        ("air out of the rod guide", mass.leak_mass * zero - e.leak),
     ];
-    let flows = gather(flows, e.gas_start, e.gas_residual());
+    let largest = flows
+        .iter()
+        .fold(0.0, |largest: f64, (_, energy)| largest.max(energy.abs()));
+    let flows = gather(flows, largest, e.gas_residual());
+    let end = if change < 0.0 {
+        "fall of the stored energy"
+    } else {
+        "rise of the stored energy"
+    };
     cascade(
         "Energy of the gas",
-        ("gas at the start", e.gas_start),
+        ("gas at the start, counted as 0", 0.0),
         flows,
-        ("gas at the end", -e.gas_end),
+        (end, -change),
     )
 }
 
@@ -78,8 +93,8 @@ fn mechanics(e: &EnergyFlow) -> Panel {
     cascade("Mechanical energy", start, flows, end)
 }
 
-/// Draws small terms together, so that the cascade still closes. Energy that a published form does not conserve is a
-/// separate term; the rounding of a form that conserves energy is too small for a term.
+/// Draws small terms together, so that the cascade still balances. Energy that a published form does not conserve is a
+/// separate term; for forms that conserve energy, the residual is rounding, which is too small for a term.
 fn gather(flows: Vec<Term>, largest: f64, residual: f64) -> Vec<Term> {
     let small = |energy: f64| energy.abs() < SMALL * largest;
     let (rest, mut flows): (Vec<Term>, Vec<Term>) = flows.into_iter().partition(|(_, energy)| small(*energy));
@@ -120,7 +135,7 @@ fn cascade(label: &str, start: Term, flows: Vec<Term>, end: Term) -> Panel {
     }
     let [low, high] = ends;
     Panel {
-        // Values follow the bars.
+        // The labels follow the bars.
         x: Axis::new(
             "Energy",
             "J",
@@ -132,14 +147,13 @@ fn cascade(label: &str, start: Term, flows: Vec<Term>, end: Term) -> Panel {
     }
 }
 
-/// An energy with three digits; with its sign for a flow.
+/// An energy to a tenth of a joule; with its sign for a flow.
 fn note(energy: f64, flow: bool) -> String {
-    let size = energy.abs().max(f64::MIN_POSITIVE).log10().floor() as i32;
-    let decimals = (2 - size).clamp(0, 3) as usize;
+    let rounded = (10.0 * energy).round() / 10.0 + 0.0;
     let text = if flow {
-        format!("{energy:+.decimals$}")
+        format!("{rounded:+.1}")
     } else {
-        format!("{energy:.decimals$}")
+        format!("{rounded:.1}")
     };
     text.replace('-', "\u{2212}")
 }

@@ -1,4 +1,4 @@
-//! Charts of a cycle as a network: pressures, motion, forces and flows of whatever blocks there are.
+//! Charts of a network cycle: pressures, motion, forces and flows of its blocks.
 
 use nailnoise_dynamics::network::Record;
 
@@ -87,7 +87,7 @@ pub fn network(subject: &str, record: &Record) -> Vec<Chart> {
     charts.into_iter().flatten().collect()
 }
 
-/// The channels of a kind that are not constant; none if there are none.
+/// The channels of a kind that vary; `None` if none do.
 fn panel(record: &Record, time: &[f64], kind: &Kind) -> Option<Panel> {
     let mut series = Vec::new();
     for channel in &record.channels {

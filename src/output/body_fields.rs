@@ -1,4 +1,4 @@
-//! `modes.csv` and `fields/*`: the bodies in motion, for ParaView.
+//! `modes.csv` and `fields/*`: the moving bodies, for ParaView.
 
 use nailnoise_dynamics::network::EventTime;
 use nailnoise_meshes::vtu::{Frames, Grid};
@@ -17,7 +17,7 @@ pub(super) const MODES: Output = Output::of_bodies("modes.csv");
 /// Vibration of the bodies, with films on request.
 pub(super) const FIELDS: Output = Output::of_bodies("fields/*");
 
-/// Files of the bodies of a shot: `modes.csv`, and for ParaView `fields/*`, with the films on request.
+/// Files of the bodies in a shot: `modes.csv`, and `fields/*` for ParaView, with films on request.
 ///
 /// # Errors
 /// Those of the bodies' response.
@@ -34,7 +34,7 @@ fn made(moving: &[BodyInMotion], events: &[EventTime], films: bool) -> Result<Fi
     Ok(made)
 }
 
-/// Makes the files of the bodies in motion: their modes, and their vibration for ParaView.
+/// Makes the files of the moving bodies: their modes, and their vibration for ParaView.
 #[derive(Serialize)]
 pub struct BodyFields {
     /// The bodies.

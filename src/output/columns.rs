@@ -1,4 +1,4 @@
-//! Every history of a cycle by name and unit, for files that list them.
+//! Every history of a cycle with its name and unit, for files that list them.
 
 use crate::stages::cycle::{EngineRecord, ShotRecord};
 use nailnoise_dynamics::{Body, CycleRecord, ExhaustFlow, Forces, Motion, VentFlow, Volume};
@@ -6,7 +6,7 @@ use nailnoise_dynamics::{Body, CycleRecord, ExhaustFlow, Forces, Motion, VentFlo
 /// One history.
 #[derive(Debug, Clone)]
 pub struct Column<'a> {
-    /// Name, words joined by underscores.
+    /// Name: words joined by underscores.
     pub name: String,
     /// SI unit, as written in a header.
     pub unit: &'a str,
@@ -14,7 +14,7 @@ pub struct Column<'a> {
     pub values: &'a [f64],
 }
 
-/// The columns of a group of the record. The pattern names all fields of the group, so that a history without a column
+/// The columns of a group of the record. The pattern lists all fields of the group, so that a history without a column
 /// does not compile. `flags` are fields that are not quantities.
 macro_rules! group {
     ($group:expr, $type:ident { $($field:ident: $name:expr, $unit:literal;)* } $(flags $($flag:ident),*)?) => {{
@@ -88,7 +88,7 @@ fn vent(own: &VentFlow) -> Vec<Column<'_>> {
     })
 }
 
-/// Columns that later versions added: they come last, because the order of the columns is an interface.
+/// Columns added in later versions come last, because the order of the columns is an interface.
 const ADDED: [&str; 2] = ["magazine_force", "thrust_force"];
 
 /// All histories of a shot: those of [`columns`], or of the channels of an assembly.
@@ -109,7 +109,7 @@ pub fn columns_of(shot: &ShotRecord) -> Vec<Column<'_>> {
 
 /// All histories of a record, in the order in which a reader would look for them: motion, gas, forces, flow.
 pub fn columns(record: &CycleRecord) -> Vec<Column<'_>> {
-    // A new group of histories does not compile until it has its columns.
+    // A new group of histories does not compile until it has columns.
     let CycleRecord {
         piston,
         head_valve,

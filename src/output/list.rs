@@ -41,7 +41,7 @@ pub const OUTPUTS: [Output; 24] = [
     figures::FIGURES,
 ];
 
-/// Files of a cycle, which need no source.
+/// Files of a cycle, for which no source is needed.
 ///
 /// # Errors
 /// [`Error::Table`] where a table is not rectangular.
@@ -55,7 +55,7 @@ pub fn of_cycle(shot: &ShotRecord, exports: Exports) -> Result<Vec<File>, Error>
 /// Files of a cycle of the tool of the keys.
 ///
 /// # Errors
-/// [`Error::Table`] where a table is not rectangular.
+/// [`Error::Table`] if a table is not rectangular.
 pub fn of_keys(record: &CycleRecord, exports: Exports) -> Result<Vec<File>, Error> {
     let files = OUTPUTS.par_iter().filter_map(|output| match output.writer {
         Writer::Cycle(write) => Some(write(record, exports).map(|bytes| File::new(output.name, bytes))),
@@ -64,10 +64,10 @@ pub fn of_keys(record: &CycleRecord, exports: Exports) -> Result<Vec<File>, Erro
     files.collect()
 }
 
-/// Files of a run that no study changes, other than those of its cycle and its bodies.
+/// Files of a run that no study affects, other than those of its cycle and bodies.
 ///
 /// # Errors
-/// Those of the sensors' spectra and of sound files.
+/// The errors of the sensors' spectra and of sound files.
 pub fn of_run(view: &RunView<'_>) -> Result<Vec<File>, Error> {
     let own = |output: &&Output| (output.condition)(view);
     let files = OUTPUTS.par_iter().filter(own).map(|output| match output.writer {

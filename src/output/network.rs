@@ -1,4 +1,4 @@
-//! Files of a cycle as a network: histories of all channels, events and log.
+//! Files of a network cycle: histories of all channels, events and log.
 
 use nailnoise_dynamics::network::Record;
 

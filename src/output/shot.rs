@@ -10,10 +10,10 @@ use super::film::Fields;
 use crate::error::Error;
 use crate::stages::spectra::BodyInMotion;
 
-/// Instants shown after each event \[s\]: at once, and while the waves run through the body.
+/// Instants shown after each event \[s\]: immediately after it, and while the waves travel through the body.
 const AROUND: [f64; 3] = [5e-5, 3e-4, 1e-3];
 
-/// Rows of the surface whose velocities are summed together.
+/// Number of surface rows whose velocities are computed together.
 const ROWS: usize = 512;
 
 /// Adds `BODY-shot.pvd` and the `.vtu` of each instant: the velocity vector \[m/s\] on every point of the surface.

@@ -1,7 +1,7 @@
-//! Charts of a page: the curves as SVG that stretches to the width of the window, texts as HTML around it.
+//! Charts of a page: the curves as SVG that stretches to the width of the window, with HTML texts around them.
 //!
-//! A chart is complete without a script. The script of the page reads the values under the pointer from the curves
-//! themselves: their coordinates are those of a box of [`FRAME`] between the ends of the axes.
+//! A chart is complete without a script. The script of the page reads the values under the pointer from the curves,
+//! whose coordinates are relative to a box of [`FRAME`] between the ends of the axes.
 
 use maud::{Markup, html};
 
@@ -9,13 +9,16 @@ use super::axis::{labels, percent};
 use super::legend::{legend, marked};
 use crate::figures::path::Frame;
 use crate::figures::ticks::{Tick, across, rows, upwards};
-use crate::figures::{Chart, Event, PALETTE, Panel, Series, hexadecimal, subscripts};
+use crate::figures::{Chart, Event, PALETTE, Panel, Series, Shape, hexadecimal, subscripts};
 
 /// Box of the coordinates of a plot.
 const FRAME: Frame = Frame {
     across: 4000.0,
     up: 2000.0,
 };
+
+/// Points of a series whose dots are large.
+const FEW: usize = 16;
 
 /// Width of the symbol of an event \[px\].
 const SYMBOL: f64 = 21.0;
@@ -38,12 +41,6 @@ pub(super) fn markup(chart: &Chart) -> Markup {
     }
 }
 
-/// The symbols of events with their names and times.
-pub(super) fn key_of_events(events: &[Event]) -> Markup {
-    html! { ul.key-of-events { @for event in events { li { b { (event.symbol) } " " (event.name) " "
-    span.quiet { (format!("{:.2} ms", event.at)) } } } } }
-}
-
 /// The colours of series as custom properties, for light and for dark pages.
 pub(super) fn colours() -> String {
     let property = |(place, colour): (usize, String)| format!("--c{place}:{colour};");
@@ -55,7 +52,7 @@ pub(super) fn colours() -> String {
     format!(":root{{{light}}}@media screen and (prefers-color-scheme:dark){{:root{{{dark}}}}}{classes}")
 }
 
-/// A pair of axes with values upwards.
+/// A pair of axes with a linear vertical axis.
 fn plot(chart: &Chart, panel: &Panel) -> Markup {
     let height = panel.pixels();
     let (xs, ys) = (across(&panel.x), upwards(&panel.y, height));
@@ -91,14 +88,17 @@ fn plot(chart: &Chart, panel: &Panel) -> Markup {
     }
 }
 
-/// Series in the order of drawing: the last one lies on top, and that is the first of a panel.
+/// Series in drawing order: the last one is drawn on top, and it is the first of a panel. Error bars lie on the bars of
+/// all series.
 fn in_order(panel: &Panel) -> impl Iterator<Item = (usize, &Series)> {
-    panel.series.iter().enumerate().rev()
+    let errors = |(_, own): &(usize, &Series)| matches!(own.shape, Shape::Errors(_));
+    let series = || panel.series.iter().enumerate().rev();
+    series().filter(move |own| !errors(own)).chain(series().filter(errors))
 }
 
 fn series(panel: &Panel, place: usize, series: &Series) -> Markup {
     let of_categories = !panel.x.categories.is_empty();
-    // A place for each category: a gap if the series has no value.
+    // A position for each category; a gap if the series has no value.
     let values = || {
         let mut values = vec![String::new(); panel.x.categories.len()];
         for (x, y) in series.x.iter().zip(&series.y).filter(|(_, y)| y.is_finite()) {
@@ -113,12 +113,14 @@ fn series(panel: &Panel, place: usize, series: &Series) -> Markup {
             data-name=[(!series.name.is_empty()).then(|| subscripts(&series.name, "", ""))]
             data-values=[of_categories.then(values)]
                 data-notes=[(!series.notes.is_empty()).then(|| series.notes.join("|"))] {
-            @for (class, d) in FRAME.paths(panel, place, series) { path class=(class) d=(d) {} }
+            @for (class, d) in FRAME.paths(panel, place, series) {
+                path class=(class) d=(d) data-few[class == "dots" && series.x.len() <= FEW] {}
+            }
         }
     }
 }
 
-/// The symbols of events over a plot.
+/// The symbols of events above a plot.
 fn symbols(events: &[(&Event, f64)]) -> Markup {
     let places: Vec<f64> = events.iter().map(|(_, at)| *at).collect();
     let rows = rows(&places, SYMBOL);

@@ -9,25 +9,30 @@ use super::sound::{self, Recording};
 use super::table::{self, typeset, with_code};
 use super::tables::decibels;
 use crate::comparison::{Comparison, Labelled, Levels, SourceRow};
-use crate::figures::{Axis, Chart, Panel, Series, Shape, from_event, of_design};
+use crate::figures::{Axis, BLACK, Chart, Panel, Series, Shape, from_event, of_design};
 use crate::study::PairedStudy;
 use crate::tables::{dash, study::changes};
 use crate::wording;
 
-/// Levels shown below the highest \[dB\].
+/// Range of levels shown below the highest \[dB\].
 const SHOWN: f64 = 50.0;
 
 pub(super) fn page(c: &Comparison, paired: &[PairedStudy], identity: &str, recordings: &[Recording]) -> Page {
     let mut sections = vec![
-        Section::new("levels", "Levels", html! { (markup(&overview(c))) (levels(c, paired)) }),
+        Section::new(
+            "levels",
+            "Levels",
+            html! { (markup(&overview(c, paired))) (levels(c, paired)) },
+        ),
         Section::new("differences", "Differences", inputs(c)),
     ];
     if !recordings.is_empty() {
         sections.push(Section::new("listen", "Listen", sound::players(recordings)));
     }
     let charts = |f: &dyn Fn(&SourceRow) -> Option<Chart>| {
-        let charts = c.sources.iter().filter_map(f);
-        html! { @for chart in charts { (markup(&chart)) } }
+        let mut charts: Vec<Chart> = c.sources.iter().filter_map(f).collect();
+        share_axes(&mut charts);
+        html! { @for chart in &charts { (markup(chart)) } }
     };
     sections.push(Section::new(
         "bands",
@@ -47,7 +52,7 @@ pub(super) fn page(c: &Comparison, paired: &[PairedStudy], identity: &str, recor
             [first, others @ ..] if others.len() > 3 => format!("{first} \u{2194} {} others", others.len()),
             designs => designs.join(" \u{2194} "),
         },
-        lead: lead(c),
+        lead: lead(c, paired),
         sections,
     }
 }
@@ -56,7 +61,59 @@ fn change(db: Option<f64>) -> String {
     typeset(&dash(db, wording::change))
 }
 
-fn lead(c: &Comparison) -> Markup {
+/// Gives all charts the axis of levels of the one with the highest, so that neighbours can be compared.
+fn share_axes(charts: &mut [Chart]) {
+    let panels = |chart: &mut Chart| std::mem::take(&mut chart.panels);
+    let mut all: Vec<Vec<Panel>> = charts.iter_mut().map(panels).collect();
+    let axis = |panel: &Panel| {
+        if panel.y.categories.is_empty() {
+            panel.y.range
+        } else {
+            panel.x.range
+        }
+    };
+    let highest = all
+        .iter()
+        .flatten()
+        .map(axis)
+        .reduce(|a, b| if b[1] > a[1] { b } else { a });
+    for panel in all.iter_mut().flatten() {
+        let own = if panel.y.categories.is_empty() {
+            &mut panel.y
+        } else {
+            &mut panel.x
+        };
+        own.range = highest.unwrap_or(own.range);
+    }
+    for (chart, panels) in charts.iter_mut().zip(all) {
+        chart.panels = panels;
+    }
+}
+
+/// The change of the total from the reference to another design in a sentence, with its interval where draws state it.
+fn verdict(c: &Comparison, place: usize, paired: &[PairedStudy]) -> Option<String> {
+    let change = c.total.change_db[place]?;
+    let (size, side) = (change.abs(), if change < 0.0 { "quieter" } else { "louder" });
+    let said = match format!("{size:.1}").as_str() {
+        "0.0" => format!("{} is as loud as {}", c.designs[place], c.designs[0]),
+        size => format!("{} is {size} dB {side} than {}", c.designs[place], c.designs[0]),
+    };
+    let drawn = paired
+        .get(place - 1)
+        .and_then(|own| own.changes.last())
+        .and_then(|own| {
+            let quantiles =
+                [own.change_db.p05, own.change_db.p50, own.change_db.p95].map(|own| dash(own.value, wording::change));
+            let quieter = 100.0 * own.quieter.value?;
+            let [low, middle, high] = quantiles;
+            Some(format!(
+                "; over the draws {middle} dB, 90 % of them {low} .. {high} dB, quieter in {quieter:.0} % of them"
+            ))
+        });
+    Some(format!("{said}{}.", drawn.unwrap_or_default()))
+}
+
+fn lead(c: &Comparison, paired: &[PairedStudy]) -> Markup {
     html! {
         @let alarms = c.alarms();
         @if !alarms.is_empty() {
@@ -77,6 +134,7 @@ fn lead(c: &Comparison) -> Markup {
             }
         } }
         @for (place, name) in c.designs.iter().enumerate().skip(1) {
+            @if let Some(verdict) = verdict(c, place, paired) { p.verdict { (typeset(&verdict)) } }
             @let ranking = &c.rankings[place];
             @if *ranking != c.rankings[0] {
                 p.verdict { "The ranking changes: in " b { (name) } " it is " (ranking.join(", ")) "; in "
@@ -84,7 +142,8 @@ fn lead(c: &Comparison) -> Markup {
             }
         }
         p.quiet { "L" sub { "WA,1s" } " re 1 pW s: A-weighted sound energy of one shot; changes are from the first \
-            design." }
+            design. 3 dB less is half of the sound energy; 10 dB less is a tenth of it, and sounds about half as \
+            loud." }
         p.quiet {
             "Absolute levels are predictions; those of one tool stand beside published tests on the page Validation \
              of the \
@@ -93,20 +152,77 @@ fn lead(c: &Comparison) -> Markup {
     }
 }
 
-/// Levels of all sources and the total by design.
-fn overview(c: &Comparison) -> Chart {
+/// Error bars of each design over the rows of the first chart, and their meaning: of its change over common draws, or
+/// else of its level over the draws of its study.
+fn errors(c: &Comparison, place: usize, paired: &[PairedStudy]) -> Option<Vec<[f64; 2]>> {
+    let names: Vec<&str> = c
+        .sources
+        .iter()
+        .map(|row| row.source.as_str())
+        .chain(["total"])
+        .collect();
+    let unknown = [f64::NAN; 2];
+    if !paired.is_empty() {
+        let own = paired.get(place.checked_sub(1)?)?;
+        let rows = c.sources.iter().map(|row| &row.levels).chain([&c.total]);
+        let ends = |(name, levels): (&&str, &Levels)| {
+            let change = own.changes.iter().find(|own| own.source == **name)?;
+            let reference = levels.level_db[0]?;
+            Some([
+                reference + change.change_db.p05.value?,
+                reference + change.change_db.p95.value?,
+            ])
+        };
+        return Some(names.iter().zip(rows).map(|own| ends(own).unwrap_or(unknown)).collect());
+    }
+    let study = c.studies[place].as_ref()?;
+    let ends = |name: &&str| {
+        let spread = study.spread(name);
+        Some([spread.low_db?, spread.high_db?])
+    };
+    Some(names.iter().map(|name| ends(name).unwrap_or(unknown)).collect())
+}
+
+/// Levels of all sources and of the total for each design.
+fn overview(c: &Comparison, paired: &[PairedStudy]) -> Chart {
     let rows = c.sources.iter().map(|row| (row.source.as_str(), &row.levels));
-    let panel = bars(
+    let mut panel = bars(
         c,
         "Source",
         "",
         "L_{WA,1s}",
         rows.chain([("total", &c.total)]).collect(),
     );
-    let caption = "A-weighted levels of each source and of all together, dB re 1 pW s. The bars stand on the lower \
-        edge of \
-                   the axis: a level has no zero of its own.";
-    chart(c, "overview".to_owned(), caption.to_owned(), panel)
+    let bars = std::mem::take(&mut panel.series);
+    for (place, bar) in bars.into_iter().enumerate() {
+        panel.series.push(bar);
+        panel.series.extend(errors(c, place, paired).map(|ends| {
+            let none = std::iter::repeat_n(None, ends.len());
+            Series::over("", BLACK, Shape::Errors(ends), none)
+        }));
+    }
+    let highest = panel.series.iter().filter_map(|own| match &own.shape {
+        Shape::Errors(ends) => ends
+            .iter()
+            .map(|[_, high]| *high)
+            .filter(|high| high.is_finite())
+            .reduce(f64::max),
+        _ => None,
+    });
+    if let Some(highest) = highest.reduce(f64::max).filter(|highest| *highest > panel.y.range[1]) {
+        let raised = 5.0 * ((highest - panel.y.range[1]) / 5.0).ceil();
+        panel.y.range = panel.y.range.map(|end| end + raised);
+    }
+    let intervals = match (paired.is_empty(), c.studies.iter().any(Option::is_some)) {
+        (false, _) => " Lines: P5 to P95 of the change over common draws, from the level of the first design.",
+        (true, true) => " Lines: interval of the level over the draws of the design\u{2019}s study.",
+        (true, false) => "",
+    };
+    let caption = format!(
+        "A-weighted levels of each source and of all together, dB re 1 pW s. The bars stand on the lower edge of the \
+         axis: a level has no zero of its own.{intervals}"
+    );
+    chart(c, "overview".to_owned(), caption, panel)
 }
 
 fn chart(c: &Comparison, name: String, caption: String, panel: Panel) -> Chart {
@@ -120,7 +236,7 @@ fn chart(c: &Comparison, name: String, caption: String, panel: Panel) -> Chart {
     }
 }
 
-/// One series of bars a design over the labels.
+/// One series of bars per design over the labels.
 fn bars(c: &Comparison, x: &str, unit: &'static str, y: &str, rows: Vec<(&str, &Levels)>) -> Panel {
     let series = |(place, name): (usize, &String)| {
         let note = |(_, row): &(&str, &Levels)| {
@@ -145,7 +261,7 @@ fn bars(c: &Comparison, x: &str, unit: &'static str, y: &str, rows: Vec<(&str, &
     }
 }
 
-/// Levels of a source in its bands or intervals; none if it is silent in all of them.
+/// Levels of a source in its bands or intervals; `None` if it is silent in all of them.
 fn labelled(c: &Comparison, row: &SourceRow, kind: &str, own: &[Labelled]) -> Option<Chart> {
     own.iter()
         .flat_map(|l| &l.levels.level_db)
@@ -160,7 +276,7 @@ fn labelled(c: &Comparison, row: &SourceRow, kind: &str, own: &[Labelled]) -> Op
             own.iter().map(|l| (l.label.as_str(), &l.levels)).collect(),
         )
     } else {
-        // Each interval by the event at its start.
+        // Each interval is named by the event at its start.
         let names = own
             .iter()
             .map(|l| from_event(l.label.split('-').next().unwrap_or_default()));
@@ -192,6 +308,7 @@ fn labelled(c: &Comparison, row: &SourceRow, kind: &str, own: &[Labelled]) -> Op
 fn levels(c: &Comparison, paired: &[PairedStudy]) -> Markup {
     html! {
         (table::markup(&c.level_table()))
+        @if let Some(performance) = c.performance_table() { h3 { "What it costs" } (table::markup(&performance)) }
         @if paired.is_empty() {
             p.quiet { "How sure a level is depends on the values of its design first: "
                 code { "nailnoise compare --draws" } " states the interval of each change." }

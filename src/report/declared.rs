@@ -1,26 +1,27 @@
-//! Declared values of a run: sound power, and emission sound pressure at the operator's ear.
+//! Values of a run for a declaration: sound power, and emission sound pressure at the operator's ear.
 
 use maud::{Markup, html};
 
+use super::legend::marked;
 use crate::declaration;
 use crate::result::{RunResult, SourceLoudness};
 
-/// The declared levels with their contents, and K or the reason why it is not stated.
+/// The declared levels with their definitions, and K or the reason why it is not stated.
 pub(super) fn section(result: &RunResult) -> Markup {
     let ear = &result.ear;
     let [along, across, height] = ear.position_m;
     html! {
         h3 { "Levels for a declaration (ISO 4871, EN 12549)" }
         ul.notes {
-            @for line in declaration::lines(&result.declaration, ear) { li { (line) } }
+            @for line in declaration::lines(&result.declaration, ear) { li { (marked(&line)) } }
             @if let Some(basis) = &result.declaration.k_basis { li { "sigma: " (basis) } }
             @if let Some(reason) = &result.declaration.k_not_stated { li { "K is not stated: " (reason) } }
-            @if !ear.loudness.is_empty() { li { (loudness(&ear.loudness)) } }
+            @if !ear.loudness.is_empty() { li { (marked(&loudness(&ear.loudness))) } }
         }
         p.quiet {
-            "L_WA,1s in dB re 1 pW s, one shot; L_pA,1s in dB re 20 \u{b5}Pa over 1 s and L_pC,peak in dB re \
+            (marked("L_WA,1s in dB re 1 pW s, one shot; L_pA,1s in dB re 20 \u{b5}Pa over 1 s and L_pC,peak in dB re \
              20 \u{b5}Pa at the \
-             operator's ear, " (format!("x = {along:.2} m, y = {across:.2} m, z = {height:.2} m"))
+             operator's ear, ")) (format!("x = {along:.2} m, y = {across:.2} m, z = {height:.2} m"))
             " from the middle of the block's underside (acoustics.ear_along, ear_across and ear_height). K = 1.645 \
              sigma over draws of inputs and methods is that \
              of the sound power for all three. "

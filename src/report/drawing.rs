@@ -1,4 +1,4 @@
-//! The drawing of the tool on a page: one figure a view, the legend of provenances, the keys as a table.
+//! The drawing of the tool on a page: one figure per view, the legend of provenances, and a table of the keys.
 //!
 //! The page is complete without its script, which highlights a key in all views and in the table.
 

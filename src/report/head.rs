@@ -1,13 +1,14 @@
-//! The head of the report of a run: the subject of the computation, and the result in a sentence.
+//! The head of a run's report: the subject of the computation, and the result in one sentence.
 
 use std::time::{SystemTime, UNIX_EPOCH};
 
 use maud::{Markup, html};
 
+use super::legend::marked;
 use super::{table, tables};
 use crate::design::{Design, Value};
 use crate::model::supports;
-use crate::result::RunResult;
+use crate::result::{Ends, RankedSource, RunResult, StudySummary};
 use crate::stages::headline::Headline;
 use crate::study::legend;
 use crate::tables::run::without;
@@ -15,7 +16,7 @@ use crate::tables::run::without;
 /// Pressure of 1 psi \[Pa\].
 const PSI: f64 = 6894.757;
 
-/// The heading: the title that the design gives, or its name.
+/// The heading: the title given by the design, or its name.
 pub(super) fn heading(design: &Design) -> String {
     match design.report().title.as_str() {
         "" => design.name().to_owned(),
@@ -23,7 +24,7 @@ pub(super) fn heading(design: &Design) -> String {
     }
 }
 
-/// The first facts for a reader.
+/// The most important facts for a reader.
 pub(super) fn lead(design: &Design, result: &RunResult) -> Markup {
     let first = result.ranking.first().filter(|source| source.lwa_db.is_some());
     let note = &design.report().note;
@@ -41,7 +42,7 @@ pub(super) fn lead(design: &Design, result: &RunResult) -> Markup {
             span.number { (tables::decibels(result.total.lwa_db)) }
             span.unit { "dB" }
             span.what {
-                "L" sub { "WA,1s" } " re 1 pW s: A-weighted sound energy of one shot"
+                "A-weighted sound energy of one shot, L" sub { "WA,1s" } " re 1 pW s"
                 @if let Some(([heading, _], [interval, _])) = over_draws("total") {
                     "; " (heading.trim_end_matches(" dB")) " " (interval) " dB"
                 }
@@ -49,13 +50,18 @@ pub(super) fn lead(design: &Design, result: &RunResult) -> Markup {
         }
         @if let Some(first) = first {
             p.verdict {
-                "The " b { (first.source) } " radiates most, " (format!("{:.0} %", 100.0 * first.share))
-                " of the A-weighted energy. Without it the total would be "
-                (format!("{:.1} dB", without(first.share))) " lower."
-                @if let Some(([_, heading], [_, cell])) = over_draws(&first.source).filter(|own| !own.1[1].is_empty()) {
-                    " " (heading) " " (cell) "."
-                }
+                "The " b { (first.source) } " is loudest, with " (format!("{:.0} %", 100.0 * first.share))
+                " of the sound energy"
+                @if let Some(sure) = result.study.known().and_then(|study| sure(study, &first.source)) { " " (sure) }
+                "."
             }
+            ul.verdict { @for source in result.ranking.iter().filter(|own| own.lwa_db.is_some()) {
+                li { (silencing(result, source)) }
+            } }
+        }
+        p.quiet { (marked(&in_words(result))) }
+        @if let Some(performance) = &result.performance {
+            p.quiet { "What this shot has in reserve, before anything is made quieter: " (performance.in_words()) "." }
         }
         p.quiet {
             "Absolute levels are predictions; the page Validation of the documentation compares those of one tool with \
@@ -66,6 +72,55 @@ pub(super) fn lead(design: &Design, result: &RunResult) -> Markup {
             p.alarm { "A check of this run failed. Do not rely on the result. " a href="#checks" { "Checks" } }
         }
     }
+}
+
+/// In how many of the draws a source is the loudest; none where that is not stated.
+fn sure(study: &StudySummary, source: &str) -> Option<String> {
+    let share = study.spread(source).first?;
+    Some(match study.ends {
+        Ends::Percentiles => format!("(loudest in {:.0} % of the draws)", 100.0 * share),
+        Ends::Extremes => format!(
+            "(loudest in {:.0} of {} draws)",
+            share * study.draws as f64,
+            study.draws
+        ),
+    })
+}
+
+/// What silencing one source alone gains, in the design and over the draws.
+fn silencing(result: &RunResult, source: &RankedSource) -> String {
+    let study = result.study.known();
+    let ends = study.and_then(|study| Some((study, study.spread(&source.source).silencing_db?)));
+    let over_draws = ends.map_or_else(String::new, |(study, [low, high])| {
+        let of = match study.ends {
+            Ends::Percentiles => "in 90 % of the draws".to_owned(),
+            Ends::Extremes => format!("in {} draws", study.draws),
+        };
+        format!(" ({low:.1} to {high:.1} dB {of})")
+    });
+    format!(
+        "Silencing the {} alone gains {:.1} dB{over_draws}.",
+        source.source,
+        without(source.share)
+    )
+}
+
+/// Upper exposure action value of Directive 2003/10/EC, Article 3, over a working day \[dB(A)\], and that day \[s\].
+const ACTION_DB: f64 = 85.0;
+const DAY: f64 = 28_800.0;
+
+/// What a decibel is, and what the level at the ear means for a working day.
+fn in_words(result: &RunResult) -> String {
+    let day = result.ear.lpa_1s_db.map_or_else(String::new, |level| {
+        let shots = DAY * 10f64.powf(0.1 * (ACTION_DB - level));
+        let digits = 10f64.powf(shots.max(1.0).log10().floor() - 1.0);
+        format!(
+            " At the operator's ear one shot is L_pA,1s {level:.0} dB: about {:.0} shots a day reach the upper action \
+             value of {ACTION_DB:.0} dB(A) (Directive 2003/10/EC), other noise left aside.",
+            (shots / digits).round() * digits
+        )
+    });
+    format!("3 dB less is half of the sound energy; 10 dB less is a tenth of it, and sounds about half as loud.{day}")
 }
 
 /// How a shot ended that does not drive its nail, before all levels; nothing for one that does.
@@ -81,7 +136,7 @@ pub(crate) fn missed(headline: Option<&Headline>) -> Markup {
     }
 }
 
-/// A sentence with its first letter large.
+/// A sentence with a capital first letter.
 pub(crate) fn capitalised(text: &str) -> String {
     let mut letters = text.chars();
     letters
@@ -89,7 +144,7 @@ pub(crate) fn capitalised(text: &str) -> String {
         .map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
 }
 
-/// For whom and by whom, according to the design.
+/// Client and author, according to the design.
 fn byline(design: &Design) -> Markup {
     let report = design.report();
     let said = [
@@ -138,7 +193,7 @@ fn given(design: &Design) -> Markup {
     html! { dl.given { @for (what, value) in facts { div { dt { (what) } dd { (value) } } } } }
 }
 
-/// The word under a key, before other text; nothing if the key is missing from the design or none is chosen.
+/// The name that a key selects, followed by a separator; empty if the design lacks the key or no name is chosen.
 fn named(design: &Design, key: &str) -> String {
     let entry = design.entries().into_iter().find(|entry| entry.key == key);
     match entry.map(|entry| entry.value) {
@@ -155,8 +210,8 @@ fn today() -> String {
     format!("{year}-{month:02}-{day:02}")
 }
 
-/// Year, month and day of the Gregorian calendar, so many days after 1 January 1970: eras of 400 years that begin on 1
-/// March.
+/// Year, month and day in the Gregorian calendar, from the number of days since 1 January 1970; computed with eras of
+/// 400 years that begin on 1 March.
 fn date(days: i64) -> [i64; 3] {
     let days = days + 719_468;
     let (era, of_era) = (days.div_euclid(146_097), days.rem_euclid(146_097));

@@ -6,12 +6,14 @@ use super::chart::markup;
 use super::page::{Page, Section};
 use super::table::{self, with_code};
 use crate::figures::Chart;
+use crate::measurement::repeats::RepeatedLevel;
 use crate::measurement::result::MeasurementResult;
+use crate::measurement::wrapping::Configuration;
 use crate::tables::measurement as tables;
 
 pub(super) fn page(result: &MeasurementResult, charts: &[Chart]) -> Page {
     let chart = |name: &str| charts.iter().find(|chart| chart.name == name).map(markup);
-    let sections = vec![
+    let mut sections = vec![
         Section::new(
             "levels",
             "Levels",
@@ -23,25 +25,71 @@ pub(super) fn page(result: &MeasurementResult, charts: &[Chart]) -> Page {
             "Bands",
             html! { @if let Some(c) = chart("measured-bands") { (c) } },
         ),
-        Section::new(
-            "intervals",
-            "Intervals",
-            html! { @if let Some(c) = chart("measured-intervals") { (c) } },
-        ),
+    ];
+    if let Some(chart) = chart("measured-intervals") {
+        sections.push(Section::new("intervals", "Intervals", chart));
+    }
+    sections.extend([
         Section::new(
             "signals",
             "Signals and markers",
             html! { @if let Some(c) = chart("measured-signals") { (c) } (markers(result)) (accelerations(result)) },
         ),
         Section::new("processing", "Processing", processing(result)),
-    ];
+    ]);
+    let name = name(&result.manifest);
     Page {
-        title: format!("{}: measurement", result.manifest),
+        title: format!("{name}: measurement"),
         compared: None,
-        heading: format!("{}: what the test measured", result.manifest),
-        lead: html! { @if !result.notes.is_empty() { ul { @for note in &result.notes { li { (with_code(note)) } } } } },
+        heading: format!("{name}: what the test measured"),
+        lead: lead(result),
         sections,
     }
+}
+
+/// The manifest by its folder and file, however it was given.
+fn name(manifest: &str) -> String {
+    let parts: Vec<&str> = manifest.split(['/', '\\']).filter(|part| !part.is_empty()).collect();
+    parts[parts.len().saturating_sub(2)..].join("/")
+}
+
+/// The level with nothing wrapped, the sources from the loudest, and what a reader must know.
+fn lead(result: &MeasurementResult) -> Markup {
+    let total = result
+        .configurations
+        .iter()
+        .find(|own| own.configuration == Configuration::Total)
+        .and_then(|own| own.level.as_ref());
+    let mut sources: Vec<(&str, &RepeatedLevel)> = result
+        .sources
+        .iter()
+        .filter_map(|own| Some((own.source.as_str(), own.level.as_ref()?)))
+        .collect();
+    sources.sort_by(|a, b| b.1.db.total_cmp(&a.1.db));
+    html! {
+        @if let Some(level) = total {
+            div.total {
+                span.number { (format!("{:.1}", level.db)) }
+                span.unit { "dB" }
+                span.what {
+                    "A-weighted sound energy of one shot with nothing wrapped, L" sub { "WA,1s" } " re 1 pW s; "
+                    (format!("\u{b1}{:.1} dB (k = 2) over {} shots", level.expanded_db, level.repeats))
+                }
+            }
+        }
+        @if let [(first, level), others @ ..] = sources.as_slice() {
+            p.verdict {
+                "The " b { (first) } " is loudest: " (level_of(level))
+                @for (name, level) in others { "; " (name) " " (level_of(level)) }
+                "."
+            }
+        }
+        @if !result.notes.is_empty() { ul.notes { @for note in &result.notes { li { (with_code(note)) } } } }
+    }
+}
+
+fn level_of(level: &RepeatedLevel) -> String {
+    format!("{:.1} \u{b1} {:.1} dB", level.db, level.expanded_db)
 }
 
 fn sources(result: &MeasurementResult) -> Markup {

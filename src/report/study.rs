@@ -4,10 +4,11 @@ use maud::{Markup, html};
 
 use super::chart::markup;
 use super::head::missed;
+use super::legend::marked;
 use super::page::{Page, Section};
 use super::table::{self, typeset, with_code};
 use crate::figures::Chart;
-use crate::study::{Contributions, GroupStudy, StudyResult};
+use crate::study::{Contributions, Estimate, GroupStudy, SourceStudy, StudyResult};
 use crate::tables::study as tables;
 
 pub(super) fn page(result: &StudyResult, charts: &[Chart], scatter: &[Chart]) -> Page {
@@ -48,6 +49,11 @@ pub(super) fn page(result: &StudyResult, charts: &[Chart], scatter: &[Chart]) ->
             html! { @if let Some(c) = chart("study-convergence") { (c) } (candidates(result)) },
         ),
         Section::new("drawn", "What was drawn", table::markup(&tables::variables(result))),
+        Section::new(
+            "notes",
+            "Notes",
+            html! { ul.notes { @for note in &result.notes { li { (with_code(note)) } } } },
+        ),
     ];
     Page {
         title: format!("{}: study", result.design.name),
@@ -65,10 +71,65 @@ fn lead(result: &StudyResult) -> Markup {
     };
     html! {
         (missed(result.headline.as_ref()))
-        p { (result.draws) " draws, " (structures) ", seed " (result.seed)
-            ". Beside each estimate: half of its 90 % interval over resampled draws." }
-        ul { @for note in &result.notes { li { (with_code(note)) } } }
+        @for (place, line) in answer(result).iter().enumerate() {
+            p.verdict[place == 0] { (marked(line)) }
+        }
+        p.quiet { (result.draws) " draws, " (structures) ", seed " (result.seed)
+            ". Beside each estimate: half of its 90 % interval over resampled draws. "
+            a href="#notes" { "Notes" } " says what the draws leave out." }
     }
+}
+
+/// How sure the ranking is, how far the total may be off, and which input decides: a sentence each.
+fn answer(result: &StudyResult) -> Vec<String> {
+    let percent = |estimate: &Estimate| {
+        let cell = tables::probability(estimate);
+        let half = estimate.half_width().filter(|_| cell.spread.starts_with("+-"));
+        let half = half.map_or_else(String::new, |half| format!(" +-{:.0}", 100.0 * half));
+        estimate.value.map(|value| format!("{:.0}{half} %", 100.0 * value))
+    };
+    let likely = result.sources.iter().max_by(|a, b| {
+        let first = |own: &SourceStudy| own.first.value.unwrap_or(0.0);
+        first(a).total_cmp(&first(b))
+    });
+    let first = likely.and_then(|own| {
+        let share = percent(&own.first)?;
+        Some(format!(
+            "The {} is the loudest source in {share} of the draws.",
+            own.source
+        ))
+    });
+    let order = result.orders.first().and_then(|own| {
+        let share = percent(&own.probability)?;
+        Some(format!(
+            "The complete order {} holds in {share} of them.",
+            own.order.join(" > ")
+        ))
+    });
+    let [low, high] = result.total.ends(result.draws).map(|end| end.value);
+    let total = low.zip(high).map(|(low, high)| {
+        let own = result.total.nominal_db.zip(result.total.below_nominal);
+        let own = own.map_or_else(String::new, |(own, below)| {
+            format!(
+                "; the design itself has {own:.1} dB, more than {:.0} % of the draws",
+                100.0 * below
+            )
+        });
+        format!("The total L_WA,1s lies between {low:.1} and {high:.1} dB in most draws{own}.")
+    });
+    let decisive = result.contributions.iter().find(|own| own.output == "total");
+    let decisive = decisive.and_then(|own| own.inputs.first()).map(|input| {
+        format!(
+            "`{}` decides most of the total: {:.0} % of its variance.",
+            input.variable,
+            100.0 * input.first_order
+        )
+    });
+    [first, order, total, decisive]
+        .into_iter()
+        .flatten()
+        .map(|line| line.replace('`', ""))
+        .collect()
 }
 
 /// The output's variance, and the least part of it that is not by chance.
@@ -94,7 +155,7 @@ fn contributions(result: &StudyResult) -> Markup {
     }
 }
 
-/// Surrogates in all inputs, an output a row.
+/// Surrogates in all inputs, one row per output.
 fn surrogates(result: &StudyResult) -> Markup {
     html! {
         @if let Some(degree) = result.surrogates.iter().map(|own| own.degree).max() {
@@ -106,7 +167,7 @@ fn surrogates(result: &StudyResult) -> Markup {
     }
 }
 
-/// Groups of inputs, each output a table.
+/// Groups of inputs, one table per output.
 fn groups(study: &GroupStudy) -> Markup {
     html! {
         h3 { "Groups of inputs" }

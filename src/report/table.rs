@@ -6,14 +6,21 @@ use super::legend::marked;
 use crate::tables::{Cell, Column, Content, Table};
 
 /// Characters of the terminal, and those that a page sets for them.
-const TYPESET: [(&str, &str); 6] = [
+const TYPESET: [(&str, &str); 10] = [
     ("+-", "\u{b1}"),
     ("<= ", "\u{2264} "),
     (">= ", "\u{2265} "),
     ("dB2", "dB\u{b2}"),
     ("Q2", "Q\u{b2}"),
     (" m2", " m\u{b2}"),
+    ("mm2", "mm\u{b2}"),
+    ("cm3", "cm\u{b3}"),
+    ("/m3", "/m\u{b3}"),
+    (" um", " \u{b5}m"),
 ];
+
+/// Longest text of a cell that is not broken into lines \[characters\].
+const SHORT: usize = 14;
 
 /// A table with its legend.
 pub(super) fn markup(table: &Table) -> Markup {
@@ -21,7 +28,7 @@ pub(super) fn markup(table: &Table) -> Markup {
     html! {
         div.scroll { table.pinned {
             thead { tr { @for column in &table.columns {
-                th.n[column.content == Content::Numbers] { (marked(&typeset(&column.heading))) }
+                th.n[column.content == Content::Numbers] { (marked(&column.heading)) }
             } } }
             tbody { @for (place, row) in table.rows.iter().enumerate() { tr.sum[table.sum && place == last]
                 .failed[row.iter().any(|cell| cell.alarm)] {
@@ -37,35 +44,38 @@ pub(super) fn markup(table: &Table) -> Markup {
 fn cell(place: usize, column: &Column, cell: &Cell) -> Markup {
     let key = column.content == Content::Keys;
     html! {
-        @if place == 0 { th.key-name[key].source[cell.dot.is_some()] scope="row" { (content(cell)) } }
+        @if key && place == 0 { th.key-name scope="row" { (cell.text) @if !cell.spread.is_empty() { br; span.meaning { (marked(&cell.spread)) } } } }
+        @else if key { td.key-name { (cell.text) } }
+        @else if place == 0 { th.source[cell.dot.is_some()] scope="row" { (content(cell)) } }
         @else if column.content == Content::Numbers { td.n { (content(cell)) } }
-        @else { td.key-name[key] { (content(cell)) } }
+        @else { td.short[cell.text.chars().count() <= SHORT] { (content(cell)) } }
     }
 }
 
 /// The content of a cell.
 pub(super) fn content(cell: &Cell) -> Markup {
-    let text = typeset(&cell.text);
+    let text = marked(&cell.text);
     html! {
         @if let Some(place) = cell.dot { span class={ "dot c" (place) } {} }
         @if let Some(bar) = cell.bar {
             div.share {
                 div class={ "bar c" (bar.colour) }
                     style={ "width:" (format!("{:.1}%", 100.0 * bar.length.clamp(0.0, 1.0))) } {}
-                @if !text.is_empty() { span { (text) } }
+                @if !cell.text.is_empty() { span { (text) } }
             }
+        } @else if let Some(file) = &cell.opens { a href=(file) { (text) }
         } @else if cell.strong { b { (text) } } @else { (text) }
-        @if !cell.spread.is_empty() { " " span.quiet { (typeset(&cell.spread)) } }
+        @if !cell.spread.is_empty() { " " span.quiet { (marked(&cell.spread)) } }
     }
 }
 
-/// A line of plain text whose words between backticks are code.
+/// A line of plain text in which words between backticks become code.
 pub(super) fn with_code(line: &str) -> Markup {
     let parts = line.split('`').enumerate();
-    html! { @for (place, part) in parts { @if place % 2 == 1 { code { (part) } } @else { (part) } } }
+    html! { @for (place, part) in parts { @if place % 2 == 1 { code { (part) } } @else { (marked(part)) } } }
 }
 
-/// A text of the terminal with the signs of a page: an en dash for a missing value, minus signs before digits.
+/// A terminal text with typeset signs: an en dash for a missing value, minus signs before digits.
 pub(super) fn typeset(text: &str) -> String {
     if text == "-" {
         return "\u{2013}".to_owned();

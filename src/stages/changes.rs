@@ -6,7 +6,7 @@ use nailnoise_dynamics::CouplingWork;
 use super::cycle::ShotRecord;
 use crate::result::{Coupling, EventChange, FigureChange, LevelChange, RankedSource, Total};
 
-/// Compares record and sources of the one-way run with record and levels of the two-way one.
+/// Compares record and sources of the one-way run with record and levels of the two-way run.
 pub fn changes(
     work: CouplingWork,
     (one_shot, one): (&ShotRecord, &[SourceSpectrum]),

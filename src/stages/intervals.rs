@@ -1,4 +1,4 @@
-//! The intervals between neighbouring events, for which levels of every source are given.
+//! The intervals between adjacent events, for which levels of every source are given.
 
 use nailnoise_acoustics::signals::IntervalLevels;
 use nailnoise_dynamics::network::EventTime;
@@ -18,7 +18,7 @@ pub struct Interval {
 }
 
 impl Interval {
-    /// Its levels in a result.
+    /// Its levels, in the form of a result.
     pub(super) fn in_result(&self) -> IntervalLevel {
         let own = &self.levels;
         let absorbed = own.energy < 0.0 || own.cut_energy < 0.0;
@@ -34,12 +34,12 @@ impl Interval {
     }
 }
 
-/// The events of a shot in the order of their times: the edges of its intervals.
+/// The events of a shot in chronological order: the edges of its intervals.
 #[derive(Debug, Clone, PartialEq)]
 pub struct EventEdges {
     /// Names of events, then `end`.
     names: Vec<String>,
-    /// \[s\], not falling.
+    /// \[s\], in ascending order.
     times: Vec<f64>,
 }
 
@@ -66,7 +66,7 @@ impl EventEdges {
         &self.times
     }
 
-    /// Levels between these edges, with the names of the events on either side.
+    /// Levels between these edges, with the names of the adjacent events.
     pub(super) fn named(&self, levels: &[IntervalLevels]) -> Vec<Interval> {
         let interval = |(names, levels): (&[String], &IntervalLevels)| Interval {
             from: names[0].clone(),

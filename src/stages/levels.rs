@@ -1,4 +1,4 @@
-//! Levels of a shot only, without its sound at microphones and histories: the record of a draw in a study.
+//! Only the levels of a shot, without sound at microphones and histories: the record of a draw in a study.
 
 use serde::{Deserialize, Serialize};
 
@@ -23,9 +23,9 @@ pub struct ShotLevels {
     pub cycle: Stored<ShotRecord>,
     /// Range over which sources are compared \[Hz\].
     pub range_hz: [f64; 2],
-    /// Elastic bodies, whose checks count.
+    /// Elastic bodies, whose checks are included.
     pub bodies: Vec<Stored<Body>>,
-    /// Their responses, whose checks count.
+    /// Their responses, whose checks are included.
     pub responses: Vec<Stored<Vibration>>,
     /// Sensors, if the design has any.
     pub sensors: Option<Sensors>,
@@ -51,7 +51,7 @@ pub struct SourceLevels {
     pub source: String,
     /// A-weighted single-event sound power level \[dB re 1 pW s\]; `None` when silent.
     pub lwa_db: Option<f64>,
-    /// Bounds of its method's error \[dB\], both positive; `None` where the method gives no bound.
+    /// Bounds of the method's error \[dB\], both positive; `None` if the method gives no bound.
     pub method_db: [Option<f64>; 2],
     /// Nominal mid-band frequency \[Hz\] and A-weighted level \[dB re 1 pW s\] of each one-third-octave band.
     pub bands: Vec<(f64, Option<f64>)>,

@@ -1,4 +1,4 @@
-//! Outcomes of many shots, without their sound: the cheap part of a study.
+//! Outcomes of many shots without their sound: the inexpensive part of a study.
 
 use nailnoise_dynamics::network::{self, RunError};
 use nailnoise_dynamics::{CycleError, simulate};
@@ -21,11 +21,11 @@ pub struct Outcomes {
 pub enum ShotOutcome {
     /// The cycle was computed.
     Shot(ShotFigures),
-    /// The piston used up the volume below it: nothing stops it, and the model ends.
+    /// The piston used up the volume below it: nothing stops it, and the model is no longer valid.
     DryFire,
-    /// The solver gave up.
+    /// The solver failed.
     SolverFailure(String),
-    /// The values break a rule of the cycle.
+    /// The values violate a rule of the cycle.
     Refused(String),
 }
 
@@ -36,9 +36,9 @@ pub struct ShotFigures {
     pub outcome: String,
     /// Mean speed of the piston over the nail's length in the wood \[m/s\].
     pub mean_drive_speed: Option<f64>,
-    /// Deepest nail tip depth \[m\].
+    /// Maximum depth of the nail's tip \[m\].
     pub penetration: f64,
-    /// Mass out of the exhaust holes \[kg\].
+    /// Mass that left through the exhaust holes \[kg\].
     pub exhaust_mass: f64,
 }
 
@@ -111,7 +111,7 @@ fn of_keys(cycle: &Cycle) -> ShotOutcome {
     }
 }
 
-/// The rule of the cycle that a shot breaks.
+/// The rule of the cycle that a shot violates.
 fn rule(error: &CycleError) -> &'static str {
     match error {
         CycleError::ValveNotClosed { .. } => "the head valve does not close",

@@ -1,14 +1,15 @@
 //! Effects of the ranges of a design on its shot and its levels.
 //!
 //! [`variables`] lists the variables, [`Sampler`] draws them, [`screen`] computes the shots of candidates and accepts
-//! those that count, [`draws`] computes their levels, and [`StudyResult`] states the results. [`shots`] draws only for
-//! the cycle.
+//! those that count, [`draws`] computes their levels, and [`StudyResult`] contains the results. [`shots`] draws only
+//! for the cycle.
 
 mod condition;
 mod contributions;
 mod correlation_ratio;
 mod draw_table;
 mod draws;
+mod error;
 mod group_indices;
 mod groups;
 mod jobs;
@@ -44,10 +45,14 @@ use nailnoise_calibration::normal;
 pub use condition::{Condition, ConditionInput};
 pub use contributions::{Contribution, Contributions};
 pub use draw_table::DrawTable;
+pub(crate) use draws::code_of_joint_draws;
 pub use draws::{Draw, Draws, common_draws, draws, nominal};
+pub use error::StudyError;
 pub use groups::{Group, GroupContribution, GroupContributions, GroupStudy, group_study};
+pub(crate) use jobs::{levels_of_shot, on_threads};
 pub use kept::{Found, keep, kept};
-pub use level_table::{column, levels_of};
+pub(crate) use level_table::total_of;
+pub use level_table::{column, levels_of, value_at};
 pub use one_at_a_time::{InputChanges, InputEnd, OneAtATime, one_at_a_time, one_at_a_time_csv};
 pub use paired::{Change, PairedStudy};
 pub use parameters::{Parameter, taking_part};
@@ -64,9 +69,11 @@ pub use serving::{Serving, StudySource, study};
 pub use shots::{Counted, DrawnShot, ShotSampler, Shots, cycle_variables, shots};
 pub use statistics::{Estimate, Quantiles};
 pub use surrogate::{Surrogate, SurrogateIndex, common_reason};
+pub(crate) use sweep::number as number_and_unit;
 pub use sweep::{Axis, SweptPoint, at_point, distinct, sweep};
 pub use table::csv;
 pub use variable_report::VariableReport;
+pub(crate) use variables::without_sensors;
 pub use variables::{Drawn, Scope, Variable, VariableKind, common_variables, differing_keys, in_force, variables};
 
 pub use crate::stages::outcomes::{ShotFigures, ShotOutcome};

@@ -18,19 +18,21 @@ use crate::design::inputs::cycle::parameters;
 use crate::design::{Assignment, AssignmentError, Design, DesignError, Problem};
 use crate::error::Error;
 use crate::graph::Graph;
+use crate::result::Performance;
 use crate::stages::Progress;
 use crate::stages::headline::Headline;
 use crate::stages::levels::Levels;
+use crate::study::StudyError;
 
-/// Points of a grid at most.
+/// Maximum number of points of a grid.
 const MOST: usize = 100_000;
 
-/// A key and the values that a sweep gives it.
+/// A key, and the values that a sweep assigns to it.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct Axis {
     /// Full name of the key.
     pub key: String,
-    /// Values as in a design file, without quotes.
+    /// Values as in a design file, but without quotes.
     pub values: Vec<String>,
 }
 
@@ -39,19 +41,21 @@ pub struct Axis {
 pub struct SweptPoint {
     /// The value of each key, in the order of the axes.
     pub values: Vec<String>,
-    /// Its levels; none if the values are not a valid design or the shot cannot be computed.
+    /// Its levels; `None` if the values are not a valid design or the shot cannot be computed.
     pub levels: Option<Levels>,
-    /// Level of all sources together \[dB re 1 pW s\].
+    /// Level of the sum of all sources \[dB re 1 pW s\].
     pub total_db: Option<f64>,
-    /// Headline of its shot, if that does not drive.
+    /// Reserve of the drive, air a shot, and rate, with the lumped workpiece; none without levels.
+    pub performance: Option<Performance>,
+    /// Headline of its shot, if the shot does not drive.
     pub headline: Option<Headline>,
-    /// Why levels are missing; empty otherwise.
+    /// Reason why levels are missing; empty otherwise.
     pub refused: String,
-    /// Folder of its films; none without a request.
+    /// Folder of its films; `None` if not requested.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub folder: Option<String>,
-    /// Each source, then the total, over draws that all points have in common, and the change from the first point;
-    /// none if no draws are requested.
+    /// Each source, then the total, over common draws of all points, with the change from the first point; `None` if no
+    /// draws are requested.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub drawn: Option<Vec<Change>>,
 }
@@ -104,7 +108,7 @@ fn range(low: &str, rest: &str) -> Result<Vec<String>, String> {
         } else {
             from + part * (to - from)
         };
-        // Twelve digits leave out the rounding of the steps.
+        // Twelve digits remove the rounding errors of the steps.
         let value: f64 = format!("{value:.11e}").parse().unwrap_or(value);
         format!("{value} {unit}").trim().to_owned()
     };
@@ -112,7 +116,7 @@ fn range(low: &str, rest: &str) -> Result<Vec<String>, String> {
 }
 
 /// A number and the unit that follows it.
-fn number(text: &str) -> Result<(f64, String), String> {
+pub(crate) fn number(text: &str) -> Result<(f64, String), String> {
     let text = text.trim();
     let ends = (1..=text.len()).rev().filter(|end| text.is_char_boundary(*end));
     let parsed = ends
@@ -122,7 +126,7 @@ fn number(text: &str) -> Result<(f64, String), String> {
     Ok((value, unit.to_owned()))
 }
 
-/// The grid of all values, the last axis fastest.
+/// The grid of all values; the last axis varies fastest.
 fn grid(axes: &[Axis]) -> Vec<Vec<String>> {
     axes.iter().fold(vec![Vec::new()], |points, axis| {
         let longer = |point: &Vec<String>| {
@@ -143,37 +147,37 @@ fn assignments(axes: &[Axis], values: &[String]) -> Result<Vec<Assignment>, Assi
         .collect()
 }
 
-/// The design in a file, with changes that all points share, at a point of the grid.
+/// The design in a file with changes common to all points, at a point of the grid.
 ///
 /// # Errors
-/// Values that are impossible in any design, or that conflict.
+/// If values are impossible in any design, or conflict.
 pub fn at_point((path, changes): (&Path, &[Assignment]), axes: &[Axis], values: &[String]) -> Result<Design, Error> {
-    let own = assignments(axes, values).map_err(|error| Error::NoAxis { error })?;
+    let own = assignments(axes, values).map_err(|error| StudyError::NoAxis { error })?;
     Ok(Design::load_with(path, &[changes, &own].concat())?)
 }
 
-/// Whether the axes are those of a grid.
+/// Checks that the axes form a grid.
 ///
 /// # Errors
-/// [`Error::NothingToVary`], and [`Error::VariedTwice`]: the later values of a key would replace the earlier ones in
-/// every point.
+/// [`StudyError::NothingToVary`], and [`StudyError::VariedTwice`]: the later values of a key would replace the earlier
+/// ones in every point.
 pub fn distinct(axes: &[Axis]) -> Result<(), Error> {
     if axes.is_empty() {
-        return Err(Error::NothingToVary);
+        return Err(StudyError::NothingToVary.into());
     }
     let twice = (1..axes.len()).find(|&place| axes[..place].iter().any(|before| before.key == axes[place].key));
     twice.map_or(Ok(()), |place| {
         let key = axes[place].key.clone();
-        Err(Error::VariedTwice { key })
+        Err(StudyError::VariedTwice { key }.into())
     })
 }
 
-/// Levels of the design in a file, with changes that all points share, over a grid of values; on `request`, over draws
-/// that all points have in common, too. Points with conflicting values are refused with their conflict.
+/// Levels of the design in a file, with changes common to all points, over a grid of values; with a `request`, also
+/// over common draws of all points. Points with conflicting values are rejected with their conflict.
 ///
 /// # Errors
-/// A key or value that no design can have; no key, or one twice; a point that needs more memory than allowed; a grid of
-/// too many points.
+/// A key or value that no design can have; no key, or the same key twice; a point that needs more memory than allowed;
+/// a grid with too many points.
 pub fn sweep(
     graph: &Graph,
     (path, changes): (&Path, &[Assignment]),
@@ -188,7 +192,7 @@ pub fn sweep(
         .map(|axis| axis.values.len())
         .try_fold(1_usize, usize::checked_mul);
     if count.is_none_or(|count| count > MOST) {
-        return Err(Error::SweptTooMuch { most: MOST });
+        return Err(StudyError::SweptTooMuch { most: MOST }.into());
     }
     let points = grid(axes);
     let mut designs = Vec::with_capacity(points.len());
@@ -205,7 +209,7 @@ pub fn sweep(
             Err(error) => return Err(error),
         });
     }
-    // Structures stay at hand while the points that share them are computed.
+    // Structures are kept while the points that share them are computed.
     let anchor = designs.iter().find_map(|design| design.as_ref().ok());
     let anchor = anchor
         .map(|design| Chain::new(graph, design, Options::default()))
@@ -236,34 +240,51 @@ pub fn sweep(
             (levels.cloned(), String::new())
         }
     });
-    let missed = |(design, (levels, _)): (&Result<Design, String>, &(Option<Levels>, String))| match (design, levels) {
-        (Ok(design), Some(levels)) if levels.outcome != Outcome::Drives.name() => headline(design),
+    let shot = |(design, (levels, _)): (&Result<Design, String>, &(Option<Levels>, String))| match (design, levels) {
+        (Ok(design), Some(levels)) => shot(design, levels).map(Some),
         _ => Ok(None),
     };
     let computed: Vec<_> = computed.collect();
-    let headlines = designs.iter().zip(&computed).map(missed);
-    let mut headlines = headlines.collect::<Result<Vec<_>, Error>>()?.into_iter();
-    let point = |(values, (levels, refused)): (Vec<String>, (Option<Levels>, String))| SweptPoint {
-        values,
-        headline: headlines.next().flatten(),
-        total_db: levels.as_ref().and_then(total_of),
-        levels,
-        refused,
-        folder: None,
-        drawn: drawn.next().flatten(),
+    let shots = designs.iter().zip(&computed).map(shot);
+    let mut shots = shots.collect::<Result<Vec<_>, Error>>()?.into_iter().flatten();
+    let point = |(values, (levels, refused)): (Vec<String>, (Option<Levels>, String))| {
+        let shot = levels.as_ref().and_then(|_| shots.next());
+        SweptPoint {
+            values,
+            performance: shot.as_ref().and_then(|shot| shot.performance),
+            headline: shot.and_then(|shot| shot.headline),
+            total_db: levels.as_ref().and_then(total_of),
+            levels,
+            refused,
+            folder: None,
+            drawn: drawn.next().flatten(),
+        }
     };
     Ok(points.into_iter().zip(computed).map(point).collect())
 }
 
-/// The headline of a design's shot with its lumped workpiece.
-fn headline(design: &Design) -> Result<Option<Headline>, Error> {
-    if design.assembly().is_some() {
-        return Ok(None);
-    }
-    Ok(Headline::of(&chain::cycle(design)?, &parameters(design)?))
+/// A design's shot with its lumped workpiece.
+#[derive(Default)]
+struct Shot {
+    performance: Option<Performance>,
+    headline: Option<Headline>,
 }
 
-/// Levels of each point that is a design over common draws, with the change from the first of them.
+/// The shot of a design with these levels; a headline only if it does not drive with the coupling of the design. An
+/// assembly has neither.
+fn shot(design: &Design, levels: &Levels) -> Result<Shot, Error> {
+    if design.assembly().is_some() {
+        return Ok(Shot::default());
+    }
+    let (record, parameters) = (chain::cycle(design)?, parameters(design)?);
+    let missed = levels.outcome != Outcome::Drives.name();
+    Ok(Shot {
+        performance: Some(Performance::of(&record, &parameters)),
+        headline: missed.then(|| Headline::of(&record, &parameters)).flatten(),
+    })
+}
+
+/// Levels over common draws of each point that is a valid design, with the change from the first of them.
 fn drawn(
     graph: &Graph,
     designs: &[Result<Design, String>],

@@ -1,7 +1,7 @@
 //! Tables of a sweep.
 
 use super::study::probability;
-use super::{Cell, Column, Table, decibels};
+use super::{Cell, Column, Table, dash, decibels};
 use crate::study::{Axis, Quantiles, SweptPoint};
 
 /// Names of the sources, in the order of the levels.
@@ -20,12 +20,24 @@ fn axis_columns(axes: &[Axis]) -> impl Iterator<Item = Column> {
     })
 }
 
-/// Levels of the design at each point, and how its shot ends.
+/// Headings of the figures of [`performance`], the costs of quieting.
+const PERFORMANCE: [&str; 4] = ["head mm", "left J", "air L", "shots/s"];
+
+/// Remaining energy and consumption of the shot of a point; `None` for values that do not exist.
+fn performance(point: &SweptPoint) -> [Option<String>; 4] {
+    let figures = point.performance.map(|own| own.figures().map(|figure| figure.value));
+    figures.unwrap_or_default()
+}
+
+/// Levels of the design at each point, with the remaining energy, the consumption and the outcome of its shot.
 pub(crate) fn points(axes: &[Axis], points: &[SweptPoint]) -> Table {
     let sources = sources(points);
     let row = |point: &SweptPoint| {
         let values = point.values.iter().map(|value| Cell::from(value.as_str()));
         let mut row: Vec<Cell> = values.collect();
+        if let (Some(first), Some(folder)) = (row.first_mut(), &point.folder) {
+            first.opens = Some(format!("{folder}/report.html"));
+        }
         match &point.levels {
             Some(levels) => {
                 row.extend(levels.sources.iter().map(|source| Cell::from(decibels(source.lwa_db))));
@@ -36,23 +48,26 @@ pub(crate) fn points(axes: &[Axis], points: &[SweptPoint]) -> Table {
                     },
                     None => levels.outcome.replace('_', " ").into(),
                 };
-                row.extend([decibels(point.total_db).into(), shot]);
+                row.push(decibels(point.total_db).into());
+                row.extend(performance(point).map(|value| dash(value, |value| value).into()));
+                row.push(shot);
             }
             None => {
-                row.extend(vec![Cell::from("-"); sources.len() + 1]);
+                row.extend(vec![Cell::from("-"); sources.len() + 1 + PERFORMANCE.len()]);
                 row.push(format!("no design: {}", point.refused).into());
             }
         }
         row
     };
-    let levels = sources.iter().map(String::as_str).chain(["total"]).map(Column::number);
+    let levels = sources.iter().map(String::as_str).chain(["total"]).chain(PERFORMANCE);
+    let levels = levels.map(Column::number);
     Table::new(
         axis_columns(axes).chain(levels).chain([Column::short("shot")]),
         points.iter().map(row),
     )
 }
 
-/// Levels over the draws that all points have in common; none without draws.
+/// Levels over the common draws of all points; `None` without draws.
 pub(crate) fn over_draws(axes: &[Axis], points: &[SweptPoint]) -> Option<Table> {
     let first = points.iter().find_map(|point| point.drawn.as_ref())?;
     let span = |own: &Quantiles| Cell::from(format!("{} .. {}", decibels(own.p05.value), decibels(own.p95.value)));

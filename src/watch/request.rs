@@ -1,20 +1,21 @@
-//! The request of a browser, and whether it is permitted.
+//! A browser's request, and the decision whether it is permitted.
 //!
-//! Any page that a user opens may send requests to this machine. A request is therefore served only with the token,
-//! which only the command shows to its user. It must also have the address of this server as host, which excludes a
-//! foreign name that points here, and an origin that is this server or none.
+//! Any page that a user opens may send requests to this machine. A request is therefore served only if it contains the
+//! token, which the command shows only to its user. Its host must also be the address of this server, which excludes
+//! foreign names that resolve to it, and its origin must be this server or missing.
 
 use std::io::{self, ErrorKind, Read};
+use std::net::SocketAddr;
 
 use rand::TryRng as _;
 use rand::rngs::SysRng;
 
 use crate::wording::hexadecimal;
 
-/// Longest head of a request \[byte\].
+/// Maximum length of a request's head \[byte\].
 const LONGEST: usize = 16 << 10;
 
-/// Most headers of a request.
+/// Maximum number of headers in a request.
 const HEADERS: usize = 64;
 
 /// The head of a request.
@@ -26,10 +27,10 @@ pub(super) struct Request {
 }
 
 impl Request {
-    /// Reads a head; none if the connection ends before.
+    /// Reads a head; `None` if the connection ends before it is complete.
     ///
     /// # Errors
-    /// Those of the connection; [`ErrorKind::InvalidData`] if the head is not that of HTTP 1, or too long.
+    /// The errors of the connection; [`ErrorKind::InvalidData`] if the head is not HTTP 1 or is too long.
     pub(super) fn read(from: &mut impl Read) -> io::Result<Option<Self>> {
         let (mut bytes, mut part) = (Vec::new(), [0; 2048]);
         loop {
@@ -47,7 +48,7 @@ impl Request {
         }
     }
 
-    /// The head in bytes that begin with one; none if it is incomplete.
+    /// Parses the head at the start of the bytes; `None` if it is incomplete.
     fn parse(bytes: &[u8]) -> io::Result<Option<Self>> {
         let mut headers = [httparse::EMPTY_HEADER; HEADERS];
         let mut request = httparse::Request::new(&mut headers);
@@ -70,14 +71,18 @@ impl Request {
         own.map(|(_, value)| value.as_str())
     }
 
-    /// The path after the token, if the server at `host` may respond to the request.
-    pub(super) fn admitted(&self, host: &str, token: &str) -> Option<&str> {
+    /// The path after the token, if the server at `address` may respond to the request.
+    pub(super) fn admitted(&self, address: SocketAddr, token: &str) -> Option<&str> {
         let mut hosts = self.header("host");
-        let own_host = hosts.next() == Some(host) && hosts.next().is_none();
+        let host = hosts.next()?;
+        // A server on all interfaces answers under each of their addresses. No foreign name can lead to an address.
+        let named: SocketAddr = host.parse().ok()?;
+        let same_ip = address.ip().is_unspecified() || named.ip() == address.ip();
+        let own_host = same_ip && named.port() == address.port() && hosts.next().is_none();
         let own_origin = self
             .header("origin")
             .all(|origin| origin.strip_prefix("http://") == Some(host));
-        // The browser's statement on the requesting page; `none` is the user.
+        // The browser states which site requests the page; `none` means the user.
         let own_site = self
             .header("sec-fetch-site")
             .all(|site| ["same-origin", "none"].contains(&site));
@@ -86,7 +91,7 @@ impl Request {
     }
 }
 
-/// Whether two texts are the same, in a time that does not reveal how much of them is.
+/// Whether two texts are equal, in a time that does not reveal how many characters agree.
 fn same(given: &str, token: &str) -> bool {
     let differences = given.bytes().zip(token.bytes()).fold(0, |all, (a, b)| all | (a ^ b));
     given.len() == token.len() && differences == 0
@@ -95,7 +100,7 @@ fn same(given: &str, token: &str) -> bool {
 /// A token that cannot be guessed: 128 bits of the system's random numbers.
 ///
 /// # Errors
-/// If the system has none.
+/// If the system provides none.
 pub(super) fn token() -> io::Result<String> {
     let mut bytes = [0u8; 16];
     SysRng.try_fill_bytes(&mut bytes).map_err(io::Error::other)?;
@@ -106,11 +111,44 @@ pub(super) fn token() -> io::Result<String> {
 mod tests {
     use super::*;
 
-    const HOST: &str = "127.0.0.1:4711";
+    fn admitted_at(address: &str, head: &str) -> Option<String> {
+        let request = Request::read(&mut head.as_bytes()).expect("a head").expect("whole");
+        let address = address.parse().expect("an address");
+        request.admitted(address, "secret").map(str::to_owned)
+    }
 
     fn admitted(head: &str) -> Option<String> {
-        let request = Request::read(&mut head.as_bytes()).expect("a head").expect("whole");
-        request.admitted(HOST, "secret").map(str::to_owned)
+        admitted_at("127.0.0.1:4711", head)
+    }
+
+    /// Every interface has an address of its own; a name that leads here is foreign, and so is a page under one.
+    #[test]
+    fn a_server_on_all_interfaces_answers_under_addresses_and_not_under_names() {
+        let at = |host: &str, more: &str| {
+            admitted_at(
+                "0.0.0.0:4711",
+                &format!("GET /secret/ HTTP/1.1\r\nHost: {host}\r\n{more}\r\n"),
+            )
+        };
+        assert!(
+            at("192.168.1.7:4711", "").is_some()
+                && at("192.168.1.7:4711", "Origin: http://192.168.1.7:4711\r\n").is_some()
+        );
+        for (host, more) in [
+            ("evil.example:4711", ""),
+            ("192.168.1.7:80", ""),
+            ("192.168.1.7:4711", "Origin: http://evil.example:4711\r\n"),
+            ("192.168.1.7:4711", "Sec-Fetch-Site: cross-site\r\n"),
+        ] {
+            assert_eq!(at(host, more), None, "{host} {more}");
+        }
+        assert_eq!(
+            admitted_at(
+                "192.168.1.7:4711",
+                "GET /secret/ HTTP/1.1\r\nHost: 10.0.0.1:4711\r\n\r\n"
+            ),
+            None
+        );
     }
 
     #[test]

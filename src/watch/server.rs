@@ -1,8 +1,9 @@
-//! The server of the page: only on this machine, for a handful of windows, without third-party content.
+//! Serves the page, on this machine unless the user names an address, to a handful of windows, without third-party
+//! content.
 //!
-//! It responds to each request on a separate thread and connection, and serves five addresses. A client that has not
-//! shown the token yet is a stranger. Strangers have a limit on the number and the time of connections, separate from
-//! the windows: when there are too many, the oldest goes. Heads are parsed by `httparse`; complete servers are not
+//! It responds to each request on a separate thread and connection, and serves a handful of addresses. A client
+//! that has not shown the token yet is a stranger. Strangers have a limit on the number and the time of connections,
+//! separate from the windows: when there are too many, the oldest goes. Heads are parsed by `httparse`; complete servers are not
 //! better here: `tiny_http` is no longer maintained, `oxhttp` chooses no free port and writes to standard error,
 //! `hyper` brings an asynchronous runtime.
 
@@ -17,35 +18,36 @@ use super::board::Board;
 use super::page;
 use super::request::{Request, token};
 
-/// How long the head of a request may take, from the first byte to the last.
+/// Maximum time for receiving the head of a request.
 const TO_ASK: Duration = Duration::from_secs(5);
 
-/// How long a browser may take to receive a response, or a piece of news.
+/// Maximum time for a browser to receive a response or an event.
 const TO_RECEIVE: Duration = Duration::from_secs(20);
 
-/// Between two signs of life to a window that waits for news.
+/// Interval of the signals that keep the connection to a waiting window open.
 const SIGN: Duration = Duration::from_secs(5);
 
-/// Connections with the token at a time.
+/// Maximum number of simultaneous connections with the token.
 const WINDOWS: usize = 64;
 
-/// Connections at a time whose token is not known yet.
+/// Maximum number of simultaneous connections whose token is not yet known.
 const STRANGERS: usize = 64;
 
-/// Every response: nothing is cached, no other site learns the address, nothing is shown within a foreign page.
+/// Headers of every response: nothing is cached, no other site learns the address, and no foreign page may embed the
+/// content.
 const ALWAYS: &str = "Cache-Control: no-store\r\nReferrer-Policy: no-referrer\r\nX-Content-Type-Options: nosniff\r\n\
                       Cross-Origin-Resource-Policy: same-origin\r\nCross-Origin-Opener-Policy: \
                       same-origin\r\nConnection: close\r\n";
 
-/// Permissions of the page around the report: contact this server, and run its script.
+/// Permissions of the page around the report: contact this server and run its script.
 const OUTER: &str = "default-src 'none'; script-src 'self'; style-src 'self'; connect-src 'self'; frame-src 'self'; \
                      img-src data:; base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
 
-/// Permissions of the report: draw, and request nothing.
+/// Permissions of the report: draw, but request nothing.
 const INNER: &str = "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; \
                      img-src data:; media-src data:; base-uri 'none'; form-action 'none'; frame-ancestors 'self'";
 
-/// A server, which ends when it is dropped.
+/// A server that ends when it is dropped.
 pub struct Server {
     host: SocketAddr,
     token: Arc<str>,
@@ -58,29 +60,29 @@ struct Shared {
     ends: AtomicBool,
     /// Connections with the token.
     windows: AtomicUsize,
-    /// The other ones, the oldest first.
+    /// The other connections, oldest first.
     strangers: Mutex<Vec<Arc<TcpStream>>>,
 }
 
 impl Shared {
-    /// Counts a new connection, at the cost of the oldest stranger if there are too many.
+    /// Counts a new connection; if there are too many, the oldest stranger's is closed.
     fn receive(&self, stream: &Arc<TcpStream>) {
         let mut strangers = self.strangers.lock().unwrap_or_else(PoisonError::into_inner);
         strangers.push(Arc::clone(stream));
         if strangers.len() > STRANGERS {
-            // Its thread finds the connection closed.
+            // Its thread detects that the connection is closed.
             let _ = strangers.remove(0).shutdown(Shutdown::Both);
         }
     }
 
-    /// Counts a connection as a stranger no longer.
+    /// Stops counting a connection as a stranger's.
     fn dismiss(&self, stream: &Arc<TcpStream>) {
         let mut strangers = self.strangers.lock().unwrap_or_else(PoisonError::into_inner);
         strangers.retain(|own| !Arc::ptr_eq(own, stream));
     }
 }
 
-/// A connection for work with a time limit, however many pieces it comes in.
+/// A connection with a time limit for the complete operation, however many pieces it consists of.
 struct Timed<'a> {
     stream: &'a TcpStream,
     until: Instant,
@@ -120,12 +122,12 @@ impl Write for Timed<'_> {
 }
 
 impl Server {
-    /// Serves a board on a port of the loopback interface that the system chooses.
+    /// Serves a board at an address, or on the loopback interface only. The system chooses a port that is 0.
     ///
     /// # Errors
-    /// Those of the system.
-    pub fn start(board: Arc<Board>) -> io::Result<Self> {
-        let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, 0))?;
+    /// The errors of the system.
+    pub fn start(board: Arc<Board>, listen: Option<SocketAddr>) -> io::Result<Self> {
+        let listener = TcpListener::bind(listen.unwrap_or_else(|| (Ipv4Addr::LOCALHOST, 0).into()))?;
         let (host, token) = (listener.local_addr()?, Arc::<str>::from(token()?));
         let shared = Arc::new(Shared {
             board,
@@ -135,7 +137,7 @@ impl Server {
         });
         let accepting = Builder::new().spawn({
             let (shared, token) = (Arc::clone(&shared), Arc::clone(&token));
-            move || accept(&listener, &shared, &host.to_string(), &token)
+            move || accept(&listener, &shared, host, &token)
         })?;
         Ok(Self {
             host,
@@ -159,22 +161,26 @@ impl Drop for Server {
         for stranger in strangers {
             let _ = stranger.shutdown(Shutdown::Both);
         }
-        // A connection to its address makes it check.
-        let _ = TcpStream::connect(self.host);
+        // A connection to its address makes it check; all interfaces include the loopback one.
+        let mut own = self.host;
+        if own.ip().is_unspecified() {
+            own.set_ip(Ipv4Addr::LOCALHOST.into());
+        }
+        let _ = TcpStream::connect(own);
         if let Some(accepting) = self.accepting.take() {
             let _ = accepting.join();
         }
     }
 }
 
-/// Answers connections, each on a thread, until the server ends; the threads have ended then, too.
-fn accept(listener: &TcpListener, shared: &Shared, host: &str, token: &str) {
+/// Answers each connection on a thread until the server ends; all threads have ended when it returns.
+fn accept(listener: &TcpListener, shared: &Shared, host: SocketAddr, token: &str) {
     std::thread::scope(|scope| {
         for stream in listener.incoming() {
             if shared.ends.load(Ordering::SeqCst) {
                 return;
             }
-            // A connection that has gone before it was accepted, or a moment without file handles.
+            // The client disconnected before it was accepted, or file handles ran out temporarily.
             let Ok(stream) = stream else {
                 std::thread::sleep(Duration::from_millis(10));
                 continue;
@@ -183,7 +189,7 @@ fn accept(listener: &TcpListener, shared: &Shared, host: &str, token: &str) {
             shared.receive(&stream);
             let own = Arc::clone(&stream);
             let answering = Builder::new().spawn_scoped(scope, move || {
-                // A browser that has gone is not an error.
+                // It is not an error if the browser has disconnected.
                 let _ = answer(&own, shared, host, token);
                 shared.dismiss(&own);
                 let _ = own.shutdown(Shutdown::Both);
@@ -196,7 +202,7 @@ fn accept(listener: &TcpListener, shared: &Shared, host: &str, token: &str) {
     });
 }
 
-fn answer(stream: &Arc<TcpStream>, shared: &Shared, host: &str, token: &str) -> io::Result<()> {
+fn answer(stream: &Arc<TcpStream>, shared: &Shared, host: SocketAddr, token: &str) -> io::Result<()> {
     let request = match Request::read(&mut Timed::new(stream, TO_ASK)) {
         Ok(Some(request)) => request,
         Ok(None) => return Ok(()),
@@ -228,7 +234,7 @@ fn answer(stream: &Arc<TcpStream>, shared: &Shared, host: &str, token: &str) -> 
     answered
 }
 
-/// Answers a request with the token. HEAD gets the head of the response to GET.
+/// Answers a request with the token. HEAD returns the head of the response to GET.
 fn admitted(stream: &TcpStream, shared: &Shared, (method, path): (&str, &str)) -> io::Result<()> {
     let board = &shared.board;
     let head_alone = method == "HEAD";
@@ -248,14 +254,39 @@ fn admitted(stream: &TcpStream, shared: &Shared, (method, path): (&str, &str)) -
             Some((_, report)) => reply(HTML, INNER, report.as_bytes()).send(stream, head_alone),
             None => Reply::text("404 Not Found", b"there is no result yet\n").send(stream, head_alone),
         },
-        ("POST", "pin") | ("POST", "unpin") => {
-            board.pin(path == "pin");
+        ("GET", "sound/last" | "sound/pinned") => {
+            let state = board.now();
+            let run = if path == "sound/last" { state.last } else { state.pinned };
+            match run.and_then(|run| run.sound.clone()) {
+                Some(sound) => reply(WAVE, OUTER, &sound.wav).send(stream, head_alone),
+                None => Reply::text("404 Not Found", b"that run has no sound\n").send(stream, head_alone),
+            }
+        }
+        ("POST", "pin" | "unpin" | "reset" | "save") => {
+            match path {
+                "reset" => board.reset(),
+                "save" => board.save(),
+                _ => board.pin(path == "pin"),
+            }
             reply(TEXT, OUTER, b"done\n").send(stream, false)
+        }
+        ("POST", path) if path.starts_with("move?") => {
+            match moved(path).is_some_and(|(key, to)| board.move_to(key, to)) {
+                true => reply(TEXT, OUTER, b"done\n").send(stream, false),
+                false => Reply::text("400 Bad Request", b"no slider has this value\n").send(stream, false),
+            }
         }
         _ => Reply::text("404 Not Found", b"there is nothing here\n").send(stream, head_alone),
     }
 }
 
+/// Key and value of `move?KEY=VALUE`.
+fn moved(path: &str) -> Option<(&str, f64)> {
+    let (key, value) = path.strip_prefix("move?")?.split_once('=')?;
+    Some((key, value.parse().ok()?))
+}
+
+const WAVE: &str = "audio/wav";
 const TEXT: &str = "text/plain; charset=utf-8";
 const HTML: &str = "text/html; charset=utf-8";
 const SCRIPT: &str = "text/javascript; charset=utf-8";

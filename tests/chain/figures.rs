@@ -151,7 +151,7 @@ fn spikes_of_a_few_microseconds_reach_their_height() {
 #[test]
 fn a_cascade_names_what_a_published_form_does_not_keep() {
     let design = design();
-    let energy = |record| figures::energy("n80cb", &record).svg();
+    let energy = |record| figures::energy("n80cb", &design.ambient, &record).svg();
     let lost = "not kept by the model";
     assert!(!energy(cycle(&design).unwrap()).contains(lost));
     assert!(energy(cycle_as_published(&design, Preset::PublishedAll).unwrap()).contains(lost));
@@ -161,7 +161,7 @@ fn a_cascade_names_what_a_published_form_does_not_keep() {
 #[test]
 fn a_cascade_closes() {
     let design = design();
-    for panel in figures::energy("n80cb", &cycle(&design).unwrap()).panels {
+    for panel in figures::energy("n80cb", &design.ambient, &cycle(&design).unwrap()).panels {
         let last = panel.y.categories.len() as f64 - 1.0;
         let stored = &panel.series[0];
         assert_eq!(stored.y.last(), Some(&last));

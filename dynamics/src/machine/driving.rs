@@ -12,7 +12,7 @@ use serde::Serialize;
 use super::integrator::integrate;
 use super::{Machine, MachineError};
 use nailnoise_penetration::fit::FittedLaw;
-use nailnoise_penetration::{Driven, Resistance, ResistanceLaw, Shanks, Specimen};
+use nailnoise_penetration::{Driven, NailedWood, Resistance, ResistanceLaw, Shanks, Specimen};
 
 /// Tolerance of the integration.
 const TOLERANCE: f64 = 1e-12;
@@ -97,7 +97,7 @@ pub struct Drive {
 /// Drives the nail of a machine, with samples at intervals of `interval` \[s\].
 ///
 /// # Errors
-/// [`MachineError`] where the nail does not stop, leaves the block, or a law is not valid.
+/// [`MachineError`] if the nail does not stop, leaves the block, or a law is not valid.
 pub fn drive(machine: &Machine, fit: Option<&FittedLaw>, shot: Shot, interval: f64) -> Result<Drive, MachineError> {
     let (nail, wood, projectile) = (&machine.nail, &machine.wood, &machine.projectile);
     let gravity = machine.ambient.gravity;
@@ -128,7 +128,7 @@ pub fn drive(machine: &Machine, fit: Option<&FittedLaw>, shot: Shot, interval: f
         }
     }
     let law = Resistance::new(&Driven {
-        wood,
+        wood: &NailedWood::quasi_static(wood.clone()),
         table: None,
         fit,
         specimen: &specimen,

@@ -71,7 +71,7 @@ impl FastenerResistance {
     }
 }
 
-/// Value and slope of a table, linear between its points and constant outside.
+/// Value and slope of a table with linear interpolation; constant outside.
 #[inline]
 pub(crate) fn interpolate(points: &[[f64; 2]], x: f64) -> (f64, f64) {
     let right = points.partition_point(|point| point[0] <= x);

@@ -277,7 +277,7 @@ fn coefficient(coefficient: &Coefficient) -> String {
     }
 }
 
-/// Everything that exerts a force, by its pair of bodies.
+/// Everything that exerts a force, by pair of bodies.
 fn forces(assembly: &Assembly) -> Table {
     let pair = |kind: &str, name: &str, on: usize, against: Base| {
         vec![
@@ -421,7 +421,7 @@ fn balances(assembly: &Assembly) -> Table {
                 .faces
                 .iter()
                 .filter(|face| face.body == index && face.push == push);
-            // An empty sum is -0.
+            // An empty sum would be -0.
             of.map(|face| 1e6 * face.area).sum::<f64>().abs()
         };
         let loads: Vec<&str> = assembly
@@ -449,7 +449,7 @@ fn balances(assembly: &Assembly) -> Table {
     }
 }
 
-/// Keys that the files give themselves, which `--set` changes.
+/// Keys that the files define, which `--set` can change.
 fn keys(literals: &[Literal]) -> Table {
     let row = |literal: &Literal| {
         let dimension = match literal.kind {

@@ -14,14 +14,14 @@ use crate::figures;
 use crate::output::{self, Exports};
 use crate::tables::{self, fixed};
 
-/// The last file to be written, so that a folder with it has all the rest.
+/// The file written last, whose presence shows that the folder is complete.
 const LAST: &str = "events.csv";
 
-/// What the command line asks of the cycle.
+/// Options of the command.
 pub(in crate::commands) struct Asked<'a> {
     /// The file of the tool.
     pub(in crate::commands) path: &'a Path,
-    /// Folder of the files; none for the one of the tool's name.
+    /// Folder of the files; by default named after the tool.
     pub(in crate::commands) out: Option<&'a Path>,
     pub(in crate::commands) json: bool,
     pub(in crate::commands) figures: bool,
@@ -44,7 +44,7 @@ struct CycleResult<'a> {
     work: Effort,
     /// Names of the channels, the columns of `histories.csv`.
     channels: Vec<&'a str>,
-    /// Files of the requested figures.
+    /// Files of the charts requested.
     figures: Vec<String>,
 }
 
@@ -90,7 +90,7 @@ pub(in crate::commands) fn execute(tool: &AssembledTool, asked: &Asked<'_>) -> R
     Ok(status)
 }
 
-/// Writes the tables and, on request, the charts; returns the files of the charts.
+/// Writes the tables and, if requested, the charts; returns the files of the charts.
 fn write(folder: &Path, tool: &AssembledTool, record: &Record, with_figures: bool) -> Result<Vec<PathBuf>, Error> {
     let staging = AtomicWrite::within(folder)?;
     for file in output::of_network(

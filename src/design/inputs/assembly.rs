@@ -1,4 +1,4 @@
-//! Inputs of a cycle as a network: the assembly of a file, and how it is integrated.
+//! Inputs of a cycle given as a network: the assembly of a file and its numerical settings.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -26,14 +26,14 @@ pub struct AssembledTool {
     pub text: AssemblyText,
     /// The assembly with its literals and keys.
     pub resolved: Resolved,
-    /// How it is integrated and sampled.
+    /// How the cycle is integrated and sampled.
     pub numerics: Numerics,
     /// Whether the file has a design as its base, with workpiece, support and microphones.
     pub has_design: bool,
 }
 
 impl AssembledTool {
-    /// Reads the assembly of a file, with other values for some keys; none if neither the file nor its bases have a
+    /// Reads the assembly of a file, with other values for some keys; `None` if neither the file nor its bases have a
     /// table `[cycle]`.
     ///
     /// # Errors
@@ -210,7 +210,7 @@ pub(crate) fn absent_sources(engine: &Engine) -> Vec<String> {
     notes
 }
 
-/// Values of all keys of a design, with `support.stiffness` and `support.damping` of the support in use.
+/// Values of all keys of a design, with `support.stiffness` and `support.damping` set to those of the chosen support.
 pub(crate) fn keys(design: &Design) -> Result<BTreeMap<String, KeyValue>, Error> {
     let mut keys = BTreeMap::new();
     design.visit("", &mut |path, spec, value| {

@@ -1,4 +1,4 @@
-//! Inputs of the notes: the fitted law, and values outside their ranges, in words.
+//! Inputs of the notes: a sentence for the fitted law, and one for each value outside its range.
 
 use nailnoise_penetration::fit::{Placement, Variable};
 
@@ -8,7 +8,7 @@ use crate::design::{Convention, Design, VentSource, Warning};
 use crate::error::Error;
 use crate::stages::cycle::{ShotRecord, SummaryFigures};
 
-/// Parts that count to another source by the convention of wrapping; none by the physical one.
+/// Parts that the wrapping convention assigns to another source; `None` for the physical convention.
 pub(crate) fn convention(design: &Design) -> Option<String> {
     let own = &design.sources;
     if own.convention == Convention::Physical {
@@ -55,7 +55,7 @@ pub(crate) fn outside_ranges(design: &Design) -> Vec<String> {
     warnings_in_words(design, |warning| matches!(warning, Warning::OutsideRange { .. }))
 }
 
-/// Bands that lack the exhaust because it is computed up to a lower frequency than the levels.
+/// Bands without exhaust noise, which is computed up to a lower frequency than the levels.
 pub(crate) fn exhaust_max_frequency(design: &Design) -> Vec<String> {
     warnings_in_words(design, |warning| matches!(warning, Warning::ExhaustTop { .. }))
 }
@@ -65,7 +65,7 @@ fn warnings_in_words(design: &Design, is_wanted: impl Fn(&Warning) -> bool) -> V
     warnings.map(ToString::to_string).collect()
 }
 
-/// Place of the shot in the range of the data of a fitted penetration law; nothing with another law.
+/// Position of the shot within the data range of a fitted penetration law; empty for other laws.
 ///
 /// # Errors
 /// As [`law_of`].

@@ -11,7 +11,7 @@ use crate::stages::cycle::{Engine, WORKPIECE};
 use crate::stages::response::{DrivenFastener, FastenerLaw, ShotInputs};
 use crate::stages::tool_response::{HousingContact, ToolShot};
 
-/// Inputs of the response of workpiece and support, except the bodies and the cycle.
+/// Inputs of the response of workpiece and support, without the bodies and the cycle.
 ///
 /// # Errors
 /// [`Error::Sand`] when the sand's constants are outside the range of the foundation's formulas.
@@ -29,8 +29,8 @@ pub(crate) fn shot(design: &Design, engine: &Engine) -> Result<ShotInputs, Error
     })
 }
 
-/// Springs and dashpots of the contact cells between the workpiece and its support, of the sand at its sides, those of
-/// the user to the ground, and those of the joint of two pieces.
+/// Springs and dashpots of the contact cells between workpiece and support, of the sand at the sides, of the user's
+/// supports to the ground, and of the joint of two pieces.
 fn springs(design: &Design) -> Result<Vec<Support>, Error> {
     let support = supports::of(design);
     let mut springs: Vec<Support> = support.contacts()?.iter().flat_map(Contact::springs).collect();
@@ -56,7 +56,7 @@ fn fastener(design: &Design, engine: &Engine) -> Option<DrivenFastener> {
     })
 }
 
-/// Inputs of the response of the tool, except its body and the cycle.
+/// Inputs of the response of the tool, without its body and the cycle.
 pub(crate) fn tool(design: &Design, engine: &Engine) -> ToolShot {
     let contacts = match engine {
         Engine::Keys(cycle) => {

@@ -1,4 +1,4 @@
-//! Effects of a shot on workpiece and support: supports, loads, duration.
+//! Actions of a shot on workpiece and support: supports, loads, duration.
 
 use nailnoise_fem::vibration::{Loads, ModalBody, ModalResponse, Settings, Support, SupportLaw, respond};
 use nalgebra::{DMatrix, DVector};
@@ -7,18 +7,28 @@ use serde::Serialize;
 use super::coupling::{self, COUPLED_LOADS, Coupled, couple};
 use super::nail_force::{self, DrivenFastener};
 use crate::error::Error;
+use crate::result::Check;
 use crate::stages::bodies::{Body, ContactCells, STATIONS};
 use crate::stages::cycle::{Cycle, ShotRecord};
 
 /// Largest gap that [`open_gaps`] opens \[m\].
 const GAP: f64 = 1e-6;
 
-/// Inputs of a response, except the bodies and the cycle.
+/// Response to the forces of a cycle.
+#[derive(Debug)]
+pub struct OneWay {
+    /// Motion of the bodies.
+    pub response: ModalResponse,
+    /// Checks of the nail's force.
+    pub checks: Vec<Check>,
+}
+
+/// Inputs of a response, without the bodies and the cycle.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ShotInputs {
     /// Acceleration of gravity \[m/s2\].
     pub gravity: f64,
-    /// The fastener in the workpiece; none for a tool that drives none.
+    /// The fastener in the workpiece; `None` for a tool that drives none.
     pub fastener: Option<DrivenFastener>,
     /// Springs and dashpots, in the order of the columns of [`Body::contacts`].
     pub supports: Vec<Support>,
@@ -26,7 +36,7 @@ pub struct ShotInputs {
     pub added_sand: Option<(f64, ContactCells)>,
     /// Step \[s\].
     pub step: f64,
-    /// Longest time simulated \[s\].
+    /// Maximum simulated time \[s\].
     pub duration: f64,
     /// Number of the start, which sets the gaps of supports that can lose contact; 0 for none.
     pub start: u32,
@@ -40,13 +50,13 @@ impl ShotInputs {
             .any(|support| support.law == SupportLaw::Unilateral)
     }
 
-    /// The same from another start.
+    /// The same shot with another start.
     #[must_use]
     pub fn with_start(&self, start: u32) -> Self {
         Self { start, ..self.clone() }
     }
 
-    /// The same on supports that cannot open.
+    /// The same shot on supports that cannot open.
     #[must_use]
     pub fn bonded(&self) -> Self {
         let bonded = |support: &Support| Support {
@@ -62,22 +72,26 @@ impl ShotInputs {
     /// Response to the forces of a cycle on the wood, times `force_scale`.
     ///
     /// # Errors
-    /// Those of the transient solver.
-    pub fn one_way(&self, bodies: &[ModalBody], shot: &ShotRecord, force_scale: f64) -> Result<ModalResponse, Error> {
-        let loads = self.loads(shot, force_scale);
-        Ok(respond(bodies, &self.opened(), &loads, &self.settings())?)
+    /// The errors of the transient solver.
+    pub fn one_way(&self, bodies: &[ModalBody], shot: &ShotRecord, force_scale: f64) -> Result<OneWay, Error> {
+        let nail = self.fastener.as_ref().and_then(|own| nail_force::forces(own, shot));
+        let loads = self.loads(shot, nail.as_ref().map(|nail| &nail.stations), force_scale);
+        Ok(OneWay {
+            response: respond(bodies, &self.opened(), &loads, &self.settings())?,
+            checks: nail.map_or_else(Vec::new, |nail| nail.checks),
+        })
     }
 
     /// Cycle and response together, each acting on the other.
     ///
     /// # Errors
-    /// Those of the cycle and of the transient solver, and that the two do not agree.
+    /// The errors of the cycle and of the transient solver, and an error if the two do not converge.
     pub fn two_way(&self, bodies: &[ModalBody], cycle: &Cycle) -> Result<Coupled, Error> {
         couple(cycle, bodies, &self.opened(), &self.settings())
     }
 
-    /// A body with its loss factor as the transient solver takes it. Loads of the shot act only on the workpiece,
-    /// gravity on every body.
+    /// A body with its loss factor, in the form that the transient solver needs. Loads of the shot act only on the
+    /// workpiece, gravity on every body.
     pub(super) fn modal_body(&self, body: &Body, loss_factor: f64, workpiece: bool) -> ModalBody {
         let gravity = self.gravity;
         let weight = match self.added_sand {
@@ -112,21 +126,17 @@ impl ShotInputs {
         supports
     }
 
-    /// Loads of the shot: the nail's stations, nose with guard spring, gravity.
+    /// Loads of the shot: the nail stations, nose with guard spring, gravity.
     ///
-    /// After the record the tool is off the wood and the nail at rest: the forces of the shot go to zero, gravity
-    /// stays.
-    fn loads(&self, shot: &ShotRecord, force_scale: f64) -> Loads {
+    /// After the record, the tool is off the wood and the nail at rest: the forces of the shot vanish, and only gravity
+    /// remains.
+    fn loads(&self, shot: &ShotRecord, fastener: Option<&DMatrix<f64>>, force_scale: f64) -> Loads {
         let mut history = DMatrix::zeros(COUPLED_LOADS, shot.len());
-        if let Some(on) = &shot.workpiece {
-            if let Some(fastener) = &self.fastener {
-                history
-                    .rows_mut(0, STATIONS)
-                    .copy_from(&nail_force::forces(fastener, on));
-            }
-            for (sample, force) in on.seat.iter().enumerate() {
-                history[(coupling::NOSE, sample)] = *force;
-            }
+        if let Some(forces) = fastener {
+            history.rows_mut(0, STATIONS).copy_from(forces);
+        }
+        for (sample, force) in shot.workpiece.iter().flat_map(|on| on.seat.iter().enumerate()) {
+            history[(coupling::NOSE, sample)] = *force;
         }
         history *= force_scale;
         history.row_mut(coupling::GRAVITY).fill(1.0);

@@ -40,7 +40,7 @@ fn of_keys(design: &Design) -> Result<Vec<NoisyOpening>, Error> {
     let holes = Opening {
         count: own.holes as usize,
         diameter: own.hole_diameter,
-        discharge_coefficient: design.chambers.discharge_coefficient,
+        discharge_coefficient: own.discharge_coefficient,
         pitch: Some(own.pitch),
     };
     holes.check_area(own.area())?;

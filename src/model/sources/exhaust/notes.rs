@@ -47,14 +47,16 @@ pub(super) fn methods(
         ));
     }
     let outlet = openings.exhaust().map(|(_, outlet)| outlet);
-    if let Some(fitting) = outlet.and_then(|own| own.fitting.as_ref()) {
+    let temperature = exhaust.openings.first().map(|holes| holes.outflow_temperature);
+    if let (Some(fitting), Some(temperature)) = (outlet.and_then(|own| own.fitting.as_ref()), temperature) {
+        let limit = fitting
+            .filled(temperature, &openings.air)
+            .map_or(f64::NAN, |filled| filled.plane_wave_limit());
         notes.push(format!(
-            "exhaust fitting: plane waves up to {:.0} Hz in air at rest, between choked holes and an open end that \
-             its jet \
-             damps; above, the outflow radiates as if there were no fitting. The jets of the holes are not filtered; \
-             the uncertainty of the \
-             level holds the case that they are",
-            fitting.plane_wave_limit(&openings.air)
+            "exhaust fitting: plane waves up to {limit:.0} Hz in the outflow's gas at {temperature:.0} K, between \
+             choked holes and an open end that its jet damps; above, the outflow radiates as if there were no \
+             fitting. The jets of the holes are not filtered; the uncertainty of the level holds the case that they \
+             are"
         ));
     }
     match outlet.and_then(|own| own.muffler.as_ref()) {

@@ -1,0 +1,10 @@
+//! Sound fields for which the standard defines loudness.
+
+/// Sound field to which the levels refer, without the listener.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum SoundField {
+    /// A plane wave from the front.
+    Free,
+    /// Sound from all directions.
+    Diffuse,
+}

@@ -1,0 +1,103 @@
+//! A trial design: its shot, and its levels if the shot meets the constraints.
+
+use std::path::Path;
+
+use serde::Serialize;
+
+use super::constraint::Constraint;
+use super::shot::Shot;
+use crate::chain::{Chain, Options};
+use crate::cost::{self, MemoryLimit};
+use crate::design::{Assignment, Design};
+use crate::error::Error;
+use crate::graph::Graph;
+use crate::study::{levels_of_shot, total_of, without_sensors};
+
+/// A trial design.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Trial {
+    /// The value of each variable, written as in a design file but without quotes.
+    pub values: Vec<String>,
+    /// Its shot; `None` if the values are not a valid design or the shot cannot be computed.
+    #[serde(flatten)]
+    pub shot: Option<Shot>,
+    /// Excess beyond each constraint relative to the limit; the constraint is met if the excess is at most 0. `None` if
+    /// unknown.
+    pub excesses: Vec<Option<f64>>,
+    /// Whether its levels are known and it meets all constraints.
+    pub feasible: bool,
+    /// Reason why it is not a valid design; empty otherwise.
+    pub refused: String,
+}
+
+/// A candidate whose cycle is known, but not yet its levels.
+pub(super) struct Candidate {
+    /// The values of the variables, and the assignments that make the design.
+    pub(super) values: Vec<String>,
+    design: Result<(Design, Shot), String>,
+}
+
+impl Candidate {
+    /// The design of a file with these assignments and its cycle. Values that are not a valid design also give a
+    /// result.
+    pub(super) fn new(path: &Path, assignments: &[Assignment], values: Vec<String>, memory: MemoryLimit) -> Self {
+        let made = || -> Result<(Design, Shot), Error> {
+            let design = without_sensors(&Design::load_with(path, assignments)?);
+            let shot = Shot::of(&design)?;
+            cost::refuse(&design, &cost::of_run(&design)?, memory)?;
+            Ok((design, shot))
+        };
+        Self {
+            values,
+            design: made().map_err(|error| error.in_words()),
+        }
+    }
+
+    /// Excess beyond each constraint, as far as it follows from the cycle.
+    fn excesses(&self, constraints: &[Constraint]) -> Vec<Option<f64>> {
+        let shot = self.design.as_ref().ok().map(|(_, shot)| shot);
+        constraints.iter().map(|own| own.excess(shot?)).collect()
+    }
+
+    /// Whether its cycle meets the constraints, so that its levels are computed.
+    pub(super) fn counts(&self, constraints: &[Constraint]) -> bool {
+        let met = |excess: &Option<f64>| excess.is_none_or(|excess| excess <= 0.0);
+        self.design.is_ok() && self.excesses(constraints).iter().all(met)
+    }
+
+    /// The trial without levels.
+    pub(super) fn without_levels(self, constraints: &[Constraint]) -> Trial {
+        let excesses = self.excesses(constraints);
+        let (shot, refused) = match self.design {
+            Ok((_, shot)) => (Some(shot), String::new()),
+            Err(reason) => (None, reason),
+        };
+        Trial {
+            values: self.values,
+            shot,
+            excesses,
+            feasible: false,
+            refused,
+        }
+    }
+
+    /// The trial with its levels.
+    pub(super) fn with_levels(mut self, graph: &Graph, constraints: &[Constraint]) -> Trial {
+        if let Ok((design, shot)) = &mut self.design {
+            match levels_of_shot(Chain::new(graph, design, Options::default())) {
+                Ok(levels) => {
+                    shot.total_db = total_of(&levels);
+                    // With the response of its support, the shot may have another outcome than the cycle alone.
+                    shot.outcome.clone_from(&levels.outcome);
+                    shot.levels = Some(levels);
+                }
+                Err(error) => self.design = Err(error.in_words()),
+            }
+        }
+        let mut trial = self.without_levels(constraints);
+        let met = |excess: &Option<f64>| excess.is_some_and(|excess| excess <= 0.0);
+        trial.feasible =
+            trial.shot.as_ref().is_some_and(|shot| shot.levels.is_some()) && trial.excesses.iter().all(met);
+        trial
+    }
+}

@@ -1,0 +1,105 @@
+//! Performance and consumption of a shot, which show the costs of quieting a tool.
+
+use nailnoise_dynamics::{Crossing, CycleRecord, Parameters};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// Energy reserve, air consumption and rate of a shot.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct Performance {
+    /// Depth of the nail's head below the surface \[m\]; negative if it protrudes.
+    pub head_depth_m: f64,
+    /// Kinetic energy of the piston when the nail has penetrated its own length, which is the energy left at flush
+    /// \[J\]; null if the nail is not driven that far.
+    pub energy_left_j: Option<f64>,
+    /// Air that leaves the tool, as a volume at ambient pressure and temperature \[m3\].
+    pub air_m3: f64,
+    /// Maximum number of shots per second: the reciprocal of the time from the trigger until the piston rests on the
+    /// stop again \[Hz\]; null if it does not come to rest.
+    pub shots_per_second: Option<f64>,
+}
+
+impl Performance {
+    /// The performance of a shot with these parameters.
+    pub fn of(record: &CycleRecord, parameters: &Parameters) -> Self {
+        let summary = &record.summary;
+        let deep = |entry: &&nailnoise_dynamics::LogEntry| entry.crossing == Crossing::FullDepth && entry.is_rising();
+        let flush = record.log.iter().find(deep).map(|entry| &entry.state);
+        let kinetic = |velocity: f64| 0.5 * parameters.piston.mass * velocity.powi(2);
+        let air = summary.exhaust_mass + summary.vent_mass + summary.leak_mass;
+        let ambient = &parameters.ambient;
+        Self {
+            head_depth_m: summary.head_depth,
+            energy_left_j: flush.map(|state| kinetic(state.piston_velocity + state.tool_velocity)),
+            air_m3: air * ambient.gas_constant * ambient.temperature / ambient.pressure,
+            shots_per_second: record.events.t18.map(f64::recip),
+        }
+    }
+
+    /// Name, value and unit of each figure in readable form; a missing value is `None`.
+    pub(crate) fn figures(&self) -> [PerformanceFigure; 4] {
+        let figure = |name, value: Option<f64>, unit, decimals| PerformanceFigure {
+            name,
+            value: value.map(|value| format!("{value:.decimals$}")),
+            unit,
+        };
+        [
+            figure(HEAD_DEPTH, Some(1e3 * self.head_depth_m), "mm", 1),
+            figure("energy left at flush", self.energy_left_j, "J", 1),
+            figure("air a shot", Some(1e3 * self.air_m3), "L", 2),
+            figure("shots a second at most", self.shots_per_second, "", 1),
+        ]
+    }
+
+    /// The figures in one line: `head 4.0 mm deep, 12.3 J left at flush, 1.92 L of air a shot, at most 12.4 shots a
+    /// second`.
+    pub(crate) fn in_words(&self) -> String {
+        let left = self.energy_left_j.map(|left| format!("{left:.1} J left at flush"));
+        let rate = self
+            .shots_per_second
+            .map(|rate| format!("at most {rate:.1} shots a second"));
+        let air = format!("{:.2} L of air a shot", 1e3 * self.air_m3);
+        let all = [Some(head(self.head_depth_m)), left, Some(air), rate];
+        all.into_iter().flatten().collect::<Vec<_>>().join(", ")
+    }
+}
+
+const HEAD_DEPTH: &str = "head below the surface";
+
+/// Text for the position of a nail's head: `head 4.0 mm deep`, or `head 0.3 mm proud` if it protrudes.
+pub(crate) fn head(depth_m: f64) -> String {
+    let side = if depth_m < 0.0 { "proud" } else { "deep" };
+    format!("head {:.1} mm {side}", 1e3 * depth_m.abs())
+}
+
+/// A figure of [`Performance`] for a table.
+pub(crate) struct PerformanceFigure {
+    /// Its name.
+    pub(crate) name: &'static str,
+    /// Its value in the unit; `None` if missing.
+    pub(crate) value: Option<String>,
+    /// The unit; empty for a rate.
+    pub(crate) unit: &'static str,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_protruding_head_stands_proud() {
+        assert_eq!(head(0.004), "head 4.0 mm deep");
+        assert_eq!(head(-0.0003), "head 0.3 mm proud");
+    }
+
+    #[test]
+    fn figures_that_do_not_exist_are_left_out() {
+        let none = Performance {
+            head_depth_m: -0.012,
+            air_m3: 1.9e-3,
+            ..Performance::default()
+        };
+        assert_eq!(none.in_words(), "head 12.0 mm proud, 1.90 L of air a shot");
+        assert!(none.figures()[1].value.is_none());
+    }
+}
