@@ -200,7 +200,7 @@ impl<'a> Diagram<'a> {
                 let size = format!("{} cm3", significant(1e6 * own.dead));
                 ("volume", own.name.as_str(), vec![size, kilopascals(own.pressure)])
             }
-            Column::Ground => ("body", "ground", Vec::new()),
+            Column::Ground => ("solid", "ground", Vec::new()),
             Column::Body(i) => {
                 let own = &a.bodies[i];
                 let mass = match own.mass {
@@ -211,7 +211,7 @@ impl<'a> Diagram<'a> {
                     Base::Ground => Vec::new(),
                     Base::Body(parent) => vec![format!("in {}", a.bodies[parent].name)],
                 };
-                ("body", own.name.as_str(), [vec![mass], parent].concat())
+                ("solid", own.name.as_str(), [vec![mass], parent].concat())
             }
             Column::Trigger(i) => {
                 let own = &a.triggers[i];

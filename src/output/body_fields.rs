@@ -65,7 +65,8 @@ impl Stage for BodyFields {
         stages_sound,
         stages_sound_fields,
         stages_spectra,
-        output
+        output,
+        stages_cycle
     );
 
     fn compute(&self, _: &Progress) -> Result<Fields, Error> {

@@ -104,7 +104,8 @@ impl Stage for Sensors {
         stages_bodies,
         stages_response,
         stages_sensors,
-        stages_spectra
+        stages_spectra,
+        stages_cycle
     );
 
     fn compute(&self, _: &Progress) -> Result<Vec<SensorRecord>, Error> {

@@ -96,7 +96,8 @@ impl Stage for SoundFields {
         stages_radiation,
         stages_response,
         stages_sound_fields,
-        stages_spectra
+        stages_spectra,
+        stages_cycle
     );
 
     fn compute(&self, _: &Progress) -> Result<Fields, Error> {

@@ -115,7 +115,8 @@ impl Stage for BodyAnalysis {
         acoustics,
         stages_bodies,
         stages_response,
-        stages_spectra
+        stages_spectra,
+        stages_cycle
     );
 
     fn compute(&self, _: &Progress) -> Result<BodyMotion, Error> {

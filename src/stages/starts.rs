@@ -45,7 +45,8 @@ impl Stage for OtherStarts {
         stages_sources,
         stages_spectra,
         stages_starts,
-        stages_truncation
+        stages_truncation,
+        stages_cycle
     );
 
     fn compute(&self, _: &Progress) -> Result<Option<Starts>, Error> {

@@ -64,7 +64,7 @@ impl Stage for Transducers {
     type Error = Error;
     type Codec = Uncached;
     const NAME: &'static str = "pressure transducers";
-    const CODE: Code = code!(dynamics, stages_transducers);
+    const CODE: Code = code!(dynamics, stages_transducers, stages_cycle);
 
     fn compute(&self, _: &Progress) -> Result<Vec<PressureRecord>, Error> {
         let record = self.cycle.get()?;

@@ -6,10 +6,11 @@
 //! ```
 
 use super::assembly::ForceLaw;
-use super::kernels::{Ends, interpolate};
+use super::kernels::Ends;
 use super::mode::{Mode, head};
 use super::plan::{Pair, Plan};
 use super::rates::Workspace;
+use super::resistance::interpolate;
 use nailnoise_penetration::{Dual, Real};
 
 use crate::cycle::Gas;

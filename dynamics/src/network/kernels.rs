@@ -8,7 +8,7 @@ use super::plan::{
     AreaPlan, CoefficientPlan, ContactPlan, FastenerPlan, FrictionPlan, HoldPlan, MotorPlan, PassagePlan,
     RestrictionPlan, SpringPlan,
 };
-use super::resistance::ResistancePlan;
+use super::resistance::{ResistancePlan, interpolate};
 use nailnoise_penetration::Real;
 
 use crate::cycle::{Air, Gas};
@@ -260,20 +260,6 @@ impl FastenerPlan {
             self.guide_friction * turn,
             self.guide_friction * (1.0 - turn * turn) / self.guide_width,
         )
-    }
-}
-
-/// Value and slope of a table with linear interpolation; constant outside.
-#[inline]
-pub(crate) fn interpolate(points: &[[f64; 2]], x: f64) -> (f64, f64) {
-    let right = points.partition_point(|point| point[0] <= x);
-    match (right.checked_sub(1).map(|left| points[left]), points.get(right)) {
-        (Some(a), Some(b)) => {
-            let slope = (b[1] - a[1]) / (b[0] - a[0]);
-            (a[1] + slope * (x - a[0]), slope)
-        }
-        (Some(last), None) => (last[1], 0.0),
-        (None, first) => (first.map_or(0.0, |first| first[1]), 0.0),
     }
 }
 

@@ -1,9 +1,10 @@
 //! The right-hand side: loops over the kinds of blocks, each of which reads from and adds to a common workspace.
 
 use super::assembly::ForceLaw;
-use super::kernels::{Damped, Ends, Flow, interpolate};
+use super::kernels::{Damped, Ends, Flow};
 use super::mode::{Mode, head};
 use super::plan::{Pair, Plan};
+use super::resistance::interpolate;
 use crate::cycle::Gas;
 
 /// Quantities of a state; reused between calls.

@@ -3,7 +3,6 @@
 use nailnoise_penetration::{Curve, PenetrationLaw};
 
 use super::assembly::{Fastener, FastenerLaw};
-use super::kernels::interpolate;
 
 /// Law of the resistance along the shank.
 #[derive(Debug, Clone)]
@@ -69,5 +68,19 @@ impl FastenerResistance {
     /// Force under the head with the tip at `depth` \[m\] \[N\].
     pub fn head(&self, depth: f64) -> f64 {
         self.head_stiffness * (depth - self.length).max(0.0)
+    }
+}
+
+/// Value and slope of a table with linear interpolation; constant outside.
+#[inline]
+pub(crate) fn interpolate(points: &[[f64; 2]], x: f64) -> (f64, f64) {
+    let right = points.partition_point(|point| point[0] <= x);
+    match (right.checked_sub(1).map(|left| points[left]), points.get(right)) {
+        (Some(a), Some(b)) => {
+            let slope = (b[1] - a[1]) / (b[0] - a[0]);
+            (a[1] + slope * (x - a[0]), slope)
+        }
+        (Some(last), None) => (last[1], 0.0),
+        (None, first) => (first.map_or(0.0, |first| first[1]), 0.0),
     }
 }

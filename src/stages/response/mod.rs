@@ -34,7 +34,15 @@ use crate::result::Check;
 use crate::stages::cycle::ShotRecord;
 
 /// Code that the stages of this module call.
-const CODE: Code = code!(dynamics, meshes, fem, acoustics, stages_bodies, stages_response);
+const CODE: Code = code!(
+    dynamics,
+    meshes,
+    fem,
+    acoustics,
+    stages_bodies,
+    stages_response,
+    stages_cycle
+);
 
 /// Motion of one or several bodies in a shot.
 #[derive(Debug)]

@@ -35,7 +35,8 @@ const CODE: Code = code!(
     acoustics,
     stages_bodies,
     stages_response,
-    stages_tool_response
+    stages_tool_response,
+    stages_cycle
 );
 
 /// Inputs of the response of the tool, without its body and the cycle.

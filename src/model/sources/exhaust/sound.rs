@@ -36,7 +36,8 @@ pub(crate) const CODE: Code = code!(
     stages_microphones,
     stages_sound,
     stages_sources,
-    stages_truncation
+    stages_truncation,
+    stages_cycle
 );
 
 /// Uncertainty of the exhaust's level \[dB\]: the distance of the jet correlations from a published fit to measured

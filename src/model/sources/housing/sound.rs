@@ -44,7 +44,8 @@ pub(crate) const CODE: Code = code!(
     stages_sound,
     stages_sources,
     stages_spectra,
-    stages_truncation
+    stages_truncation,
+    stages_cycle
 );
 
 /// Name of the part of the source that counts to the exhaust by the convention of wrapping.

@@ -36,7 +36,8 @@ pub(crate) const CODE: Code = code!(
     stages_sound,
     stages_sources,
     stages_spectra,
-    stages_truncation
+    stages_truncation,
+    stages_cycle
 );
 
 /// Inputs of the sound of the workpiece with its support.
