@@ -122,7 +122,7 @@ impl Chain {
     /// cycle drives the bodies one way.
     ///
     /// # Errors
-    /// As [`new`](Self::new).
+    /// Same as [`new`](Self::new).
     pub(crate) fn with_engine(graph: &Graph, design: &Design, engine: Engine, options: Options) -> Result<Self, Error> {
         let begin = Instant::now();
         let context = Context {

@@ -8,11 +8,69 @@
 //! of a study: the ranges of inputs and the errors of methods take the role of the scatter of measurements and
 //! machines.
 
-use crate::result::{Declaration, EarReport, Ends, RunStudy, StudySummary};
+use serde::Deserialize;
+
+use crate::comparison::Input;
+use crate::result::{Declaration, DesignId, EarReport, Ends, Performance, RunStudy, StudySummary, Total};
 use crate::study::tolerance::STATED_FROM;
 
 /// The 95 % quantile of the standard normal distribution, with which K is derived from sigma_t (ISO 4871, A.2).
 const QUANTILE: f64 = 1.645;
+
+/// A finished result as far as a declaration needs it.
+#[derive(Debug, Clone, Deserialize)]
+pub struct Finished {
+    /// The design.
+    pub(crate) design: DesignId,
+    /// Its values.
+    pub(crate) inputs: Vec<Input>,
+    /// How the shot ended.
+    pub(crate) outcome: String,
+    /// Level of all sources together.
+    pub(crate) total: Total,
+    /// Reserve of the drive, air a shot, and rate; none in a result of an earlier version.
+    #[serde(default)]
+    pub(crate) performance: Option<Performance>,
+    /// Sound pressure at the operator's ear.
+    pub(crate) ear: EarReport,
+    /// The declared levels.
+    pub(crate) declaration: Declaration,
+}
+
+/// How a tool is used: an input of the levels of a working day.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Use {
+    /// Shots a second \[Hz\].
+    pub rate: f64,
+    /// Shots of a working day.
+    pub shots_a_day: f64,
+}
+
+/// Levels in use \[dB\]; none when silent.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LevelsInUse {
+    /// L_WA at the rate of shots \[dB re 1 pW\].
+    pub power_db: Option<f64>,
+    /// L_pA at the operator's ear at that rate \[dB re 20 uPa\].
+    pub pressure_db: Option<f64>,
+    /// L_EX,8h at the ear by the shots of the day \[dB re 20 uPa\].
+    pub exposure_db: Option<f64>,
+}
+
+/// Duration of the working day of a daily noise exposure level (ISO 1999, 3.6) \[s\].
+const WORKING_DAY: f64 = 28_800.0;
+
+impl Use {
+    /// Levels in use from L_WA,1s \[dB re 1 pW s\] and L_pA,1s \[dB re 20 uPa\] of one shot.
+    pub fn levels(self, lwa_1s_db: Option<f64>, lpa_1s_db: Option<f64>) -> LevelsInUse {
+        let more = |level: Option<f64>, shots: f64| level.map(|level| level + 10.0 * shots.log10());
+        LevelsInUse {
+            power_db: more(lwa_1s_db, self.rate),
+            pressure_db: more(lpa_1s_db, self.rate),
+            exposure_db: more(lpa_1s_db, self.shots_a_day / WORKING_DAY),
+        }
+    }
+}
 
 /// A level, or the uncertainty of one, in its declared form: to the nearest decibel \[dB\]. Halves are rounded up,
 /// towards more noise.
@@ -82,7 +140,29 @@ pub fn lines(own: &Declaration, ear: &EarReport) -> [String; 2] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::result::{DesignId, LevelSpread};
+    use crate::result::LevelSpread;
+
+    /// One shot a second has the levels of one shot; ten have 10 dB more; 28 800 shots a day are one a second.
+    #[test]
+    fn energies_of_shots_add() {
+        let use_of = |rate, shots_a_day| Use { rate, shots_a_day }.levels(Some(102.0), Some(95.0));
+        let once = use_of(1.0, WORKING_DAY);
+        assert_eq!(
+            (once.power_db, once.pressure_db, once.exposure_db),
+            (Some(102.0), Some(95.0), Some(95.0))
+        );
+        let often = use_of(10.0, 0.1 * WORKING_DAY);
+        assert_eq!((often.power_db, often.exposure_db), (Some(112.0), Some(85.0)));
+        assert_eq!(
+            Use {
+                rate: 1.0,
+                shots_a_day: 1.0
+            }
+            .levels(None, None)
+            .exposure_db,
+            None
+        );
+    }
 
     #[test]
     fn levels_are_rounded_to_the_nearest_decibel() {

@@ -9,11 +9,12 @@ mod study;
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 
-use crate::stages::cycle::{EventTimes, SummaryFigures};
+use crate::stages::cycle::{EngineRecord, EventTimes, ShotRecord, SummaryFigures};
 pub use nailnoise_acoustics::radiation::radiator::{
     FluidLoading, Loading, ModeShare, RadiationBand, RadiationReport, Uncertainty,
 };
 use nailnoise_acoustics::signals::level_energy;
+use nailnoise_dynamics::network::LedgerEntry;
 use nailnoise_dynamics::{CycleRecord, EnergyFlow, Events, LogEntry, Outcome, Summary};
 use nailnoise_pipeline::Timing;
 pub use nailnoise_quantities::Check;
@@ -55,8 +56,8 @@ pub struct RunResult {
     /// What the shot did: `drives`, `strikes_bumper`, `underdriven`, `overdriven`, `does_not_open`, `does_not_release`
     /// or `does_not_exhaust`; for an assembly the name of its outcome, or `unnamed` if none applies.
     pub outcome: String,
-    /// Where the nail is not driven or the exhaust does not open: how the shot ended, its figure, and the inputs that
-    /// would change that most. Absent for a shot that drives.
+    /// If the nail is not driven or the exhaust does not open: the outcome, the figure by which the shot misses, and
+    /// the inputs that would change it most. Absent for a shot that drives.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub headline: Option<Headline>,
     /// Figures of the shot.
@@ -165,6 +166,46 @@ impl<'a> From<&'a CycleRecord> for CycleFigures<'a> {
             energy: &record.energy,
             log: &record.log,
             checks: &record.checks,
+        }
+    }
+}
+
+/// A cycle of an assembly without its histories.
+#[derive(Debug, Clone, Serialize)]
+pub struct AssemblyFigures<'a> {
+    /// Name of its outcome.
+    pub outcome: &'a str,
+    /// Event times \[s\].
+    pub events: EventTimes,
+    /// Figures of the shot.
+    pub summary: &'a SummaryFigures,
+    /// Integrals along the run.
+    pub ledger: &'a [LedgerEntry],
+    /// Checks of the balances.
+    pub checks: &'a [Check],
+}
+
+/// A shot without its histories, by the engine of its cycle.
+#[derive(Debug, Clone, Serialize)]
+#[serde(untagged)]
+pub enum FiguresOfShot<'a> {
+    /// Of the tool of the keys.
+    Keys(CycleFigures<'a>),
+    /// Of an assembly.
+    Assembly(AssemblyFigures<'a>),
+}
+
+impl<'a> From<&'a ShotRecord> for FiguresOfShot<'a> {
+    fn from(shot: &'a ShotRecord) -> Self {
+        match &shot.record {
+            EngineRecord::Keys(record) => Self::Keys(CycleFigures::from(&**record)),
+            EngineRecord::Assembly(record) => Self::Assembly(AssemblyFigures {
+                outcome: &shot.outcome,
+                events: EventTimes(shot.events.clone()),
+                summary: &shot.figures,
+                ledger: &record.ledger,
+                checks: &shot.checks,
+            }),
         }
     }
 }

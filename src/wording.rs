@@ -1,14 +1,15 @@
-//! Text for numbers, changes of levels, uncertainty bands and the ranking, the same in tables and pages.
+//! Text for numbers, changes of levels, uncertainty bands and the ranking; the same in tables and pages.
 
 use std::borrow::Cow;
 
 pub(crate) use nailnoise_pipeline::store::hexadecimal;
 pub(crate) use nailnoise_quantities::rounded;
 
-/// A text as a terminal may show it: control characters, which could move its cursor or set its title, and those that
-/// reverse the direction of writing as escapes. `colours` leaves the sequences of colours, `ESC [ ... m`, unchanged.
+/// A text that is safe to show in a terminal: control characters, which could move its cursor or set its title, and
+/// characters that reverse the writing direction are escaped. With `colours`, the colour sequences `ESC [ ... m` are
+/// left unchanged.
 ///
-/// Names of files and texts of files are chosen by others, and may have any characters.
+/// Names and contents of files are chosen by others and may contain any characters.
 pub(crate) fn visible(text: &str, colours: bool) -> Cow<'_, str> {
     let hidden = |letter: char| {
         letter.is_control() && !matches!(letter, '\n' | '\t')
@@ -35,20 +36,20 @@ pub(crate) fn visible(text: &str, colours: bool) -> Cow<'_, str> {
     Cow::Owned(shown)
 }
 
-/// Length of a sequence of colours at the beginning of a text.
+/// Length of a colour sequence at the beginning of a text.
 fn colour(text: &str) -> Option<usize> {
     let parameters = text.strip_prefix("\u{1b}[")?;
     let end = parameters.find(|letter: char| !(letter.is_ascii_digit() || letter == ';'))?;
     parameters[end..].starts_with('m').then_some(2 + end + 1)
 }
 
-/// A number to so many decimals without a tail of zeros.
+/// A number rounded to some decimals, without trailing zeros.
 pub(crate) fn trimmed(value: f64, decimals: usize) -> String {
     let text = format!("{value:.decimals$}");
     text.trim_end_matches('0').trim_end_matches('.').to_owned()
 }
 
-/// A change of a level to a tenth of a decibel, with its sign: `-0.4`, `+1.2`; `0.0` if it rounds to zero.
+/// A change of a level with one decimal and its sign: `-0.4`, `+1.2`; `0.0` if it rounds to zero.
 pub(crate) fn change(db: f64) -> String {
     let rounded = (10.0 * db).round() / 10.0;
     if rounded == 0.0 {
@@ -58,7 +59,7 @@ pub(crate) fn change(db: f64) -> String {
     }
 }
 
-/// Unit of a figure of the shot by its name in [`nailnoise_dynamics::Summary`]; empty for counts and fractions.
+/// Unit of a figure of the shot, from its name in [`nailnoise_dynamics::Summary`]; empty for counts and fractions.
 pub(crate) fn unit_of_figure(figure: &str) -> &'static str {
     match figure {
         "penetration" | "head_depth" => "m",
@@ -72,7 +73,7 @@ pub(crate) fn unit_of_figure(figure: &str) -> &'static str {
     }
 }
 
-/// A figure of the shot, from its name and its value in SI units, in the unit that people use for it: mm, ms, kN, g, %.
+/// A figure of the shot, from its name and its value in SI units, in the customary unit: mm, ms, kN, g, %.
 pub(crate) fn figure(name: &str, value: f64) -> String {
     let (scale, unit, digits) = match unit_of_figure(name) {
         "m" => (1e3, " mm", 2),
@@ -96,7 +97,7 @@ pub(crate) fn drawn_structures(count: usize) -> String {
     }
 }
 
-/// A readable unit for a quantity in this SI unit, and the factor to it: mm, ms, kN, g.
+/// A readable unit for a quantity in this SI unit, and the conversion factor: mm, ms, kN, g.
 pub(crate) fn readable(unit: &str) -> (&str, f64) {
     match unit {
         "m" => ("mm", 1e3),
@@ -151,7 +152,7 @@ pub(crate) fn band([minus, plus]: [Option<f64>; 2]) -> String {
 /// A source in a ranking: its name, its level \[dB\] and the band around it \[dB\].
 pub(crate) type Placed<'a> = (&'a str, Option<f64>, [Option<f64>; 2]);
 
-/// The neighbours in a ranking, loudest first, whose order is not certain because their bands overlap.
+/// The adjacent sources in a ranking, loudest first, whose order is uncertain because their bands overlap.
 pub(crate) fn order(ranking: &[Placed<'_>]) -> String {
     let overlaps = |pair: &&[Placed<'_>]| {
         let [(_, Some(above), [minus, _]), (_, Some(below), [_, plus])] = pair else {

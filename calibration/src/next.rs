@@ -1,7 +1,7 @@
 //! What a further measurement would tell, from draws and their outputs, without another simulation.
 //!
 //! A measurement with the error s is made on each draw j in turn, y_j = f_j + s e_j. The other draws, weighted by the
-//! Student density of (y_j - f_i)/s, are then draws from the posterior with that reading (importance sampling; a
+//! density of (y_j - f_i)/s, are then draws from the posterior with that reading (importance sampling; a
 //! preposterior analysis as in Raiffa and Schlaifer, "Applied statistical decision theory", 1961). Its value is the
 //! mean over j of what becomes narrower or surer.
 
@@ -29,6 +29,8 @@ pub struct Further<'a> {
     pub predictions: &'a [f64],
     /// s, standard deviation of its error, that of the model among it, in the unit of the predictions; above 0.
     pub scale: f64,
+    /// Law of the error by which the reading would be weighed.
+    pub law: ErrorLaw,
 }
 
 /// Outputs of the draws.
@@ -64,6 +66,7 @@ pub fn gain(further: Further<'_>, outputs: Outputs<'_>, seed: u64) -> Option<Gai
     let predictions: Vec<f64> = known.iter().map(|&k| further.predictions[k]).collect();
     let made = Made {
         predictions: &predictions,
+        law: further.law,
         errors: (0..known.len().min(MOST))
             .map(|j| stream(seed).normal(j as u64))
             .collect(),
@@ -94,6 +97,7 @@ fn stream(seed: u64) -> Stream {
 /// A measurement made on each of the first draws.
 struct Made<'a> {
     predictions: &'a [f64],
+    law: ErrorLaw,
     /// e_j.
     errors: Vec<f64>,
 }
@@ -104,7 +108,7 @@ impl Made<'_> {
         let reading = self.predictions[j] + scale * self.errors[j];
         let weight = |(i, f): (usize, &f64)| match i == j {
             true => 0.0,
-            false => ErrorLaw::Student.log_density((reading - f) / scale).exp(),
+            false => self.law.log_density((reading - f) / scale).exp(),
         };
         self.predictions.iter().enumerate().map(weight).collect()
     }
@@ -161,7 +165,7 @@ mod tests {
         [(0..n).map(output).collect(), f.clone()]
     }
 
-    /// Of Gaussian draws and errors the ratio is sqrt(1 - rho^2/(1 + s^2)); the wider Student law leaves a little more.
+    /// Of Gaussian draws and errors the ratio is sqrt(1 - rho^2/(1 + s^2)).
     #[test]
     fn the_width_of_normal_draws_falls_as_the_closed_form_states() {
         const S: f64 = 0.3;
@@ -175,6 +179,7 @@ mod tests {
             let further = Further {
                 predictions: &predictions,
                 scale: S,
+                law: ErrorLaw::Gaussian,
             };
             let gain = gain(further, outputs, 1).unwrap();
             let expected = (1.0 - squared / (1.0 + S * S)).sqrt();
@@ -199,6 +204,7 @@ mod tests {
             let further = Further {
                 predictions: &difference,
                 scale,
+                law: ErrorLaw::Student,
             };
             gain(further, outputs, 3).unwrap()
         };
@@ -225,6 +231,7 @@ mod tests {
         let further = Further {
             predictions: &irrelevant,
             scale: 1e-6,
+            law: ErrorLaw::Student,
         };
         let gain = gain(further, outputs, 1).unwrap();
         assert!(

@@ -25,7 +25,7 @@ pub fn open_regular(path: &Path) -> io::Result<(File, u64)> {
 /// Reads a regular file completely.
 ///
 /// # Errors
-/// Those of [`open_regular`]; [`io::ErrorKind::InvalidInput`] for a file of more than `most` bytes.
+/// The errors of [`open_regular`]; [`io::ErrorKind::InvalidInput`] for a file of more than `most` bytes.
 pub fn read_regular(path: &Path, most: u64) -> io::Result<Vec<u8>> {
     let (file, length) = open_regular(path)?;
     let too_long = |length: u64| {

@@ -11,7 +11,7 @@ use crate::error::MeasurementError;
 /// Microphones and other channels of a test, in the order of the channels of a [`Shot`](super::Shot).
 #[derive(Debug, Clone)]
 pub struct Arrangement {
-    /// What the workpiece stands on.
+    /// Support of the workpiece.
     pub setup: Setup,
     /// Centre of the device \[m\].
     pub centre: Point3<f64>,

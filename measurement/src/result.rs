@@ -18,7 +18,7 @@ pub struct MeasurementResult {
     pub schema: String,
     /// File of the manifest.
     pub manifest: String,
-    /// What the workpiece stands on.
+    /// Support of the workpiece.
     pub setup: Setup,
     /// Area of the measurement surface \[m2\].
     pub area_m2: f64,

@@ -28,7 +28,7 @@ pub struct Quality {
     pub coincident_nodes: usize,
     /// Shortest distance between two corners of one element \[m\].
     pub shortest_edge: f64,
-    /// Longest edge of an element \[m\].
+    /// Longest element edge \[m\].
     pub longest_edge: f64,
 }
 

@@ -1,8 +1,9 @@
-//! How much a point promises: expected improvement times the probability that the constraints are met, in logarithms.
+//! Acquisition function of a point: expected improvement multiplied by the probability that the constraints are met, in
+//! logarithms.
 //!
 //! EI(x) = s h(z), z = (y_min - m(x))/s(x), h(z) = phi(z) + z Phi(z) (Jones et al. 1998, eq. 15), times the product of
 //! P(c_k(x) <= 0) (Schonlau, Welch and Jones, "Global versus local search in constrained optimization", 1998). The
-//! logarithms keep their slope where both are too small for a float (Ament et al., "Unexpected improvements to expected
+//! logarithms keep their gradient where both factors underflow (Ament et al., "Unexpected improvements to expected
 //! improvement", 2023).
 
 use std::f64::consts::{FRAC_1_SQRT_2, PI};
@@ -12,7 +13,7 @@ use crate::kriging::Prediction;
 /// Below this, asymptotic series replace differences of small numbers.
 const FAR: f64 = -6.0;
 
-/// Least standard deviation: at an observation, nothing is expected.
+/// Minimum standard deviation: no improvement is expected at an observation.
 const LEAST: f64 = 1e-12;
 
 /// ln phi(z), the density of the normal distribution.
@@ -20,12 +21,12 @@ fn log_density(z: f64) -> f64 {
     -0.5 * (z * z + (2.0 * PI).ln())
 }
 
-/// Phi(z), the probability of a value below z.
+/// Phi(z), the probability of a value less than z.
 fn cumulative(z: f64) -> f64 {
     0.5 * libm::erfc(-z * FRAC_1_SQRT_2)
 }
 
-/// Logarithm of the improvement below `best` that is expected.
+/// Logarithm of the expected improvement below `best`.
 pub(crate) fn log_improvement(own: Prediction, best: f64) -> f64 {
     let deviation = own.deviation.max(LEAST);
     let z = (best - own.mean) / deviation;
@@ -61,7 +62,7 @@ mod tests {
     fn the_improvement_is_that_of_the_closed_form() {
         // EI of N(0, 1) below 0 is 1/sqrt(2 pi).
         assert!((log_improvement(at(0.0, 1.0), 0.0) + 0.5 * (2.0 * PI).ln()).abs() < 1e-12);
-        // Without uncertainty it is the difference.
+        // Without uncertainty, it is the difference.
         assert!((log_improvement(at(1.0, 1e-9), 3.0) - 2.0_f64.ln()).abs() < 1e-9);
     }
 

@@ -1,7 +1,7 @@
-//! Points that no other betters.
+//! Points that are not dominated by others.
 
-/// Places of the points that no other betters in all objectives, by the first objective; of equal ones the first.
-/// All objectives are minimised.
+/// Indices of the non-dominated points, sorted by the first objective; of equal points, only the first. All objectives
+/// are minimised.
 pub fn front(objectives: &[Vec<f64>]) -> Vec<usize> {
     let betters = |a: &[f64], b: &[f64]| a.iter().zip(b).all(|(a, b)| a <= b);
     let mut found: Vec<usize> = (0..objectives.len())

@@ -5,22 +5,22 @@
 //! Learning", 2006, eq. 4.17). With R_ij = k(r_ij) + g delta_ij, beta = 1'R^-1 y / 1'R^-1 1 and sigma^2 =
 //! (y - beta)'R^-1 (y - beta)/n maximise the likelihood (Jones, Schonlau and Welch, "Efficient global optimization of
 //! expensive black-box functions", Journal of Global Optimization 13, 455 (1998), eqs. 5 and 6). The lengths l_i and
-//! the roughness g maximise what remains of it, -n/2 ln sigma^2 - 1/2 ln det R, and a prior of the lengths.
+//! the roughness g maximise the remaining terms, -n/2 ln sigma^2 - 1/2 ln det R, and a prior on the lengths.
 
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 
-/// Largest and smallest length \[range\].
+/// Smallest and largest length, relative to the range \[-\].
 const LENGTHS: [f64; 2] = [0.03, 30.0];
 
-/// Largest and smallest roughness, the part of the variance that neighbours do not share \[-\].
+/// Smallest and largest roughness, the fraction of the variance that adjacent points do not share \[-\].
 const ROUGHNESS: [f64; 2] = [1e-8, 0.1];
 
-/// Median of a length in one dimension, and the standard deviation of its logarithm, a priori: long, as without
-/// evidence a quantity has no effect. In d dimensions the median is sqrt(d) as long (Hvarfner, Hellsten and Nardi,
-/// "Vanilla Bayesian optimization performs great in high dimensions", 2024).
+/// Prior median of a length in one dimension, and standard deviation of its logarithm. The lengths are long, because a
+/// quantity has no effect without evidence. In d dimensions, the median is multiplied by sqrt(d) (Hvarfner, Hellsten
+/// and Nardi, "Vanilla Bayesian optimization performs great in high dimensions", 2024).
 const PRIOR: (f64, f64) = (0.7, 1.2);
 
-/// Moves of the search for the lengths at most.
+/// Maximum number of moves in the search for the lengths.
 const MOVES: usize = 40;
 
 /// A fitted model.
@@ -47,14 +47,14 @@ pub(crate) struct Prediction {
     pub(crate) deviation: f64,
 }
 
-/// Lengths and roughness in the logarithm.
+/// Logarithms of lengths and roughness.
 #[derive(Debug, Clone)]
 struct Parameters {
     lengths: Vec<f64>,
     roughness: f64,
 }
 
-/// Observations that a model is fitted to.
+/// Observations to which a model is fitted.
 struct Data<'a> {
     /// Coordinates of each point.
     points: &'a [Vec<f64>],
@@ -64,8 +64,8 @@ struct Data<'a> {
 }
 
 impl Kriging {
-    /// The model of values at points, in coordinates that belong to the dimensions `owners`; none of fewer than two
-    /// points, or where no factorisation succeeds.
+    /// The model of values at points, in coordinates that belong to the dimensions `owners`; `None` for fewer than two
+    /// points, or if no factorisation succeeds.
     pub(crate) fn fit(points: &[Vec<f64>], owners: &[usize], values: &[f64]) -> Option<Self> {
         if points.len() < 2 {
             return None;
@@ -81,7 +81,7 @@ impl Kriging {
             .flat_map(|length| [1e-6, 1e-3].map(|roughness| start(length, roughness)));
         let rated = starts.map(|own| (data.likelihood(&own), own));
         let (mut best, mut own) = rated.max_by(|a, b| a.0.total_cmp(&b.0))?;
-        // A compass search: every parameter up and down, with halved steps where nothing improves.
+        // A compass search: every parameter is moved up and down, and the steps are halved if nothing improves.
         let mut step = 1.0;
         for _ in 0..MOVES {
             let moves = (0..=dimensions).flat_map(|place| [step, -step].map(|by| own.moved(place, by)));
@@ -123,7 +123,7 @@ impl Kriging {
         Self::of(points, &values, self.lengths.clone(), self.roughness)
     }
 
-    /// The model with these lengths of the coordinates.
+    /// The model with these coordinate lengths.
     fn of(points: Vec<Vec<f64>>, values: &[f64], lengths: Vec<f64>, roughness: f64) -> Option<Self> {
         let n = points.len();
         let correlation = DMatrix::from_fn(n, n, |i, j| match i.cmp(&j) {
@@ -175,7 +175,7 @@ impl Data<'_> {
         Kriging::of(points, self.values, lengths, own.roughness.exp())
     }
 
-    /// Logarithm of the likelihood times the prior, but for a constant.
+    /// Logarithm of the product of likelihood and prior, apart from a constant.
     fn likelihood(&self, own: &Parameters) -> f64 {
         let Some(model) = self.model(own) else {
             return f64::NEG_INFINITY;

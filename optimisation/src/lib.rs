@@ -1,14 +1,13 @@
 //! Bayesian optimisation of costly functions with constraints, integers, choices and a front.
 //!
 //! The linear algebra is that of `nalgebra`, the initial points are those of `sobol_burley`; the Kriging models, the
-//! acquisition and its search are written here. `egobox-ego` 0.42, the one crate with constraints, integers, choices
-//! and a front, brings 118 further crates, among them the unmaintained `bincode` and three more versions of
-//! `nalgebra`, and a handler of Ctrl-C; the front is experimental there. `optimizer` 1.0 has no constraints in its
-//! Gaussian process, `nsga_rs` and `moors` need thousands of evaluations, and `gprx` 0.2 brings 28 crates for the
-//! model alone.
+//! acquisition and its search are written here. `egobox-ego` 0.42 is the only crate with constraints, integers, choices
+//! and a front. It adds 118 further crates, among them the unmaintained `bincode` and three more versions of
+//! `nalgebra`, and a Ctrl-C handler; its front is experimental. `optimizer` 1.0 has no constraints in its Gaussian
+//! process, `nsga_rs` and `moors` need thousands of evaluations, and `gprx` 0.2 adds 28 crates for the model alone.
 //!
-//! [`Optimiser::propose`] is a function of the seed and the observations alone: the same observations yield the same
-//! proposals, on any number of threads, and a search that was interrupted goes on.
+//! [`Optimiser::propose`] depends only on the seed and the observations: the same observations yield the same proposals
+//! on any number of threads, and an interrupted search can be resumed.
 #![forbid(unsafe_code)]
 
 mod acquisition;

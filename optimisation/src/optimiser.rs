@@ -1,32 +1,32 @@
-//! The next points to try.
+//! Proposes the next points to try.
 
 use crate::acquisition::{log_improvement, log_met};
 use crate::kriging::Kriging;
 use crate::space::{Point, Space};
 
-/// Points of the space that are rated before the local search.
+/// Number of points of the space that are rated before the local search.
 const GLOBAL: u32 = 512;
 
-/// Points around each of the best observations that are rated.
+/// Number of points rated around each of the best observations.
 const LOCAL: u32 = 64;
 
-/// Best observations and best rated points, from which a local search begins.
+/// Number of best observations and best rated points from which local searches start.
 const STARTS: usize = 4;
 
-/// First and last step of the local search \[range\].
+/// First and last step of the local search, relative to the range \[-\].
 const STEPS: [f64; 2] = [0.1, 1e-3];
 
-/// Most observations that a model is fitted to: the nearest ones to the best.
+/// Maximum number of observations to which a model is fitted: those nearest to the best.
 const MOST: usize = 200;
 
-/// Points of the sequence that are looked at for one that is new.
+/// Maximum number of points of the sequence that are examined to find a new one.
 const LOOKED_AT: u32 = 4096;
 
-/// Weight of the sum of the objectives beside the largest one (Knowles, "ParEGO", IEEE Transactions on Evolutionary
-/// Computation 10, 50 (2006)).
+/// Weight of the sum of the objectives relative to the largest one (Knowles, "ParEGO", IEEE Transactions on
+/// Evolutionary Computation 10, 50 (2006)).
 const SUM: f64 = 0.05;
 
-/// Dimensions of the sequence: shares and their perturbations.
+/// Number of dimensions of the sequence: shares and their perturbations.
 const SEQUENCE: u32 = 256;
 
 /// A point that was tried.
@@ -34,10 +34,10 @@ const SEQUENCE: u32 = 256;
 pub struct Observation {
     /// The point.
     pub point: Point,
-    /// How far it is beyond each constraint, met where at most 0; none where that is not known. The number of
+    /// Excess beyond each constraint, which is met if the excess is at most 0; `None` if unknown. The number of
     /// constraints is the same in all observations.
     pub excesses: Vec<Option<f64>>,
-    /// The objectives, which are minimised; none where they were not computed. Their number is the same in all
+    /// The objectives, which are minimised; `None` if they were not computed. Their number is the same in all
     /// observations.
     pub objectives: Option<Vec<f64>>,
 }
@@ -55,16 +55,16 @@ impl Observation {
     }
 }
 
-/// A search for the points of the lowest objectives.
+/// A search for the points with the lowest objectives.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Optimiser {
     /// The points that may be tried.
     pub space: Space,
-    /// The seed: another one tries other points.
+    /// Seed; other seeds try other points.
     pub seed: u64,
 }
 
-/// What the observations say about other points.
+/// Models that predict other points from the observations.
 struct Models<'a> {
     space: &'a Space,
     objective: Option<(Kriging, f64)>,
@@ -72,8 +72,8 @@ struct Models<'a> {
 }
 
 impl Models<'_> {
-    /// Logarithm of the expected improvement that meets the constraints; of the probability to meet them where no
-    /// observation does.
+    /// Logarithm of the expected improvement that meets the constraints; if no observation meets them, of the
+    /// probability of meeting them.
     fn promise(&self, point: &[f64]) -> f64 {
         let own = self.space.coordinates(point);
         let met: f64 = self.constraints.iter().map(|model| log_met(model.predict(&own))).sum();
@@ -81,8 +81,8 @@ impl Models<'_> {
         met + objective.map_or(0.0, |(model, best)| log_improvement(model.predict(&own), *best))
     }
 
-    /// Takes a point as tried, with the predicted values (Ginsbourger, Le Riche and Carraro, "Kriging is well-suited to
-    /// parallelize optimization", 2010: the believer).
+    /// Adds a point with its predicted values as if it had been observed (Ginsbourger, Le Riche and Carraro, "Kriging
+    /// is well-suited to parallelize optimization", 2010: the believer).
     fn believe(&mut self, point: &[f64]) {
         let own = self.space.coordinates(point);
         let further = |model: &Kriging| model.with(&own, model.predict(&own).mean);
@@ -99,12 +99,12 @@ impl Models<'_> {
 }
 
 impl Optimiser {
-    /// Points that are tried before a model decides.
+    /// Number of points that are tried before a model is used.
     fn initial(&self) -> usize {
         2 * self.space.len() + 4
     }
 
-    /// The next `count` points to try, none of them observed; fewer where the space has no more.
+    /// The next `count` points to try, none of them observed; fewer if the space has no more.
     pub fn propose(&self, observed: &[Observation], count: usize) -> Vec<Point> {
         let mut seen: Vec<Point> = observed.iter().map(|own| own.point.clone()).collect();
         let mut proposed = Vec::new();
@@ -127,13 +127,13 @@ impl Optimiser {
         proposed
     }
 
-    /// The first point of the sequence that was not tried.
+    /// The first point of the sequence that has not been tried.
     fn unseen(&self, seen: &[Point]) -> Option<Point> {
         let points = (0..LOOKED_AT).map(|index| self.space.at(&self.shares(index, 0)));
         points.into_iter().find(|point| !seen.contains(point))
     }
 
-    /// Shares of all dimensions at a place of a scrambled Sobol' sequence.
+    /// Shares of all dimensions at an index of a scrambled Sobol' sequence.
     fn shares(&self, index: u32, sequence: u64) -> Vec<f64> {
         let share = |dimension: usize| number(index, dimension, self.seed, sequence);
         (0..self.space.len()).map(share).collect()
@@ -154,7 +154,7 @@ impl Optimiser {
         };
         let objective = best.and_then(|best| {
             let (points, mut values) = of(&|place| scores[place]);
-            // Far above the best, only the rank counts.
+            // Far above the best, only the rank matters.
             let mut sorted = values.clone();
             sorted.sort_by(f64::total_cmp);
             let most = best + 3.0 * (sorted[sorted.len() / 2] - best).max(1e-9);
@@ -163,7 +163,7 @@ impl Optimiser {
         });
         let constraints = (0..observed.first().map_or(0, |own| own.excesses.len())).filter_map(|constraint| {
             let (points, mut values) = of(&|place| observed[place].excesses[constraint]);
-            // Excesses range over decades; near the limit they count.
+            // Excesses span decades; those near the limit matter.
             let mut sizes: Vec<f64> = values.iter().map(|own| own.abs()).collect();
             sizes.sort_by(f64::total_cmp);
             let scale = sizes.get(sizes.len() / 2)?.max(1e-9);
@@ -180,8 +180,8 @@ impl Optimiser {
         }
     }
 
-    /// The objectives of each observation as one number: of several, the augmented Tchebycheff norm with weights that
-    /// change from proposal to proposal.
+    /// The objectives of each observation as one number; for several objectives, the augmented Tchebycheff norm with
+    /// weights that change from proposal to proposal.
     fn scores(&self, observed: &[Observation]) -> Vec<Option<f64>> {
         let known = || observed.iter().filter_map(|own| own.objectives.as_ref());
         let count = known().next().map_or(0, Vec::len);
@@ -206,7 +206,7 @@ impl Optimiser {
                 })
             })
             .collect();
-        // Uniform over all weights of sum 1.
+        // Uniform over all weights with a sum of 1.
         let index = known().count() as u32;
         let weights: Vec<f64> = (0..count)
             .map(|place| -number(index, place, self.seed, 1).max(1e-9).ln())
@@ -224,7 +224,7 @@ impl Optimiser {
         observed.iter().map(|own| own.objectives.as_ref().map(score)).collect()
     }
 
-    /// Places of the observations, the best first: feasible ones by score, then the others by what they violate.
+    /// Indices of the observations, best first: feasible ones by score, then the others by their violation.
     fn ranked(observed: &[Observation], scores: &[Option<f64>]) -> Vec<usize> {
         let mut places: Vec<usize> = (0..observed.len()).collect();
         let rating = |place: usize| match scores[place].filter(|_| observed[place].feasible()) {
@@ -238,7 +238,7 @@ impl Optimiser {
         places
     }
 
-    /// Places of the observations that models are fitted to.
+    /// Indices of the observations to which models are fitted.
     fn nearest(&self, observed: &[Observation], scores: &[Option<f64>]) -> Vec<usize> {
         let mut places: Vec<usize> = (0..observed.len()).collect();
         if let Some(&best) = Self::ranked(observed, scores).first().filter(|_| observed.len() > MOST) {
@@ -251,7 +251,7 @@ impl Optimiser {
         places
     }
 
-    /// The most promising point that was not tried.
+    /// The most promising point that has not been tried.
     fn search(&self, models: &Models<'_>, observed: &[Observation], seen: &[Point]) -> Option<Point> {
         let sequence = 2 + seen.len() as u64;
         let spread = (0..GLOBAL).map(|index| self.space.at(&self.shares(index, sequence)));
@@ -281,7 +281,7 @@ impl Optimiser {
             .map(|(_, point)| point)
     }
 
-    /// A point near another, at a distance of any size; about half of its dimensions differ.
+    /// A point near another, at a distance of any magnitude; about half of its dimensions differ.
     fn perturbed(&self, point: &[f64], index: u32, sequence: u64) -> Point {
         let dimensions = self.space.len();
         let uniform = |place: usize| number(index, place, self.seed, sequence);
@@ -300,7 +300,7 @@ impl Optimiser {
     }
 }
 
-/// A number from 0 to 1 at a place of a scrambled Sobol' sequence (Burley, "Practical hash-based Owen scrambling",
+/// A number from 0 to 1 at an index of a scrambled Sobol' sequence (Burley, "Practical hash-based Owen scrambling",
 /// 2020).
 fn number(index: u32, dimension: usize, seed: u64, sequence: u64) -> f64 {
     let mixed = (seed ^ sequence.wrapping_mul(0x9E37_79B9_7F4A_7C15)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
@@ -308,7 +308,7 @@ fn number(index: u32, dimension: usize, seed: u64, sequence: u64) -> f64 {
     f64::from(sobol_burley::sample(index, dimension as u32 % SEQUENCE, folded))
 }
 
-/// A value as it is up to `most`, and its logarithm above.
+/// The value itself up to `most`, and its logarithm above.
 fn compressed(value: f64, most: f64) -> f64 {
     if value <= most {
         value
@@ -323,7 +323,7 @@ mod tests {
     use crate::front;
     use crate::space::Dimension;
 
-    /// Tries `count` points of a function of excesses and objectives.
+    /// Tries `count` points, given a function for excesses and objectives.
     fn tried(
         optimiser: &Optimiser,
         count: usize,
@@ -383,7 +383,7 @@ mod tests {
 
     #[test]
     fn a_minimum_on_a_constraint_is_approached_from_its_feasible_side() {
-        // The lowest x + y with x y >= 0.16 is 0.8; of an infeasible point, no objective is known.
+        // The minimum of x + y with x y >= 0.16 is 0.8; the objective of an infeasible point is unknown.
         for seed in 1..=5 {
             let observed = tried(&real(2, seed), 40, 1, |point| {
                 let excess = 0.16 - point[0] * point[1];
@@ -410,7 +410,7 @@ mod tests {
 
     #[test]
     fn a_front_of_two_objectives_is_spread() {
-        // The front of |x - (0.2, 0.2)|^2 and |x - (0.8, 0.8)|^2 is the line between both.
+        // The front of |x - (0.2, 0.2)|^2 and |x - (0.8, 0.8)|^2 is the line between the two points.
         let observed = tried(&real(2, 1), 50, 1, |point| {
             let distance = |center: f64| point.iter().map(|x| (x - center).powi(2)).sum::<f64>();
             (Vec::new(), Some(vec![distance(0.2), distance(0.8)]))

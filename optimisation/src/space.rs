@@ -2,7 +2,7 @@
 
 use std::f64::consts::FRAC_1_SQRT_2;
 
-/// A point: per dimension, a share of its range from 0 to 1, or the number of a choice from 0.
+/// A point: for each dimension, a share of its range from 0 to 1, or the number of a choice, starting at 0.
 pub type Point = Vec<f64>;
 
 /// One dimension of a space.
@@ -10,20 +10,20 @@ pub type Point = Vec<f64>;
 pub enum Dimension {
     /// Every share of a range from 0 to 1.
     Real,
-    /// These ascending shares of a range, from 0 to 1: a whole number on a linear or logarithmic scale.
+    /// These ascending shares of a range, from 0 to 1, such as integers on a linear or logarithmic scale.
     Ordered(Vec<f64>),
-    /// So many choices without an order.
+    /// This number of choices without an order.
     Choices(usize),
 }
 
 impl Dimension {
-    /// So many equal steps from 0 to 1.
+    /// This number of equal steps from 0 to 1.
     pub fn steps(count: usize) -> Self {
         let last = count.saturating_sub(1).max(1) as f64;
         Self::Ordered((0..count).map(|step| step as f64 / last).collect())
     }
 
-    /// The value for a share from 0 to 1 of the dimension: all its values have equal parts.
+    /// The value for a share of the dimension from 0 to 1; all values cover equal parts.
     fn at(&self, share: f64) -> f64 {
         let part = |count: usize| ((share * count as f64) as usize).min(count.saturating_sub(1));
         match self {
@@ -45,7 +45,7 @@ impl Dimension {
         }
     }
 
-    /// Values next to one, for a local search with a step: all others of a choice.
+    /// Values next to `value` for a local search with a step; for a choice, all others.
     fn neighbours(&self, value: f64, step: f64) -> Vec<f64> {
         match self {
             Self::Real => vec![(value - step).max(0.0), (value + step).min(1.0)],
@@ -77,7 +77,7 @@ impl Space {
         self.dimensions.len()
     }
 
-    /// Whether the space has no dimension.
+    /// Whether the space has no dimensions.
     pub fn is_empty(&self) -> bool {
         self.dimensions.is_empty()
     }
@@ -88,13 +88,13 @@ impl Space {
         both.map(|(dimension, share)| dimension.at(*share)).collect()
     }
 
-    /// The point of the space next to these values.
+    /// The point of the space nearest to these values.
     pub(crate) fn nearest(&self, values: &[f64]) -> Point {
         let both = self.dimensions.iter().zip(values);
         both.map(|(dimension, value)| dimension.nearest(*value)).collect()
     }
 
-    /// Points that differ in one dimension, by a step where the dimension has steps.
+    /// Points that differ in one dimension, by a step if the dimension has steps.
     pub(crate) fn neighbours(&self, point: &[f64], step: f64) -> Vec<Point> {
         let along = |(place, dimension): (usize, &Dimension)| {
             let values = dimension.neighbours(point[place], step);
@@ -113,8 +113,8 @@ impl Space {
         matches!(self.dimensions[place], Dimension::Choices(_))
     }
 
-    /// Coordinates in which points are compared, each with the number of its dimension. A choice is a corner of a
-    /// simplex, so that all choices have the distance 1 of each other.
+    /// Coordinates for comparing points, each with the number of its dimension. A choice is a corner of a simplex, so
+    /// that all choices have the same distance of 1.
     pub(crate) fn coordinates(&self, point: &[f64]) -> Vec<f64> {
         let of = |(dimension, value): (&Dimension, &f64)| match dimension {
             Dimension::Real | Dimension::Ordered(_) => vec![*value],

@@ -156,6 +156,11 @@ class Run(_Shown):
         return str(self.data["outcome"])
 
     @property
+    def performance(self) -> dict[str, float | None]:
+        """What the shot has left and consumes: ``head_depth_m``, ``energy_left_j`` at flush, ``air_m3``, ``shots_per_second``."""
+        return dict(self.data["performance"])
+
+    @property
     def headline(self) -> list[str]:
         """How a shot ended that does not drive, and which inputs would change that most; empty for one that drives."""
         return _headline(self.data.get("headline"))

@@ -8,7 +8,7 @@ use nailnoise::comparison::{Comparison, Finished};
 use nailnoise::cost::{self, MemoryLimit};
 use nailnoise::design::inputs;
 use nailnoise::graph::Graph;
-use nailnoise::result::CycleFigures;
+use nailnoise::result::FiguresOfShot;
 use nailnoise::stages::bodies::BodyKind;
 use nailnoise::study::StudySource;
 use nailnoise::{figures, output};
@@ -60,19 +60,19 @@ pub(crate) fn cycle<'py>(
     report: Option<Py<PyAny>>,
 ) -> PyResult<(String, Bound<'py, PyDict>, Charts)> {
     let design = Arc::clone(&design.design);
-    let (record, charts) = work::off_the_lock(py, report, move |_| {
+    let (shot, charts) = work::off_the_lock(py, report, move |_| {
         cost::refuse(&design, &[cost::of_cycle(&design)], MemoryLimit::default())?;
-        let record = chain::cycle(&design)?;
-        let charts = drawn(&figures::cycle(design.name(), &design, &record));
-        Ok((record, charts))
+        let shot = chain::shot(&design)?;
+        let charts = drawn(&figures::shot(design.name(), &design, &shot));
+        Ok((shot, charts))
     })?;
     let histories = PyDict::new(py);
-    let time: Vec<f64> = (0..record.len()).map(|index| record.time(index)).collect();
+    let time: Vec<f64> = (0..shot.len()).map(|index| shot.time(index)).collect();
     histories.set_item("time", ("s", floats(py, &time)))?;
-    for column in output::columns(&record) {
+    for column in output::columns_of(&shot) {
         histories.set_item(column.name, (column.unit, floats(py, column.values)))?;
     }
-    Ok((json_of(&CycleFigures::from(&record))?, histories, charts))
+    Ok((json_of(&FiguresOfShot::from(&shot))?, histories, charts))
 }
 
 /// Modes of a body (`workpiece`, `worktable` or `tool`): frequencies \[Hz\], which of them are rigid, loss factor, and

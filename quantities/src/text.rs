@@ -31,7 +31,7 @@ pub enum QuantityError {
     /// A number without a unit although a dimension is expected.
     #[error("the unit is missing")]
     NoUnit,
-    /// A unit that cannot be read.
+    /// A unit cannot be parsed.
     #[error(transparent)]
     Unit(UnitError),
     /// A unit of the wrong dimension.

@@ -150,10 +150,10 @@ impl Unit {
 }
 
 impl Dimension {
-    /// The dimension of a unit; a plain number for the empty text.
+    /// The dimension of a unit; dimensionless for an empty string.
     ///
     /// # Errors
-    /// [`UnitError`], the text is not a unit.
+    /// [`UnitError`] if the text is not a unit.
     pub fn of_unit(unit: &str) -> Result<Self, UnitError> {
         Unit::parse(unit).map(|unit| unit.dimension)
     }

@@ -28,7 +28,7 @@ impl ReportedRun {
     /// Runs a design without writing files. The result includes what is known about its study.
     ///
     /// # Errors
-    /// Those of [`Chain::run`].
+    /// The errors of [`Chain::run`].
     pub fn new(graph: &Graph, design: &Design, study: &StudySource) -> Result<Self, Error> {
         let made = || {
             let (chain, pictures) = with_pictures(graph, design)?;

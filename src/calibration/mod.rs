@@ -88,7 +88,6 @@ pub fn calibrate(
             tool: &posterior.tool,
             design,
             joint: files::joint(&posterior, &result, &table),
-            table: &table,
             points: posterior.state.particles.iter().map(|own| own.z.as_slice()).collect(),
         };
         let graph = Graph::quiet(store, progress.observer());

@@ -3,6 +3,7 @@
 
 use std::sync::Arc;
 
+use nailnoise_calibration::likelihood::ErrorLaw;
 use nailnoise_calibration::next::{Further, Outputs, gain};
 use nailnoise_calibration::statistics::quantile_of;
 use nailnoise_dynamics::CycleRecord;
@@ -10,7 +11,6 @@ use rayon::prelude::*;
 use serde::Serialize;
 
 use super::quantities::{Chamber, Moment, Quantity, Spread};
-use super::result::Table;
 use super::tool::{Tool, shot};
 use crate::design::{Design, JointDraws, Value};
 use crate::error::Error;
@@ -113,6 +113,9 @@ const DIRECT_SHARE: f64 = 0.01;
 /// Tables of keys that a part of the tool states.
 const PARTS: [&str; 6] = ["piston.", "head_valve.", "chambers.", "exhaust.", "body.", "tool."];
 
+/// Units of keys that callipers, scales or a fill of water measure.
+const MEASURABLE: [&str; 4] = ["m", "kg", "m2", "m3"];
+
 /// A measurement that could be made next.
 #[derive(Debug, Clone, Serialize)]
 pub struct NextRow {
@@ -142,9 +145,8 @@ pub struct NextRow {
 pub(super) struct Levelled<'a> {
     pub(super) tool: &'a Tool,
     pub(super) design: &'a Design,
-    /// The draws of the keys, with the rows of `table`.
+    /// The draws of the keys.
     pub(super) joint: JointDraws,
-    pub(super) table: &'a Table,
     /// Points of the rows.
     pub(super) points: Vec<&'a [f64]>,
 }
@@ -153,7 +155,7 @@ impl Levelled<'_> {
     /// The measurements by what an hour of work makes narrower, from the levels of `count` draws.
     ///
     /// # Errors
-    /// Those of a study.
+    /// The errors of a study.
     pub(super) fn next(
         &self,
         graph: &Graph,
@@ -217,10 +219,10 @@ impl Levelled<'_> {
         for variable in 0..self.tool.keys() {
             let name = self.tool.name(variable);
             let unit = self.tool.sampler.variables()[variable].unit();
-            if !PARTS.iter().any(|part| name.starts_with(part)) || unit.is_empty() {
+            if !PARTS.iter().any(|part| name.starts_with(part)) || !MEASURABLE.contains(&unit) {
                 continue;
             }
-            let predictions: Vec<f64> = rows.iter().map(|&row| self.table.rows[row][variable]).collect();
+            let predictions: Vec<f64> = rows.iter().map(|&row| self.joint.rows[row][variable]).collect();
             let scale = match unit {
                 "m" => DIRECT_LENGTH,
                 _ => DIRECT_SHARE * median(&predictions).abs(),
@@ -268,6 +270,7 @@ impl Candidate {
         let further = Further {
             predictions: &self.predictions,
             scale: self.scale,
+            law: ErrorLaw::Student,
         };
         let gain = gain(further, outputs, seed)?;
         let hours = self.minutes / 60.0;

@@ -34,7 +34,10 @@ const ERROR_OF_CORRELATION: f64 = 1.0;
 /// Number of standard errors by which a change must exceed the random variation of unchanged inputs.
 const BEYOND_CHANCE: f64 = 2.0;
 
-/// Largest number of pairs listed.
+/// The same for a pair, as a multiple: of 4000 pairs, chance brings ten beyond three standard errors.
+const OF_A_PAIR: f64 = 2.0;
+
+/// Most pairs that are listed.
 const MOST_PAIRS: usize = 12;
 
 /// Results of a calibration.
@@ -361,7 +364,11 @@ pub(super) fn result(
     let mut moved: Vec<usize> = (0..variables).filter(|&k| rows[k].ratio < moved_below).collect();
     moved.sort_by(|&a, &b| rows[a].ratio.total_cmp(&rows[b].ratio));
     let middle = medoid(posterior, &moved);
-    let pairs = pairs(posterior, &values, CORRELATED.max(ERROR_OF_CORRELATION * by_chance));
+    let pairs = pairs(
+        posterior,
+        &values,
+        CORRELATED.max(OF_A_PAIR * ERROR_OF_CORRELATION * by_chance),
+    );
     let in_pair = |name: &String| pairs.iter().any(|own| own.inputs.contains(name));
     let unidentified = rows[..posterior.tool.keys().min(rows.len())]
         .iter()

@@ -18,7 +18,7 @@ use crate::study::{Parameter, Point, Sampler, Variable, VariableKind, cycle_vari
 /// Integration tolerance of the cycles; it changes the depth of the head by less than 1 um.
 const TOLERANCE: f64 = 1e-5;
 
-/// Interval of the samples \[s\].
+/// Sampling interval \[s\].
 const SAMPLES: f64 = 5e-5;
 
 /// Shots under one condition.

@@ -17,7 +17,7 @@ pub fn cycle(design: &Design) -> Result<CycleRecord, Error> {
 /// Computes the shot of a design, whichever engine computes its cycle.
 ///
 /// # Errors
-/// As [`cycle`]; [`Error::Network`] for an assembly that cannot be computed.
+/// Same as [`cycle`]; [`Error::Network`] for an assembly that cannot be computed.
 pub fn shot(design: &Design) -> Result<ShotRecord, Error> {
     engine(design)?.shot()
 }
@@ -25,7 +25,7 @@ pub fn shot(design: &Design) -> Result<ShotRecord, Error> {
 /// The engine of a design's cycle.
 ///
 /// # Errors
-/// Values of the design that do not yield inputs.
+/// If the values of the design do not yield valid inputs.
 pub(crate) fn engine(design: &Design) -> Result<Engine, Error> {
     Ok(match inputs::assembly::cycle(design)? {
         Some(assembled) => Engine::Assembly(Box::new(assembled)),

@@ -51,7 +51,7 @@ pub(crate) struct Motions<'a> {
 pub(crate) struct Drive {
     /// The engine of the cycle.
     pub(crate) engine: Engine,
-    /// The cycle with only the tool's lumped masses.
+    /// The cycle with a lumped workpiece.
     pub(crate) lumped: Stored<ShotRecord>,
     /// Factor on the forces of the shot on the workpiece, if that cycle drives it one way \[-\].
     pub(crate) force_scale: f64,

@@ -15,8 +15,8 @@ use crate::stages::radiation::{
 };
 use crate::stages::{Digest, OnDemand, Stored};
 
-/// Whether other designs have the shape of a design's bodies. If none does, boundary elements are solved for its modes,
-/// and reference bodies need no modes.
+/// Whether other designs have the shape of a design's bodies. If none does, boundary elements are solved for its own
+/// modes, and reference bodies need no modes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct SharedShapes {
     /// Shape of the workpiece with its table.
@@ -57,7 +57,7 @@ impl SharedShapes {
     }
 }
 
-/// The first reference bodies in the shape of a design's; none if these have no standard.
+/// The first reference bodies with the shape of the design's bodies; `None` if no standard exists for them.
 fn reference_bodies(graph: &Graph, design: &Design, kinds: &[BodyKind]) -> Result<Option<Vec<Stored<Body>>>, Error> {
     let references = inputs::reference_structures::references(design, kinds)?;
     references
@@ -80,7 +80,7 @@ pub(super) type ReferenceStructures = Vec<(SurfaceModes, &'static str)>;
 /// standard.
 ///
 /// # Errors
-/// Those of the bodies' materials and mesh files.
+/// Errors in the bodies' materials and mesh files.
 pub(super) fn references(graph: &Graph, design: &Design, kinds: &[BodyKind]) -> Result<ReferenceStructures, Error> {
     let Some(references) = inputs::reference_structures::references(design, kinds)? else {
         return Ok(Vec::new());
@@ -88,7 +88,7 @@ pub(super) fn references(graph: &Graph, design: &Design, kinds: &[BodyKind]) -> 
     let structure = |design: &Design| bodies(graph, design, kinds);
     let first = structure(&references.first)?;
     let alone = (SurfaceModes(vec![first.clone()]), "reference bodies of the same shape");
-    // Without gmsh, a design whose own meshes need none does without the second structure.
+    // Without gmsh, the second structure is omitted if the design's own meshes do not need gmsh.
     let second = match &references.second {
         Some(second) if gmsh::is_found() || !inputs::reference_structures::needs_gmsh(second, kinds)? => {
             structure(second)?

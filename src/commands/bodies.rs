@@ -76,7 +76,7 @@ impl Own {
     /// Enters the file in the design.
     ///
     /// # Errors
-    /// [`BodyError::StatedUnit`] where a unit is given for a file that states its own.
+    /// [`BodyError::StatedUnit`] if a unit is given for a file that states its own.
     pub(super) fn replace(&self, design: &mut Design, kind: BodyKind) -> Result<(), Error> {
         let values: &mut Values = design;
         let (mesh, unit) = match kind {

@@ -5,9 +5,9 @@ use std::ffi::OsString;
 use clap::{CommandFactory as _, Parser, Subcommand};
 
 use super::{
-    Status, cache, calibrate, check, coloured, compare, compare_measured, completions, cycle, faults, init, list,
-    manual, measure, mesh, migrate, modes, optimise, penetration, printed, progress, provide, report, run, schema,
-    study, sweep, test, verify, watch,
+    Status, cache, calibrate, check, coloured, compare, compare_measured, completions, cycle, declare, faults, init,
+    list, manual, measure, mesh, migrate, modes, optimise, penetration, printed, progress, provide, report, run,
+    schema, study, sweep, test, verify, watch,
 };
 use crate::error::Error;
 
@@ -56,6 +56,8 @@ enum Command {
     Watch(watch::Arguments),
     /// Compare designs or finished results: the differences and their effect on each source
     Compare(compare::Arguments),
+    /// Write the noise declaration of a design as one page to print
+    Declare(declare::Arguments),
     /// Draw designs from the ranges: intervals of the levels, probability of each order, and the inputs that decide
     Study(study::Arguments),
     /// Condition the ranges of a design on what was measured of the tool: depths, times, pressures, air
@@ -142,6 +144,7 @@ fn execute(cli: &Cli) -> Result<Status, Error> {
             Some(file) => compare_measured::execute(arguments, file),
             None => compare::execute(arguments),
         },
+        Command::Declare(arguments) => declare::execute(arguments),
         Command::Study(arguments) => study::execute(arguments),
         Command::Calibrate(arguments) => calibrate::execute(arguments),
         Command::Sweep(arguments) => sweep::execute(arguments),

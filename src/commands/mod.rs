@@ -22,6 +22,7 @@ mod comparison_page;
 mod comparison_sounds;
 mod completions;
 mod cycle;
+mod declare;
 mod draw;
 mod drawing;
 mod effects;
@@ -98,7 +99,7 @@ impl Common {
         Ok(design)
     }
 
-    /// Starts the threads, reads the design and prints its warnings.
+    /// Starts the threads, reads the design and prints warnings.
     fn begin_with_any_tool(&self) -> Result<Design, Error> {
         self.threads.start()?;
         self.changes.load(&self.design)

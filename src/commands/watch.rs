@@ -135,7 +135,7 @@ impl Watching<'_> {
         }
     }
 
-    /// Runs the design and shows the result, and then how sure its levels are.
+    /// Runs the design and shows the result, followed by the uncertainty of its levels.
     fn run(&mut self, values: &[Assignment], progress: &Progress) -> Result<(), Error> {
         let begin = Instant::now();
         let design = Design::load_with(&self.arguments.design, values)?;

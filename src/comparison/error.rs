@@ -16,7 +16,7 @@ pub enum ComparisonError {
         /// The result.
         path: PathBuf,
     },
-    /// One design has nothing to be compared with.
+    /// A single design has nothing to be compared with.
     #[error("{} alone has nothing to be compared with", path.display())]
     #[diagnostic(help(
         "name a second design or result, or give measurements: --measured measurement.json, or --measured n80cb for \
@@ -26,7 +26,7 @@ pub enum ComparisonError {
         /// The design.
         path: std::path::PathBuf,
     },
-    /// Measured levels over another range than those of a design.
+    /// Measured levels over a range other than that of a design.
     #[error("{} has levels over {:.0} to {:.0} Hz, the design {design} over {:.0} to {:.0} \
         Hz", path.display(), measured[0], measured[1],
         predicted[0], predicted[1])]
@@ -51,7 +51,7 @@ pub enum ComparisonError {
         /// The fault of the file.
         reason: String,
     },
-    /// The numbers of a finished result cannot be or do not agree.
+    /// The numbers of a finished result are impossible or inconsistent.
     #[error("{} is no result that can be compared: `{at}` is {found}, expected is {expected}", path.display())]
     #[diagnostic(help(
         "the file was changed or damaged: compute it anew with `nailnoise run`, or give the design, which is then run"

@@ -62,7 +62,7 @@ impl RadiatingSurface {
     }
 }
 
-/// How the equations are stored and solved.
+/// Solver of the equations.
 pub(super) fn equation_solver(acoustics: &Acoustics) -> EquationSolver {
     match acoustics.bem_equations {
         BemEquations::Auto => EquationSolver::Auto,

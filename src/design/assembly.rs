@@ -11,6 +11,7 @@ use nailnoise_quantities::{Dimension, Kind, Value};
 use super::distribution::Distribution;
 use super::entry::Entry;
 use super::error::{DesignError, Problem};
+use super::inputs::assembly::loads_housing;
 use super::provenance::Provenance;
 use super::range::RangeOrigin;
 use super::set::SetError;
@@ -30,18 +31,23 @@ const OF_CYCLE: [&str; 10] = [
     "nail.",
 ];
 
-/// Keys of the nail that place forces on the workpiece, whatever drives it.
-const OF_PLACE: [&str; 4] = [
+/// Keys that place the tool and its forces on the workpiece, whatever the tool is.
+const OF_PLACE: [&str; 9] = [
     "nail.length",
     "nail.diameter",
     "nail.offset_along",
     "nail.offset_across",
+    "body.nose_width",
+    "body.nose_depth",
+    "body.nose_height",
+    "body.barrel_height",
+    "body.cap_height",
 ];
 
 /// The assembly of a design, with the literals that a program set.
 #[derive(Debug, Clone)]
 pub(super) struct OwnAssembly {
-    /// Shared: a study makes thousands of designs that differ only in values.
+    /// Shared, because a study makes thousands of designs that differ only in values.
     read: Arc<ReadAssembly>,
     /// Literals that were set since it was read \[SI\].
     set: BTreeMap<String, f64>,
@@ -54,12 +60,15 @@ struct ReadAssembly {
     literals: Vec<Literal>,
     /// Keys of the design that its formulas use.
     used: BTreeSet<String>,
+    /// Whether it gives the force on every surface of the housing.
+    loads_housing: bool,
 }
 
 impl OwnAssembly {
     pub(super) fn new(text: AssemblyText) -> Self {
         Self {
             read: Arc::new(ReadAssembly {
+                loads_housing: loads_housing(&text),
                 text,
                 literals: Vec::new(),
                 used: BTreeSet::new(),
@@ -72,6 +81,7 @@ impl OwnAssembly {
     pub(super) fn read(&mut self, keys: &BTreeMap<String, KeyValue>) -> Result<(), DesignError> {
         let resolved = self.read.text.resolve(keys).map_err(refused)?;
         self.read = Arc::new(ReadAssembly {
+            loads_housing: self.read.loads_housing,
             text: self.read.text.clone(),
             literals: resolved.literals,
             used: resolved.keys,
@@ -93,8 +103,9 @@ impl OwnAssembly {
 
     /// Whether a key of the design has an effect with this assembly.
     pub(super) fn uses(&self, key: &str) -> bool {
-        let of_cycle = OF_CYCLE.iter().any(|group| key.starts_with(group)) && !OF_PLACE.contains(&key);
-        !of_cycle || self.read.used.contains(key)
+        let of_cycle = OF_CYCLE.iter().any(|group| key.starts_with(group));
+        let of_housing = key.starts_with("body.") && !self.read.loads_housing;
+        !(of_cycle || of_housing) || OF_PLACE.contains(&key) || self.read.used.contains(key)
     }
 
     /// Sets a literal.

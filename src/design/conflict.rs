@@ -23,7 +23,7 @@ pub enum Conflict {
     /// A board requires the built-in block.
     #[error("`workpiece.board.thickness` puts a board on the built-in block, and `workpiece.mesh` replaces that block")]
     BoardOnMesh,
-    /// The head of the waiting nail would be above the rod's end.
+    /// The head of the waiting nail would be above the end of the rod.
     #[error(
         "`nail.feed_height` ({}) must be below `piston.stroke` less `piston.rod_protrusion` ({})",
         mm(*feed_height),

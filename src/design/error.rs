@@ -153,7 +153,7 @@ pub enum Problem {
     BadUnit {
         /// Full name of the key.
         key: String,
-        /// The fault of the unit.
+        /// A description of the error in the unit.
         problem: UnitError,
         /// The expected dimension.
         expected: Dimension,
@@ -323,7 +323,7 @@ pub enum Problem {
     Cap {
         /// Name of the surface in the file of a body; none for the parametric one.
         surface: Option<&'static str>,
-        /// Panels of the cap, and of all of the outline.
+        /// Number of panels on the cap and on the complete outline.
         panels: [usize; 2],
     },
     /// A spring does not act on its body.

@@ -1,4 +1,4 @@
-//! Joint draws of keys of a design, which take the place of their ranges in a study: those of a calibration.
+//! Joint draws of a design's keys, such as those of a calibration, which replace the ranges of these keys in a study.
 //!
 //! ```toml
 //! [study]
@@ -18,7 +18,7 @@ use crate::wording::hexadecimal;
 /// Name and version of the layout.
 const SCHEMA: &str = "nailnoise-draws/1";
 
-/// The largest file that is read \[byte\].
+/// Maximum size of a file \[byte\].
 const LARGEST: u64 = 256 << 20;
 
 /// Joint draws of keys.
@@ -27,7 +27,7 @@ pub struct JointDraws {
     schema: String,
     /// The file of measurements on which they are conditioned.
     pub measured: String,
-    /// Digest of the code of the cycle by which they were conditioned.
+    /// Digest of the code of the cycle with which they were conditioned.
     pub code: String,
     /// Names of the keys.
     pub names: Vec<String>,
@@ -39,7 +39,7 @@ pub struct JointDraws {
 }
 
 impl JointDraws {
-    /// Draws that are to be written.
+    /// Draws to be written.
     pub fn new(measured: String, code: String, names: Vec<String>, rows: Vec<Vec<f64>>) -> Self {
         Self {
             schema: SCHEMA.to_owned(),
@@ -51,7 +51,7 @@ impl JointDraws {
         }
     }
 
-    /// Number of the row for a candidate of a study; another seed begins with another row.
+    /// Number of the row for a candidate of a study; the first row depends on the seed.
     pub(crate) fn row_of(&self, candidate: u64, seed: u64) -> usize {
         let count = self.rows.len() as u64;
         ((candidate % count + seed % count) % count) as usize
@@ -60,7 +60,7 @@ impl JointDraws {
     /// Reads a file.
     ///
     /// # Errors
-    /// Why it cannot be read, in words.
+    /// The reason why it cannot be read, as text.
     pub(super) fn read(path: &Path) -> Result<Self, String> {
         let bytes = read_regular(path, LARGEST).map_err(|error| error.to_string())?;
         let mut own: Self = serde_json::from_slice(&bytes).map_err(|error| error.to_string())?;

@@ -147,11 +147,11 @@ impl Reader<'_> {
                     }
                     self.group(self.table(&full, key.span(), value)?, member, &full, layer)?;
                 }
+            } else if self.own.covers(&full) {
+                // Read with the assembly, which may declare a key of the name of a derived quantity.
+                continue;
             } else if let Some(derived) = Derived::find(&full) {
                 layer.derived.push(self.derived(derived, value)?);
-            } else if self.own.covers(&full) {
-                // Read with the assembly.
-                continue;
             } else if let Some(successors) = successors(&full) {
                 let at = self.file.place(key.span());
                 return Err(Problem::Replaced { key: full, successors }.at(at));

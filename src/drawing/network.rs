@@ -12,7 +12,7 @@ use nailnoise_dynamics::network::assembly::{
 /// Width of the diagram \[px\].
 const WIDTH: f64 = 1200.0;
 /// Width of the text at the left of the rows \[px\].
-const TEXT: f64 = 390.0;
+const TEXT: f64 = 310.0;
 /// Height of the columns' heads \[px\].
 const HEAD: f64 = 96.0;
 /// Height of a row \[px\].
@@ -20,17 +20,10 @@ const ROW: f64 = 24.0;
 /// Height of a heading between rows \[px\].
 const HEADING: f64 = 34.0;
 
-const STYLE: &str = "text{font-family:system-ui,-apple-system,'Segoe UI',Roboto,'Helvetica Neue',Arial,'DejaVu \
-                     Sans',sans-serif;font-size:12px;fill:#1b1f24}.title{font-size:19px;font-weight:650}.head{\
-                     font-weight:600;font-size:14px}.name{font-weight:600}.quiet{fill:#57606a}.life{stroke:#c9d0d7;\
-                     stroke-width:1}.reservoir{fill:#f7f2d5;stroke:#8a7a1f}.volume{fill:#d6e9f8;stroke:#005a9c}\
-                     .body{fill:#e7eaed;stroke:#1b1f24}.trigger{fill:#f3dfea;stroke:#8a2b62}.passage{stroke:#005a9c;\
-                     fill:#005a9c}.face{stroke:#00735a;fill:#00735a}.force{stroke:#1b1f24;fill:#1b1f24}.fastener{\
-                     stroke:#b34700;fill:#b34700}.gate{stroke:#8a2b62;fill:#8a2b62}.link{stroke-width:1.6;fill:none}\
-                     .dashed{stroke-dasharray:4 3;stroke-width:1.2;fill:none}.sound{stroke:#c2185b;stroke-width:1.6;\
-                     fill:none}";
+/// Style of the diagram; its selectors name its class, because a page shows it beside other charts.
+const STYLE: &str = include_str!("network.css");
 
-/// What a column is.
+/// The block that a column represents.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Column {
     Reservoir(usize),
@@ -76,7 +69,7 @@ struct Row {
     what: String,
     ends: [Column; 2],
     mark: Mark,
-    /// Columns that switch it: bodies whose travel opens it, triggers.
+    /// Columns that switch it: bodies whose travel opens it, and triggers.
     switched_by: Vec<Column>,
 }
 
@@ -91,7 +84,7 @@ pub(crate) fn svg(tool: &str, assembly: &Assembly) -> String {
     let diagram = Diagram::new(assembly);
     let height = diagram.height();
     let markup = html! {
-        svg xmlns="http://www.w3.org/2000/svg" viewBox=(format!("0 0 {WIDTH} {height:.0}")) width=(WIDTH)
+        svg.network xmlns="http://www.w3.org/2000/svg" viewBox=(format!("0 0 {WIDTH} {height:.0}")) width=(WIDTH)
             height=(format!("{height:.0}")) {
             title { "Network of " (tool) }
             desc { "Spaces, bodies and triggers are columns; passages, faces and forces are rows between them." }
@@ -151,7 +144,7 @@ impl<'a> Diagram<'a> {
         60.0 + HEAD + HEADING * self.sections.len() as f64 + ROW * rows as f64 + lists + 24.0
     }
 
-    /// Middle of a column \[px\].
+    /// Centre of a column \[px\].
     fn x(&self, column: Column) -> f64 {
         let place = self.columns.iter().position(|own| *own == column).unwrap_or(0);
         let width = self.column_width();
@@ -228,18 +221,18 @@ impl<'a> Diagram<'a> {
         };
         let width = self.column_width().min(112.0) - 6.0;
         let x = self.x(column);
-        // Names with underscores break there where the column is narrow.
+        // Names are broken at underscores if the column is narrow.
         let letters = ((width - 6.0) / 6.6).max(4.0) as usize;
         let names = broken(name, letters);
         html! {
             rect class=(class) x=(px(x - 0.5 * width)) y=(px(top)) width=(px(width)) height=(px(HEAD - 12.0)) rx="5" {}
             @for (line, text) in names.iter().enumerate() {
-                text.name x=(px(x)) y=(px(top + 16.0 + 14.0 * line as f64)) text-anchor="middle" { (text) }
+                text.name x=(px(x)) y=(px(top + 16.0 + 14.0 * line as f64)) text-anchor="middle"
+                    style=(fitted(text, width)) { (text) }
             }
             @for (line, text) in lines.iter().enumerate() {
-                text.quiet x=(px(x)) y=(px(top + 18.0 + 14.0 * (names.len() + line) as f64)) text-anchor="middle" {
-                    (text)
-                }
+                text.quiet x=(px(x)) y=(px(top + 18.0 + 14.0 * (names.len() + line) as f64)) text-anchor="middle"
+                    style=(fitted(text, width)) { (text) }
             }
         }
     }
@@ -450,7 +443,7 @@ impl Rows<'_> {
             .collect()
     }
 
-    /// A trigger in words.
+    /// Description of a trigger.
     fn trigger(&self, own: &Trigger) -> String {
         let words = |words: &[Word]| {
             let word = |word: &Word| format!("{} {}", self.0.name_of(word.block), word.action.word());
@@ -519,7 +512,7 @@ fn significant(value: f64) -> f64 {
     (value * scale).round() / scale
 }
 
-/// A name in lines of at most so many letters, broken at underscores where it can be.
+/// A name split into lines of limited length, at underscores if possible.
 fn broken(name: &str, letters: usize) -> Vec<String> {
     let mut lines: Vec<String> = Vec::new();
     for word in name.split('_') {
@@ -532,6 +525,12 @@ fn broken(name: &str, letters: usize) -> Vec<String> {
         }
     }
     lines
+}
+
+/// The size of a text that fits into a width \[px\], up to the common one.
+fn fitted(text: &str, width: f64) -> String {
+    let size = (width - 4.0) / (0.62 * text.chars().count().max(1) as f64);
+    format!("font-size:{:.1}px", size.clamp(7.5, 12.0))
 }
 
 fn px(value: f64) -> String {

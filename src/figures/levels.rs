@@ -144,7 +144,8 @@ fn intervals(result: &RunResult) -> Panel {
 pub(crate) fn from_event(name: &str) -> String {
     match event_name(name).split_once(' ') {
         Some((_, words)) => format!("{} {words}", symbol(name)),
-        None => format!("{name} of the record"),
+        None if matches!(name, "start" | "end") => format!("{name} of the record"),
+        None => name.replace('_', " "),
     }
 }
 

@@ -6,10 +6,10 @@ use crate::optimisation::{Domain, Objective, Optimisation, Trial, is_level};
 use crate::study::number_and_unit;
 use crate::wording::readable;
 
-/// Place in the palette of designs that meet the constraints.
+/// Index in the palette of designs that meet the constraints.
 const FEASIBLE: usize = 0;
 
-/// Place in the palette of the best ones.
+/// Index in the palette of the best designs.
 const BEST: usize = 1;
 
 /// Charts of the designs that were tried.
@@ -80,20 +80,20 @@ fn axis(objective: &Objective, series: &[Series], ordinates: bool) -> Axis {
     Axis::holding(label, unit, values)
 }
 
-/// Candidates with levels, each with its number from 1.
+/// Candidates with levels, each with its number, starting at 1.
 fn computed(found: &Optimisation) -> impl Iterator<Item = (usize, &Trial)> {
     let all = found.trials.iter().enumerate();
     all.filter(|(_, own)| own.shot.as_ref().is_some_and(|shot| shot.levels.is_some()))
 }
 
-/// Values of the variables in words, for the pointer.
+/// Text with the values of the variables, shown under the pointer.
 fn note(found: &Optimisation, place: usize, trial: &Trial) -> String {
     let values = found.variables.iter().zip(&trial.values);
     let values: Vec<String> = values.map(|(own, value)| format!("{} {value}", own.key)).collect();
     format!("candidate {}: {}", place + 1, values.join(", "))
 }
 
-/// Points of the designs by what they are: the best, feasible, not feasible.
+/// Points of the designs in groups: best, feasible, infeasible.
 fn points(found: &Optimisation, at: &dyn Fn(usize, &Trial) -> Option<[f64; 2]>) -> Vec<Series> {
     let kinds = [
         ("best", BEST),
@@ -110,7 +110,7 @@ fn points(found: &Optimisation, at: &dyn Fn(usize, &Trial) -> Option<[f64; 2]>) 
         let mut own: Vec<([f64; 2], String)> = own
             .filter_map(|(place, trial)| Some((at(place, trial)?, note(found, place, trial))))
             .collect();
-        // Abscissas rise.
+        // Abscissas are ascending.
         own.sort_by(|a, b| a.0[0].total_cmp(&b.0[0]));
         Series {
             x: own.iter().map(|(point, _)| point[0]).collect(),
@@ -180,7 +180,7 @@ fn over(found: &Optimisation, objective: &Objective, place: usize) -> Panel {
         Domain::Choices(choices) => {
             let choices = choices.clone();
             let axis = Axis::categories(&variable.key, "", choices.clone());
-            // In the middle of the category.
+            // At the centre of the category.
             (
                 axis,
                 Box::new(move |value| Some(choices.iter().position(|own| own == value)? as f64 + 0.5)),

@@ -1,4 +1,4 @@
-//! What an optimisation holds and what it minimises: figures of the shot, and levels.
+//! Constraints and objectives of an optimisation: figures of the shot, and levels.
 
 use std::str::FromStr;
 
@@ -14,10 +14,11 @@ use crate::wording::unit_of_figure;
 /// The outcome of the shot in a constraint.
 const OUTCOME: &str = "outcome";
 
-/// Excess of a shot of another outcome, or without the figure; less than it is the excess of the one that is held.
+/// Excess of a shot that has another outcome or lacks the figure. The excess of a shot with the required outcome is
+/// smaller.
 const MISSED: f64 = 1.0;
 
-/// Whether a figure is a level, of a source or of all together.
+/// Whether a figure is a level, of a source or of the sum of all.
 pub(crate) fn is_level(figure: &str) -> bool {
     figure == TOTAL || sources::by_name(figure).is_some()
 }
@@ -30,7 +31,7 @@ pub(super) fn unit_of(figure: &str) -> &'static str {
     }
 }
 
-/// A figure of the shot or a level that must not be beyond a limit, or the outcome that the shot must have.
+/// A limit on a figure of the shot or a level, or the outcome that the shot must have.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Constraint {
     /// As it was given.
@@ -101,18 +102,18 @@ fn limit(figure: &str, value: &str) -> Result<f64, String> {
 }
 
 impl Constraint {
-    /// Whether it needs the levels of the design.
+    /// Whether it depends on the levels of the design.
     pub(super) fn of_levels(&self) -> bool {
         is_level(&self.figure)
     }
 
-    /// Whether it is of the outcome.
+    /// Whether it is about the outcome.
     pub(super) fn of_outcome(&self) -> bool {
         self.figure == OUTCOME
     }
 
-    /// How far a shot is beyond the limit, in parts of it; at most 0 where the constraint is met. None for a level that
-    /// was not computed.
+    /// Excess of a shot beyond the limit, relative to the limit; at most 0 if the constraint is met. `None` for a level
+    /// that was not computed.
     pub(super) fn excess(&self, shot: &Shot) -> Option<f64> {
         let relative = |excess: f64, limit: f64| excess / if limit == 0.0 { 1.0 } else { limit.abs() };
         let value = match &self.held {
@@ -152,13 +153,12 @@ impl FromStr for Objective {
 }
 
 impl Objective {
-    /// The number that is minimised; a large one where the figure does not occur, and none where it is a level that was
-    /// not computed.
+    /// The number to minimise. It is large if the figure does not occur, and `None` for a level that was not computed.
     pub(super) fn of(&self, shot: &Shot) -> Option<f64> {
         let value = match shot.figure(&self.figure) {
             Some(value) => value,
             None if is_level(&self.figure) => {
-                // Silence: no level is lower.
+                // No level is lower than silence.
                 shot.levels.as_ref()?;
                 0.0
             }
@@ -167,7 +167,7 @@ impl Objective {
         Some(if self.maximised { -value } else { value })
     }
 
-    /// The objective in words, with its unit.
+    /// Text for the objective, with its unit.
     pub(crate) fn words(&self) -> String {
         let name = self.figure.replace('_', " ");
         match self.maximised {

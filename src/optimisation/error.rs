@@ -1,13 +1,13 @@
-//! Why an optimisation cannot begin.
+//! Reasons why an optimisation cannot begin.
 
 use miette::Diagnostic;
 use thiserror::Error;
 
-/// Why an optimisation cannot begin.
+/// Reason why an optimisation cannot begin.
 #[derive(Debug, Clone, PartialEq, Eq, Error, Diagnostic)]
 #[non_exhaustive]
 pub enum OptimisationError {
-    /// No key, or one without values.
+    /// A text without a key, or a key without values.
     #[error("`{text}` does not vary a key")]
     #[diagnostic(help(
         "give a range or choices, as in supply.pressure=80psig..110psig or support.worktable.preset=A,B"
@@ -32,7 +32,7 @@ pub enum OptimisationError {
         /// The fault.
         problem: String,
     },
-    /// A text that is no constraint.
+    /// A text that is not a constraint.
     #[error("`{text}` is no constraint: {problem}")]
     #[diagnostic(help(
         "give FIGURE >= VALUE or FIGURE <= VALUE, as in \"penetration >= 80 mm\" or \"exhaust <= 92 dB\", or \
@@ -44,7 +44,7 @@ pub enum OptimisationError {
         /// The fault.
         problem: String,
     },
-    /// An objective or a constraint of something that is not known.
+    /// An objective or a constraint on an unknown figure.
     #[error("there is no figure `{name}`")]
     #[diagnostic(help("choose from {known}"))]
     NoSuchFigure {

@@ -1,8 +1,8 @@
 //! The quietest designs under constraints.
 //!
-//! The crate `nailnoise-optimisation` proposes points of a space; here are the keys of a design as its dimensions, the
-//! constraints on its shot and its levels, and the trials. A shot that breaks a constraint costs a cycle and no sound:
-//! levels are computed only of designs whose shot meets the constraints.
+//! The crate `nailnoise-optimisation` proposes points of a space; this module adds the keys of a design as its
+//! dimensions, the constraints on its shot and levels, and the trials. A shot that violates a constraint costs only a
+//! cycle: levels are computed only for designs whose shot meets the constraints.
 
 mod constraint;
 mod error;

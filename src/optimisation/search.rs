@@ -20,44 +20,44 @@ use crate::result::{DesignId, TOTAL};
 use crate::stages::Progress;
 use crate::study::on_threads;
 
-/// Most candidates for each trial: where hardly any shot meets the constraints, a search ends.
+/// Maximum number of candidates for each trial; it ends a search if hardly any shot meets the constraints.
 const CANDIDATES_A_TRIAL: usize = 20;
 
-/// A search that is asked for.
+/// The request for a search.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Request {
     /// The keys that are varied.
     pub vary: Vec<Varied>,
-    /// What is minimised; the designs of several objectives are a front.
+    /// The objectives to minimise; the result for several objectives is a front.
     pub objectives: Vec<Objective>,
-    /// What the designs must meet.
+    /// The constraints on the designs.
     pub constraints: Vec<Constraint>,
-    /// Designs whose levels are computed.
+    /// Number of designs whose levels are computed.
     pub trials: usize,
-    /// Seed: the same one tries the same designs.
+    /// Seed; the same seed tries the same designs.
     pub seed: u64,
-    /// Designs at a time, which know nothing of each other.
+    /// Number of designs proposed at a time, independent of each other's results.
     pub batch: usize,
 }
 
 /// The designs that a search has tried.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Optimisation {
-    /// The design from which it began.
+    /// The design from which it started.
     pub design: DesignId,
     /// The keys that were varied.
     pub variables: Vec<Variable>,
-    /// What was minimised.
+    /// The objectives that were minimised.
     pub objectives: Vec<Objective>,
-    /// What the designs must meet.
+    /// The constraints on the designs.
     pub constraints: Vec<Constraint>,
     /// Seed.
     pub seed: u64,
     /// The design itself; values outside of the ranges are in words.
     pub start: Trial,
-    /// All candidates in their order.
+    /// All candidates, in order.
     pub trials: Vec<Trial>,
-    /// Places of the feasible designs that no other betters in all objectives, by the first objective.
+    /// Indices of the feasible designs that are not dominated in all objectives, sorted by the first objective.
     pub front: Vec<usize>,
 }
 
@@ -79,14 +79,16 @@ impl Optimisation {
     }
 }
 
-/// Searches for the designs of the lowest objectives over the design in a file, with changes.
+/// Searches for the designs with the lowest objectives, based on the design in a file with changes.
 ///
-/// A shot that breaks a constraint is no trial; a search ends after [`CANDIDATES_A_TRIAL`] candidates for each trial.
-/// What was computed is in the store of the graph, so that the same request resumes where it was interrupted. `fill`
-/// may compute the levels of designs, given as assignments, elsewhere into that store, before they are asked for here.
+/// A shot that violates a constraint does not count as a trial; a search ends after [`CANDIDATES_A_TRIAL`] candidates
+/// for each trial. Results are in the store of the graph, so that repeating the request resumes an interrupted search.
+/// `fill` may compute the levels of designs, given as assignments, elsewhere and add them to that store before they are
+/// needed here.
 ///
 /// # Errors
-/// Values that no design can have, constraints on what does not exist, and those of the design itself.
+/// If no design can have the values, or a constraint refers to something that does not exist; the errors of the design
+/// itself.
 pub fn optimise(
     graph: &Graph,
     (path, changes): (&Path, &[Assignment]),
@@ -122,7 +124,7 @@ pub fn optimise(
     if let Some(shot) = &start.shot {
         refuse_unknown(shot, objectives, constraints)?;
     }
-    // Structures stay at hand while the designs that share them are computed.
+    // Structures are kept while the designs that share them are computed.
     let anchor = Chain::new(graph, &design, Options::default());
     let optimiser = Optimiser {
         space: Space::new(variables.iter().map(Variable::dimension).collect()),
@@ -146,7 +148,7 @@ pub fn optimise(
         variables: variables.clone(),
     };
     let mut observed = Vec::new();
-    // The design itself is the first candidate where the ranges include it.
+    // The design itself is the first candidate if the ranges include it.
     if let Some(point) = place {
         observed.push(observation(point, &found.start, objectives));
         found.trials.push(found.start.clone());
@@ -202,7 +204,7 @@ pub fn optimise(
     Ok(found)
 }
 
-/// A trial as the optimiser sees it. Whether the values are a design is a constraint, too.
+/// A trial in the form that the optimiser needs. Whether the values are a valid design is also a constraint.
 fn observation(point: Vec<f64>, trial: &Trial, objectives: &[Objective]) -> Observation {
     let is_design = if trial.shot.is_some() { -1.0 } else { 1.0 };
     let shot = trial.shot.as_ref().filter(|shot| shot.levels.is_some());
@@ -215,7 +217,7 @@ fn observation(point: Vec<f64>, trial: &Trial, objectives: &[Objective]) -> Obse
     }
 }
 
-/// Refuses objectives and constraints on figures that no shot has.
+/// Rejects objectives and constraints on figures that no shot has.
 fn refuse_unknown(shot: &Shot, objectives: &[Objective], constraints: &[Constraint]) -> Result<(), Error> {
     let figures = shot.figures.iter().map(|(name, _)| name.as_str());
     let held = constraints
@@ -238,7 +240,7 @@ fn refuse_unknown(shot: &Shot, objectives: &[Objective], constraints: &[Constrai
     }
 }
 
-/// The value of a key of the design in words.
+/// The value of a key of the design in a readable unit.
 fn own_value(design: &Design, key: &str) -> String {
     let entries = design.entries();
     let value = entries.into_iter().find(|entry| entry.key == key);

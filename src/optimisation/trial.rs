@@ -1,4 +1,4 @@
-//! A design that is tried: its shot, and its levels where the shot meets the constraints.
+//! A trial design: its shot, and its levels if the shot meets the constraints.
 
 use std::path::Path;
 
@@ -13,23 +13,24 @@ use crate::error::Error;
 use crate::graph::Graph;
 use crate::study::{levels_of_shot, total_of, without_sensors};
 
-/// A design that was tried.
+/// A trial design.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Trial {
-    /// The value of each variable, as in a design file, without quotes.
+    /// The value of each variable, written as in a design file but without quotes.
     pub values: Vec<String>,
-    /// Its shot; none if the values are no design or the shot cannot be computed.
+    /// Its shot; `None` if the values are not a valid design or the shot cannot be computed.
     #[serde(flatten)]
     pub shot: Option<Shot>,
-    /// How far it is beyond each constraint, in parts of the limit; met where at most 0. None where that is not known.
+    /// Excess beyond each constraint relative to the limit; the constraint is met if the excess is at most 0. `None` if
+    /// unknown.
     pub excesses: Vec<Option<f64>>,
     /// Whether its levels are known and it meets all constraints.
     pub feasible: bool,
-    /// Why it is no design; empty for a design.
+    /// Reason why it is not a valid design; empty otherwise.
     pub refused: String,
 }
 
-/// A candidate between its cycle and its levels.
+/// A candidate whose cycle is known, but not yet its levels.
 pub(super) struct Candidate {
     /// The values of the variables, and the assignments that make the design.
     pub(super) values: Vec<String>,
@@ -37,7 +38,8 @@ pub(super) struct Candidate {
 }
 
 impl Candidate {
-    /// The design of a file with these assignments and its cycle. Values that are no design are a result, too.
+    /// The design of a file with these assignments and its cycle. Values that are not a valid design also give a
+    /// result.
     pub(super) fn new(path: &Path, assignments: &[Assignment], values: Vec<String>, memory: MemoryLimit) -> Self {
         let made = || -> Result<(Design, Shot), Error> {
             let design = without_sensors(&Design::load_with(path, assignments)?);
@@ -51,13 +53,13 @@ impl Candidate {
         }
     }
 
-    /// How far it is beyond each constraint, as far as its cycle says.
+    /// Excess beyond each constraint, as far as it follows from the cycle.
     fn excesses(&self, constraints: &[Constraint]) -> Vec<Option<f64>> {
         let shot = self.design.as_ref().ok().map(|(_, shot)| shot);
         constraints.iter().map(|own| own.excess(shot?)).collect()
     }
 
-    /// Whether its cycle meets the constraints, so that its levels count.
+    /// Whether its cycle meets the constraints, so that its levels are computed.
     pub(super) fn counts(&self, constraints: &[Constraint]) -> bool {
         let met = |excess: &Option<f64>| excess.is_none_or(|excess| excess <= 0.0);
         self.design.is_ok() && self.excesses(constraints).iter().all(met)
@@ -85,7 +87,7 @@ impl Candidate {
             match levels_of_shot(Chain::new(graph, design, Options::default())) {
                 Ok(levels) => {
                     shot.total_db = total_of(&levels);
-                    // The shot with the response of its support may end otherwise than the one of the cycle alone.
+                    // With the response of its support, the shot may have another outcome than the cycle alone.
                     shot.outcome.clone_from(&levels.outcome);
                     shot.levels = Some(levels);
                 }

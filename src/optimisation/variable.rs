@@ -11,7 +11,7 @@ use crate::design::{Assignment, Design, DesignError, Problem, Value};
 use crate::error::Error;
 use crate::study::{StudyError, number_and_unit};
 
-/// Largest number of whole numbers in a range.
+/// Maximum number of integers in a range.
 const MOST_STEPS: f64 = 1e5;
 
 /// A key with a range or choices, as given on the command line: `KEY=LOW..HIGH`, `KEY=LOW..HIGH:log` or `KEY=A,B,C`.
@@ -43,12 +43,12 @@ pub enum Domain {
         high: f64,
         /// Unit; empty for plain numbers.
         unit: String,
-        /// Whether only whole numbers are values.
+        /// Whether only integers are valid.
         whole: bool,
-        /// Whether equal ratios, not equal differences, are equally likely.
+        /// Whether equal ratios are equally likely, instead of equal differences.
         log: bool,
     },
-    /// Values without an order, as in a design file, without quotes.
+    /// Values without an order, written as in a design file but without quotes.
     Choices(Vec<String>),
 }
 
@@ -71,11 +71,11 @@ impl FromStr for Varied {
 }
 
 impl Varied {
-    /// The variable in a design file with these changes, whose designs are read at the ends of the range, or with each
-    /// of the choices.
+    /// The variable in a design file with these changes; designs are read at the ends of the range, or with each of the
+    /// choices.
     ///
     /// # Errors
-    /// Values that no design can have; a range without extent.
+    /// If no design can have the values, or the range is empty.
     pub(super) fn of(&self, base: (&Path, &[Assignment])) -> Result<(Variable, Option<f64>), Error> {
         let variable = Variable {
             key: self.key.clone(),
@@ -141,7 +141,7 @@ impl Variable {
         }
     }
 
-    /// The part of a range below a number in its unit; 0 for choices.
+    /// Position of a number in its unit within a range, 0 to 1; 0 for choices.
     fn share(&self, number: f64) -> f64 {
         match &self.domain {
             Domain::Choices(_) => 0.0,
@@ -152,7 +152,7 @@ impl Variable {
         }
     }
 
-    /// The value at a place of the dimension, as in a design file, without quotes.
+    /// The value at a position in the dimension, written as in a design file but without quotes.
     pub(super) fn value(&self, place: f64) -> String {
         match &self.domain {
             Domain::Choices(choices) => choices.get(place as usize).cloned().unwrap_or_default(),
@@ -170,7 +170,7 @@ impl Variable {
                 if *whole {
                     return format!("{number:.0}");
                 }
-                // Six digits are more than a workshop needs, and can be read.
+                // Six digits are readable and more than a workshop needs.
                 let number: f64 = format!("{number:.5e}").parse().unwrap_or(number);
                 format!("{number} {unit}").trim_end().to_owned()
             }
@@ -180,13 +180,13 @@ impl Variable {
     /// The assignment of a value.
     ///
     /// # Errors
-    /// A text that cannot be a key or a value.
+    /// If the text cannot be a key or a value.
     pub(super) fn assign(&self, value: &str) -> Result<Assignment, Error> {
         let text = format!("{}={value}", self.key);
         text.parse().map_err(|error| StudyError::NoAxis { error }.into())
     }
 
-    /// The place of the design's own value in the dimension; none if it is outside.
+    /// The position of the design's own value in the dimension; `None` if it is outside.
     fn place_of(&self, (path, changes): (&Path, &[Assignment])) -> Result<Option<f64>, Error> {
         let with = |value: &str| -> Result<Design, Error> {
             Ok(Design::load_with(path, &[changes, &[self.assign(value)?]].concat())?)
@@ -224,7 +224,7 @@ impl Variable {
                     return Ok(None);
                 };
                 let part = number(&own).map(|number| (number - from) / (to - from));
-                // Rounding may set a value at an end just outside.
+                // Rounding may place a value just outside an end.
                 let part = part.filter(|part| (-1e-9..=1.0 + 1e-9).contains(part));
                 Ok(part.map(|part| self.share(low + part.clamp(0.0, 1.0) * (high - low))))
             }

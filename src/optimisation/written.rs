@@ -1,4 +1,4 @@
-//! Found designs as files over the design from which a search began.
+//! Writes designs that were found as files based on the design from which the search started.
 
 use std::path::{Component, Path, PathBuf};
 
@@ -7,11 +7,11 @@ use super::trial::Trial;
 use crate::design::{Assignment, Design, Value};
 use crate::error::Error;
 
-/// The text of a found design as a file in `folder`: its base by a relative path, values that were set on the command
-/// line, and those that were found.
+/// The text of such a design as a file in `folder`: its base by a relative path, values set on the command line, and
+/// values found by the search.
 ///
 /// # Errors
-/// Values that cannot be assigned.
+/// If values cannot be assigned.
 pub fn design_over(
     found: &Optimisation,
     trial: &Trial,
@@ -27,14 +27,15 @@ pub fn design_over(
     let mut text = format!("base = {}\n\n", toml::Value::String(base));
     let all: Vec<&Assignment> = changes.iter().chain(&own).collect();
     for (place, assignment) in all.iter().enumerate() {
-        // The last assignment of a key counts.
+        // The last assignment of a key takes precedence.
         if all[place + 1..].iter().any(|later| later.key() == assignment.key()) {
             continue;
         }
         let entries = design.entries();
         let entry = entries.iter().find(|entry| entry.key == assignment.key());
         match entry.map(|entry| &entry.value) {
-            // A file on the command line is relative to the working folder, in a design to the folder of the design.
+            // A file name on the command line is relative to the working folder; in a design, it is relative to the
+            // folder of the design.
             Some(Value::File(file)) if !file.is_empty() => {
                 let file = toml::Value::String(relative(folder, Path::new(file)));
                 text.push_str(&format!("{} = {file}\n", assignment.key()));
@@ -45,7 +46,7 @@ pub fn design_over(
     Ok(text)
 }
 
-/// The path of a file from a folder, with slashes; the absolute path where no relative one leads there.
+/// The path of a file relative to a folder, with slashes; the absolute path if no relative path exists.
 fn relative(folder: &Path, file: &Path) -> String {
     let absolute = |path: &Path| {
         path.canonicalize()
@@ -55,7 +56,7 @@ fn relative(folder: &Path, file: &Path) -> String {
     let (from, to) = (absolute(folder), absolute(file));
     let [from_parts, to_parts]: [Vec<Component<'_>>; 2] = [&from, &to].map(|path| path.components().collect());
     let common = from_parts.iter().zip(&to_parts).take_while(|(a, b)| a == b).count();
-    // Another drive has no path from here.
+    // There is no relative path to another drive.
     if common == 0 {
         return to.display().to_string();
     }

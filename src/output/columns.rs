@@ -1,5 +1,6 @@
 //! Every history of a cycle with its name and unit, for files that list them.
 
+use crate::stages::cycle::{EngineRecord, ShotRecord};
 use nailnoise_dynamics::{Body, CycleRecord, ExhaustFlow, Forces, Motion, VentFlow, Volume};
 
 /// One history.
@@ -8,7 +9,7 @@ pub struct Column<'a> {
     /// Name: words joined by underscores.
     pub name: String,
     /// SI unit, as written in a header.
-    pub unit: &'static str,
+    pub unit: &'a str,
     /// Samples on the record's time grid.
     pub values: &'a [f64],
 }
@@ -90,7 +91,23 @@ fn vent(own: &VentFlow) -> Vec<Column<'_>> {
 /// Columns added in later versions come last, because the order of the columns is an interface.
 const ADDED: [&str; 2] = ["magazine_force", "thrust_force"];
 
-/// All histories of a record, in the order motion, gas, forces, flow.
+/// All histories of a shot: those of [`columns`], or of the channels of an assembly.
+pub fn columns_of(shot: &ShotRecord) -> Vec<Column<'_>> {
+    match &shot.record {
+        EngineRecord::Keys(record) => columns(record),
+        EngineRecord::Assembly(record) => {
+            let channels = record.channels.iter();
+            let column = channels.map(|channel| Column {
+                name: channel.name.replace('.', "_"),
+                unit: &channel.unit,
+                values: &channel.values,
+            });
+            column.collect()
+        }
+    }
+}
+
+/// All histories of a record, in the order in which a reader would look for them: motion, gas, forces, flow.
 pub fn columns(record: &CycleRecord) -> Vec<Column<'_>> {
     // A new group of histories does not compile until it has columns.
     let CycleRecord {

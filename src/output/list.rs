@@ -55,7 +55,7 @@ pub fn of_cycle(shot: &ShotRecord, exports: Exports) -> Result<Vec<File>, Error>
 /// Files of a cycle of the tool of the keys.
 ///
 /// # Errors
-/// [`Error::Table`] where a table is not rectangular.
+/// [`Error::Table`] if a table is not rectangular.
 pub fn of_keys(record: &CycleRecord, exports: Exports) -> Result<Vec<File>, Error> {
     let files = OUTPUTS.par_iter().filter_map(|output| match output.writer {
         Writer::Cycle(write) => Some(write(record, exports).map(|bytes| File::new(output.name, bytes))),

@@ -40,7 +40,7 @@ use crate::error::Error;
 use crate::run::Run;
 
 pub use body_fields::BodyFields;
-pub use columns::{Column, columns};
+pub use columns::{Column, columns, columns_of};
 pub use events::{EVENT_NAMES, event_name};
 pub use file::File;
 pub use film::Fields;

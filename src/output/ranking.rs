@@ -19,6 +19,10 @@ fn rows(of: &RunView<'_>) -> Result<Vec<u8>, Error> {
             level(spread.and_then(|own| own.high_db)),
             optional(spread.and_then(|own| own.first), 4),
             study.map_or_else(String::new, |study| study.draws.to_string()),
+            level(spread.and_then(|own| own.silencing_db).map(|ends| ends[0])),
+            level(spread.and_then(|own| own.silencing_db).map(|ends| ends[1])),
+            result.declaration.k_db.map_or_else(String::new, |k| k.to_string()),
+            result.outcome.clone(),
         ]
     };
     let sources = result.ranking.iter().map(|source| {
@@ -48,6 +52,10 @@ fn rows(of: &RunView<'_>) -> Result<Vec<u8>, Error> {
         "interval high L_WA [dB]",
         "P(first) [-]",
         "draws",
+        "fall of the total without it low [dB]",
+        "fall of the total without it high [dB]",
+        "K [dB]",
+        "outcome",
     ];
     table(header, sources.chain([total.into_iter().chain(over_draws(TOTAL))]))
 }

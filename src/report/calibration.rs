@@ -14,26 +14,31 @@ const NEXT_SHOWN: usize = 16;
 
 pub(super) fn page(result: &CalibrationResult, charts: &[Chart]) -> Page {
     let chart = |name: &str| charts.iter().find(|chart| chart.name == name).map(markup);
-    let mut sections = vec![Section::new(
-        "measurements",
-        "Measurements",
-        html! { @if let Some(c) = chart("calibration-measurements") { (c) } (measurements(result)) },
-    )];
+    let mut sections = Vec::new();
+    if !result.measurements.is_empty() {
+        sections.push(Section::new(
+            "measurements",
+            "Measurements",
+            html! { @if let Some(c) = chart("calibration-measurements") { (c) } (measurements(result)) },
+        ));
+    }
     if !result.conflicts.is_empty() {
         sections.push(Section::new("conflicts", "Conflicts", conflicts(result)));
     }
-    sections.extend([
-        Section::new(
+    if !result.measurements.is_empty() {
+        sections.push(Section::new(
             "inputs",
             "Inputs",
             html! { @if let Some(c) = chart("calibration-inputs") { (c) } (inputs(result)) },
-        ),
-        Section::new("shot", "The shot of the design", figures(result)),
-    ]);
+        ));
+    }
+    sections.push(Section::new("shot", "The shot of the design", figures(result)));
     if !result.next.is_empty() {
         sections.push(Section::new("next", "What to measure next", next(result)));
     }
-    sections.push(Section::new("sampler", "The sampler", sampler(result)));
+    if !result.steps.is_empty() {
+        sections.push(Section::new("sampler", "The sampler", sampler(result)));
+    }
     Page {
         title: format!("{}: calibration", result.design.name),
         compared: None,
@@ -47,7 +52,8 @@ fn lead(result: &CalibrationResult) -> Markup {
     html! {
         @if !result.converged { p { b { "The sampler has not converged: do not rely on these intervals." } }
             ul { @for fault in &result.faults { li { (fault) } } } }
-        p { (result.draws) " draws from the ranges, given the measurements; seed " (result.seed) "." }
+        p { (result.draws) " draws from the ranges" @if !result.measurements.is_empty() { ", given the measurements" }
+            "; seed " (result.seed) "." }
         ul { @for note in &result.notes { li { (with_code(note)) } } }
     }
 }

@@ -9,13 +9,16 @@ use super::axis::{labels, percent};
 use super::legend::{legend, marked};
 use crate::figures::path::Frame;
 use crate::figures::ticks::{Tick, across, rows, upwards};
-use crate::figures::{Chart, Event, PALETTE, Panel, Series, hexadecimal, subscripts};
+use crate::figures::{Chart, Event, PALETTE, Panel, Series, Shape, hexadecimal, subscripts};
 
 /// Box of the coordinates of a plot.
 const FRAME: Frame = Frame {
     across: 4000.0,
     up: 2000.0,
 };
+
+/// Points of a series whose dots are large.
+const FEW: usize = 16;
 
 /// Width of the symbol of an event \[px\].
 const SYMBOL: f64 = 21.0;
@@ -85,9 +88,12 @@ fn plot(chart: &Chart, panel: &Panel) -> Markup {
     }
 }
 
-/// Series in drawing order: the last one is drawn on top, and it is the first of a panel.
+/// Series in drawing order: the last one is drawn on top, and it is the first of a panel. Error bars lie on the bars of
+/// all series.
 fn in_order(panel: &Panel) -> impl Iterator<Item = (usize, &Series)> {
-    panel.series.iter().enumerate().rev()
+    let errors = |(_, own): &(usize, &Series)| matches!(own.shape, Shape::Errors(_));
+    let series = || panel.series.iter().enumerate().rev();
+    series().filter(move |own| !errors(own)).chain(series().filter(errors))
 }
 
 fn series(panel: &Panel, place: usize, series: &Series) -> Markup {
@@ -107,7 +113,9 @@ fn series(panel: &Panel, place: usize, series: &Series) -> Markup {
             data-name=[(!series.name.is_empty()).then(|| subscripts(&series.name, "", ""))]
             data-values=[of_categories.then(values)]
                 data-notes=[(!series.notes.is_empty()).then(|| series.notes.join("|"))] {
-            @for (class, d) in FRAME.paths(panel, place, series) { path class=(class) d=(d) {} }
+            @for (class, d) in FRAME.paths(panel, place, series) {
+                path class=(class) d=(d) data-few[class == "dots" && series.x.len() <= FEW] {}
+            }
         }
     }
 }

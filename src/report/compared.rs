@@ -183,7 +183,7 @@ fn errors(c: &Comparison, place: usize, paired: &[PairedStudy]) -> Option<Vec<[f
     Some(names.iter().map(|name| ends(name).unwrap_or(unknown)).collect())
 }
 
-/// Levels of all sources and the total by design.
+/// Levels of all sources and of the total for each design.
 fn overview(c: &Comparison, paired: &[PairedStudy]) -> Chart {
     let rows = c.sources.iter().map(|row| (row.source.as_str(), &row.levels));
     let mut panel = bars(

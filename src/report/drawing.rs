@@ -13,7 +13,7 @@ pub(super) fn section(design: &Design) -> Markup {
         return html! {
             p.quiet { "The network of the tool: spaces, bodies and triggers are columns, passages, faces and forces \
                 are rows." }
-            div.scroll { (PreEscaped(drawing::network(design.name(), &cycle.assembly))) }
+            (PreEscaped(drawing::network(design.name(), &cycle.assembly)))
         };
     }
     let drawing = Drawing::new(design);

@@ -25,6 +25,7 @@ mod picture;
 mod raster;
 mod rows;
 mod scene;
+mod sheet;
 mod sound;
 mod study;
 mod surface;
@@ -38,6 +39,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::calibration::CalibrationResult;
 use crate::comparison::Comparison;
+use crate::declaration;
 use crate::design::Design;
 use crate::error::Error;
 use crate::figures;
@@ -320,6 +322,11 @@ pub fn measurement(result: &MeasurementResult, charts: &[figures::Chart]) -> Str
 /// draws, if any, and a sound for each design that has one.
 pub fn comparison(comparison: &Comparison, paired: &[PairedStudy], identity: &str, recordings: &[Recording]) -> String {
     compared::page(comparison, paired, identity, recordings).html()
+}
+
+/// The declaration sheet of a finished result, for a use of the tool.
+pub fn declaration(of: &declaration::Finished, usage: declaration::Use) -> String {
+    sheet::page(of, usage).html()
 }
 
 fn ranking(result: &RunResult) -> Markup {

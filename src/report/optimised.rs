@@ -67,7 +67,7 @@ fn varied(own: &Variable) -> Markup {
     }
 }
 
-/// The answer in a sentence: what the best design gains, or that there is none.
+/// The result in one sentence: the improvement by the best design, or that there is none.
 fn lead(found: &Optimisation) -> Markup {
     let level = |own: &Trial| own.shot.as_ref().and_then(|shot| shot.total_db);
     let best = found.best().next();
@@ -122,7 +122,7 @@ fn gain(goal: &str, change: f64) -> String {
     }
 }
 
-/// What excludes candidates, and how many.
+/// The reasons for excluding candidates, with their numbers.
 fn reasons(found: &Optimisation) -> Vec<(String, usize)> {
     let mut counts: Vec<(String, usize)> = Vec::new();
     for trial in &found.trials {

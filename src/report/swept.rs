@@ -42,7 +42,7 @@ pub(super) fn page(design: &str, axes: &[Axis], points: &[SweptPoint], chart: &C
     }
 }
 
-/// The quietest and the loudest point whose nail is driven, in a sentence.
+/// A sentence on the quietest and the loudest point whose nail is driven.
 fn lead(axes: &[Axis], points: &[SweptPoint]) -> Markup {
     let name = |point: &SweptPoint| {
         let values = axes.iter().zip(&point.values);

@@ -19,6 +19,9 @@ const TYPESET: [(&str, &str); 10] = [
     (" um", " \u{b5}m"),
 ];
 
+/// Longest text of a cell that is not broken into lines \[characters\].
+const SHORT: usize = 14;
+
 /// A table with its legend.
 pub(super) fn markup(table: &Table) -> Markup {
     let last = table.rows.len().saturating_sub(1);
@@ -45,7 +48,7 @@ fn cell(place: usize, column: &Column, cell: &Cell) -> Markup {
         @else if key { td.key-name { (cell.text) } }
         @else if place == 0 { th.source[cell.dot.is_some()] scope="row" { (content(cell)) } }
         @else if column.content == Content::Numbers { td.n { (content(cell)) } }
-        @else { td { (content(cell)) } }
+        @else { td.short[cell.text.chars().count() <= SHORT] { (content(cell)) } }
     }
 }
 

@@ -1,26 +1,26 @@
-//! What a shot achieves and consumes: what quieting a tool may cost.
+//! Performance and consumption of a shot, which show the costs of quieting a tool.
 
 use nailnoise_dynamics::{Crossing, CycleRecord, Parameters};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// Reserve of the drive, consumption of air and rate of a shot.
+/// Energy reserve, air consumption and rate of a shot.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Performance {
-    /// Depth of the nail's head below the surface \[m\]; negative where it protrudes.
+    /// Depth of the nail's head below the surface \[m\]; negative if it protrudes.
     pub head_depth_m: f64,
-    /// Kinetic energy of the piston when the nail is as deep as it is long: the energy left beyond a flush nail \[J\];
-    /// null where the nail is not driven so far.
+    /// Kinetic energy of the piston when the nail has penetrated its own length, which is the energy left at flush
+    /// \[J\]; null if the nail is not driven that far.
     pub energy_left_j: Option<f64>,
     /// Air that leaves the tool, as a volume at ambient pressure and temperature \[m3\].
     pub air_m3: f64,
-    /// Shots a second at most: one over the time from the trigger until the piston rests on the stopper again \[Hz\];
-    /// null where it does not come to rest.
+    /// Maximum number of shots per second: the reciprocal of the time from the trigger until the piston rests on the
+    /// stop again \[Hz\]; null if it does not come to rest.
     pub shots_per_second: Option<f64>,
 }
 
 impl Performance {
-    /// That of a shot with these parameters.
+    /// The performance of a shot with these parameters.
     pub fn of(record: &CycleRecord, parameters: &Parameters) -> Self {
         let summary = &record.summary;
         let deep = |entry: &&nailnoise_dynamics::LogEntry| entry.crossing == Crossing::FullDepth && entry.is_rising();
@@ -36,7 +36,7 @@ impl Performance {
         }
     }
 
-    /// Name, value and unit of each figure as a person reads them; no value where there is none.
+    /// Name, value and unit of each figure in readable form; a missing value is `None`.
     pub(crate) fn figures(&self) -> [PerformanceFigure; 4] {
         let figure = |name, value: Option<f64>, unit, decimals| PerformanceFigure {
             name,
@@ -66,7 +66,7 @@ impl Performance {
 
 const HEAD_DEPTH: &str = "head below the surface";
 
-/// The place of a nail's head in words: `head 4.0 mm deep`, or `head 0.3 mm proud` where it protrudes.
+/// Text for the position of a nail's head: `head 4.0 mm deep`, or `head 0.3 mm proud` if it protrudes.
 pub(crate) fn head(depth_m: f64) -> String {
     let side = if depth_m < 0.0 { "proud" } else { "deep" };
     format!("head {:.1} mm {side}", 1e3 * depth_m.abs())
@@ -76,7 +76,7 @@ pub(crate) fn head(depth_m: f64) -> String {
 pub(crate) struct PerformanceFigure {
     /// Its name.
     pub(crate) name: &'static str,
-    /// Its value in the unit; none where there is none.
+    /// Its value in the unit; `None` if missing.
     pub(crate) value: Option<String>,
     /// The unit; empty for a rate.
     pub(crate) unit: &'static str,

@@ -8,14 +8,15 @@ use super::intervals::Interval;
 use super::sound::{SoundSource, parts_of};
 use crate::result::{BandLevel, Check, Component, IntervalLevel, RankedSource, Starts, Total};
 
-/// Cells of the power histories \[s\].
+/// Length of the cells in power histories \[s\].
 const CELL: f64 = 1e-4;
 
-/// Time shown before and after the records \[s\]: the finite range of frequencies spreads a sudden sound to both sides.
+/// Time shown before and after the records \[s\], because the finite frequency range spreads a sudden sound to both
+/// sides.
 const MARGIN: f64 = 0.01;
 
-/// Largest relative difference between a signal's bins and the spectrum's, in addition to the interpolation error of
-/// the resistance, which its root shares: 0.04 dB.
+/// Largest relative difference between a signal's bins and those of the spectrum, in addition to the interpolation
+/// error of the resistance, which enters with its square root: 0.04 dB.
 const MISMATCH: f64 = 1e-2;
 
 /// Largest relative difference between a sum of energies and the total energy.
@@ -26,7 +27,7 @@ const ROUNDING: f64 = 1e-9;
 pub struct SoundPower {
     /// Name of the source.
     pub source: String,
-    /// Its power; the time of the cycle.
+    /// Its power over the time of the cycle.
     pub history: PowerHistory,
 }
 
@@ -59,7 +60,7 @@ pub fn rank(sources: &[&SoundSource], range_hz: [f64; 2]) -> (Vec<RankedSource>,
     (ranking.sources.iter().map(ranked).collect(), total)
 }
 
-/// The bands that reach into the range.
+/// The bands that overlap the range.
 fn bands(spectrum: &SourceSpectrum, range_hz: [f64; 2]) -> Vec<BandLevel> {
     let inside = |b: &&Band| b.band.high > range_hz[0] && b.band.low < range_hz[1];
     let level = |b: &Band| BandLevel {
@@ -109,17 +110,17 @@ pub fn powers(ranking: &[RankedSource], sources: &[&SoundSource], end: f64) -> V
     paired(ranking, sources).map(power).collect()
 }
 
-/// Difference between the sum of the parts of a source and the source, relative to the latter.
+/// Difference between the sum of the parts of a source and the source, relative to the source.
 ///
-/// Parts below [`SILENCE`] have no level, so that they are absent from the sum: `silent` of them may make up that much
-/// each.
+/// Parts below [`SILENCE`] have no level, so that they are missing from the sum: each of the `silent` parts may
+/// contribute up to that energy.
 fn gap(sum: f64, silent: usize, whole: Level) -> f64 {
     let whole = level_energy(whole);
     let difference = ((sum - whole).abs() - silent as f64 * SILENCE).max(0.0);
     difference / whole.max(SILENCE)
 }
 
-/// Checks that bands sum to each source's level and sources to the total, as relative energy.
+/// Checks that bands sum to each source's level and sources to the total, as relative energies.
 pub fn checks(ranking: &[RankedSource], total: &Total) -> Vec<Check> {
     let mut checks: Vec<Check> = ranking
         .iter()
@@ -146,7 +147,7 @@ pub fn checks(ranking: &[RankedSource], total: &Total) -> Vec<Check> {
 }
 
 /// Checks that intervals sum to each source's level, and that signals have the energy of the spectra; `tolerance` is
-/// that of interpolated resistances.
+/// the error of interpolated resistances.
 pub fn interval_checks(ranking: &[RankedSource], sources: &[&SoundSource], tolerance: f64) -> Vec<Check> {
     let mut checks = Vec::new();
     for (ranked, source) in paired(ranking, sources) {
@@ -178,7 +179,7 @@ fn paired<'a>(
     })
 }
 
-/// Widens the uncertainty of the source `name` by two standard deviations of its starts.
+/// Increases the uncertainty of the source `name` by two standard deviations over its starts.
 pub fn widen(ranking: &mut [RankedSource], name: &str, starts: &Starts) {
     let spread = 2.0 * starts.deviation_db;
     for source in ranking.iter_mut().filter(|source| source.source == name) {
@@ -198,12 +199,12 @@ mod tests {
 
     #[test]
     fn parts_too_faint_for_a_level_are_no_gap_and_absent_energy_is_one() {
-        // 0.1 fJ in one band, and 20 bands of half the energy of silence each, which have no level.
+        // 0.1 fJ in one band, and 20 bands without a level, each with half the energy of silence.
         let loud = 1e-16;
         let whole = energy_level(loud + 20.0 * 0.5 * SILENCE);
         assert_eq!(gap(loud, 20, whole), 0.0);
         assert!(gap(loud, 0, whole) > 1e-4);
-        // A part of a millionth that is not there.
+        // A missing part of one millionth.
         let part = 1e-6;
         assert!((gap(1.0 - part, 20, energy_level(1.0)) / part - 1.0).abs() < 1e-6);
         assert!((gap(1.0 + part, 0, energy_level(1.0)) / part - 1.0).abs() < 1e-6);

@@ -1,4 +1,4 @@
-//! Requirements of a run on a body, checked as soon as it is meshed and before time is spent on its modes.
+//! Requirements that a run places on a body, checked as soon as it is meshed, before time is spent on its modes.
 
 use std::sync::Arc;
 
@@ -12,11 +12,11 @@ use super::{Code, OnDemand, Postcard, Progress, Stage, Stored, all, code};
 use crate::error::Error;
 use crate::stages::bodies::BodyError;
 
-/// Requirements of a run on a body: places of forces, contacts, springs and sensors, its mass, one piece, and a surface
-/// that can radiate.
+/// Requirements that a run places on a body: places of forces, contacts, springs and sensors, its mass, one connected
+/// piece, and a surface that can radiate.
 #[derive(Serialize)]
 pub struct Requirements {
-    /// Which body it is.
+    /// The body.
     pub kind: BodyKind,
     /// The meshed body.
     pub meshed: Stored<Meshed>,
@@ -24,13 +24,13 @@ pub struct Requirements {
     pub model: OnDemand<Stored<Model>>,
     /// Sensors on it.
     pub sensors: Vec<SensorPoint>,
-    /// Mass that it must have \[kg\]; none for a body whose mass is that of its mesh.
+    /// Required mass \[kg\]; `None` for a body whose mass is that of its mesh.
     pub mass: Option<f64>,
-    /// The surface that radiates.
+    /// The radiating surface.
     pub radiating: Option<Radiating>,
 }
 
-/// A surface that radiates, of one body or of several.
+/// A radiating surface of one body or of several.
 #[derive(Serialize)]
 pub enum Radiating {
     /// The tool's body, its cap if separate, and the microphones.
@@ -67,7 +67,7 @@ impl Stage for Requirements {
             Some(Radiating::Workpiece(_, bodies, _)) => all(bodies)?,
             _ => Vec::new(),
         };
-        // Independent of each other; their findings stay in order.
+        // These checks are independent of each other; their findings are kept in order.
         let of_pieces = || meshed.check_pieces(body);
         let of_radiation = || match &self.radiating {
             Some(radiating) => radiating.check(&Surface::of(&meshed.imported.mesh), &others),

@@ -17,20 +17,20 @@ use crate::error::Error;
 use crate::result::SensorLevel;
 use crate::stages::cycle::ShotRecord;
 
-/// Standard acceleration of gravity, the unit of accelerometer readings (ISO 80000-3) \[m/s2\].
+/// Standard acceleration due to gravity, the unit of accelerometer readings (ISO 80000-3) \[m/s2\].
 const STANDARD_GRAVITY: f64 = 9.80665;
 
-/// Time constants of a high-pass that a transform lasts longer than the motion, so that exp(-12) of its decay wraps
-/// around.
+/// Number of time constants of a high-pass by which a transform is longer than the motion, so that only exp(-12) of its
+/// decay wraps around.
 const DECAY: f64 = 12.0;
 
-/// Longest high-pass decay that fits into a transform \[s\]; only one below 0.5 Hz lasts longer.
+/// Longest decay of a high-pass that fits into a transform \[s\]; only a high-pass below 0.5 Hz decays longer.
 const LONGEST_DECAY: f64 = 4.0;
 
-/// Share of a signal's energy that the end of its record may leave out: 4e-5 dB of its level.
+/// Fraction of a signal's energy that may be cut off at the end of its record; it changes the level by 4e-5 dB.
 const REST: f64 = 1e-5;
 
-/// Shortest record, in samples: the minimum for a spectrum.
+/// Minimum number of samples in a record, for a spectrum.
 const SHORTEST: usize = 8;
 
 /// An accelerometer with its measuring chain.
@@ -40,22 +40,22 @@ pub struct Accelerometer {
     pub name: String,
     /// Body that carries the sensor.
     pub body: Carrier,
-    /// Component of its axis along z, upwards; on a rigid tool nothing else matters.
+    /// Upward component of its axis along z; on a rigid tool, the other components have no effect.
     pub axis_z: f64,
-    /// Limits of its band, -3 dB, the upper one not above the modes of its body \[Hz\].
+    /// Limits of its band at -3 dB \[Hz\]; the upper one is not above the modes of its body.
     pub band_hz: [f64; 2],
     /// Law and position, if the sensor is on sand next to the workpiece.
     pub sand: Option<(MovingSand, [f64; 2])>,
 }
 
 impl Accelerometer {
-    /// Response of the measuring chain: a high-pass of first order and a Butterworth low-pass of fourth order,
+    /// Response of the measuring chain, which is a first-order high-pass and a fourth-order Butterworth low-pass,
     ///
     /// ```text
     /// H = s_l/(1 + s_l) / prod_k (1 + 2 s_h sin((2k - 1) pi/8) + s_h^2),  k = 1, 2;  s = j f/f_limit
     /// ```
     ///
-    /// and of the sand between workpiece and sensor.
+    /// including the sand between workpiece and sensor.
     fn transfer(&self, hz: f64) -> Complex<f64> {
         let low = Complex::new(0.0, hz / self.band_hz[0]);
         let high = Complex::new(0.0, hz / self.band_hz[1]);
@@ -116,7 +116,7 @@ impl Sensors {
     /// The signals, in the order of the sensors.
     ///
     /// # Errors
-    /// Those of the stages before and of the filter.
+    /// The errors of previous stages and of the filter.
     pub(super) fn records(&self) -> Result<Vec<SensorRecord>, Error> {
         let (record, vibration) = (self.cycle.get()?, self.vibration.get()?);
         let motions = all(&self.motions)?;
@@ -131,11 +131,11 @@ impl Sensors {
     }
 }
 
-/// Signals of sensors on a time grid (`step` \[s\], number of `samples`), cut once all have come to rest. Sensors
+/// Signals of sensors on a time grid (`step` \[s\], number of `samples`), cut when all have come to rest. Sensors
 /// without a motion of their body are on a rigid tool, which moves as in the cycle.
 ///
 /// # Errors
-/// Those of the filter.
+/// The errors of the filter.
 fn signals(
     sensors: &[Accelerometer],
     (step, samples): (f64, usize),
@@ -168,7 +168,7 @@ fn signals(
     Ok(records)
 }
 
-/// Number of samples after which less than [`REST`] of a signal's energy is left.
+/// Number of samples after which less than [`REST`] of a signal's energy remains.
 fn decayed_length(signal: &[f64]) -> usize {
     let left = REST * signal.iter().map(|a| a * a).sum::<f64>();
     let mut after = 0.0;
@@ -179,8 +179,11 @@ fn decayed_length(signal: &[f64]) -> usize {
     last.map_or(0, |last| last + 1).max(SHORTEST.min(signal.len()))
 }
 
-/// Acceleration of a rigid tool, times a factor.
+/// Acceleration of a rigid tool, multiplied by a factor.
 fn rigid(record: &ShotRecord, (step, samples): (f64, usize), factor: f64) -> Vec<f64> {
+    if record.tool_acceleration().is_empty() {
+        return vec![0.0; samples];
+    }
     // After the record the forces on the tool balance each other.
     let acceleration = Loads {
         interval: record.sample_interval,
@@ -192,7 +195,7 @@ fn rigid(record: &ShotRecord, (step, samples): (f64, usize), factor: f64) -> Vec
 }
 
 impl SensorRecord {
-    /// RMS over 1 s and peak.
+    /// RMS over 1 s, and peak.
     pub fn level(&self) -> SensorLevel {
         let energy: f64 = self.acceleration.iter().map(|a| a * a).sum::<f64>() * self.interval;
         let peak = self.acceleration.iter().fold(0.0, |peak: f64, a| peak.max(a.abs()));

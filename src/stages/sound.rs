@@ -14,7 +14,7 @@ use crate::result::{Check, CrossCheck, RadiationReport, Uncertainty};
 /// Largest difference between the two evaluations of the A-weighted level \[dB\].
 const DIFFERENCE: f64 = 0.1;
 
-/// A source with the signals that it consists of.
+/// A source with its signals.
 #[derive(Clone)]
 pub struct Sound {
     /// Energy over frequency.
@@ -53,7 +53,7 @@ pub struct SoundSource {
     pub histories: Vec<PowerHistory>,
     /// Levels between the events.
     pub intervals: Vec<Interval>,
-    /// Names of the contributions that the convention of wrapping moves from one source to another.
+    /// Names of the contributions that the wrapping convention moves from one source to another.
     pub moved: Vec<String>,
     /// Relative difference between the bins of each signal and those of the spectrum, by the signal's name.
     pub mismatches: Vec<(String, f64)>,
@@ -108,10 +108,10 @@ impl SoundSource {
         }
     }
 
-    /// The source without a part of it on the same frequencies.
+    /// The source without a part given at the same frequencies.
     ///
     /// # Errors
-    /// A part on other frequencies.
+    /// If the part has other frequencies.
     pub fn without(&self, part: &Self) -> Result<Self, LevelsError> {
         let mut rest = self.clone();
         rest.spectrum = self.spectrum.without(&part.spectrum)?;
@@ -123,7 +123,8 @@ impl SoundSource {
         Ok(rest)
     }
 
-    /// The source with a part that counts to it. The range of the source stays, and the part becomes a contribution.
+    /// The source with a part that is assigned to it. The range of the source is unchanged, and the part becomes a
+    /// contribution.
     #[must_use]
     pub fn with(&self, part: &Self) -> Self {
         let mut whole = self.clone();
@@ -135,7 +136,7 @@ impl SoundSource {
         whole
     }
 
-    /// Check that the power by the surface is that by the far field, if both are known.
+    /// Check that the power from the surface equals that from the far field, if both are known.
     pub fn surface_check(&self) -> Option<Check> {
         let difference = self.radiation.as_ref()?.surface_difference_db?;
         let source = &self.spectrum.source;
@@ -156,11 +157,11 @@ impl SoundSource {
 pub struct SourceHistory {
     /// Its name and unit, as the heading of a column.
     pub heading: String,
-    /// Its values; none where it does not exist.
+    /// Its values; `None` where it is undefined.
     pub values: Vec<Option<f64>>,
 }
 
-/// A spectrum with that of a part, which becomes a contribution; the range is that of the first.
+/// The sum of a spectrum and that of a part, which becomes a contribution; the range is that of the first.
 pub fn sum_with(own: &SourceSpectrum, part: &SourceSpectrum) -> SourceSpectrum {
     let alone = SourceSpectrum {
         contributions: Vec::new(),

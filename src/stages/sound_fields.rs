@@ -1,4 +1,4 @@
-//! The sound field of a shot for inspection, one-third octave by one-third octave.
+//! The sound field of a shot for inspection, in one-third octaves.
 
 use std::sync::Arc;
 
@@ -20,30 +20,30 @@ use super::{Code, Postcard, Progress, Stage, Stored, all, code};
 use crate::error::Error;
 use crate::result::Check;
 
-/// Largest difference of the energy in a field from the source's \[dB\].
+/// Largest difference between the energy of a field and that of the source \[dB\].
 const DIFFERENCE: f64 = 0.1;
 
-/// Computes the sound field of workpiece and tool, and the velocity of all surfaces. The output is stored, but not with
-/// a run: pressures in thousands of places take a hundred times the space of the data for levels.
+/// Computes the sound field of workpiece and tool, and the velocity of all surfaces. The output is stored separately
+/// from a run: pressures at thousands of points take a hundred times as much space as the data for levels.
 #[derive(Serialize)]
 pub struct SoundFields {
-    /// Name of the source that workpiece and support are.
+    /// Name of the source to which workpiece and support belong.
     pub source: &'static str,
-    /// How the field of the workpiece is computed.
+    /// Method for the field of the workpiece.
     pub method: FieldMethod,
     /// Workpiece and support.
     pub bodies: Vec<Stored<Body>>,
-    /// Motion of each.
+    /// Motion of each body.
     pub motions: Vec<Stored<BodyMotion>>,
     /// The elastic tool.
     pub tool: Option<ToolField>,
     /// The ambient air.
     pub air: Air,
-    /// Planes that show the field.
+    /// Planes on which the field is shown.
     pub cuts: Cuts,
 }
 
-/// How the field of the workpiece with its support is computed.
+/// Method for the field of the workpiece with its support.
 #[derive(Clone, Serialize)]
 pub enum FieldMethod {
     /// By boundary elements, given their matrix in standard air.
@@ -57,7 +57,7 @@ pub enum FieldMethod {
 /// The elastic tool and its field.
 #[derive(Serialize)]
 pub struct ToolField {
-    /// Name of the source that the tool is.
+    /// Name of the source to which the tool belongs.
     pub source: &'static str,
     /// The body.
     pub body: Stored<Body>,
@@ -72,11 +72,11 @@ pub struct ToolField {
 /// Output of [`SoundFields`].
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Fields {
-    /// How the workpiece's sound is computed.
+    /// Method for the workpiece's sound.
     pub method: String,
     /// Contents and omissions of the fields.
     pub notes: Vec<String>,
-    /// Whether they contain the energy of the source.
+    /// Checks that the fields contain the energy of the source.
     pub checks: Vec<Check>,
     /// Surfaces with fields.
     pub series: Vec<FieldSeries>,
@@ -196,7 +196,7 @@ impl SoundFields {
         Ok(())
     }
 
-    /// Field by boundary elements, above a floor that is part of the equations.
+    /// Field from boundary elements, above a floor if it is included in the equations.
     fn solved(&self, body: SolvedSurface<'_>, floor: Option<f64>) -> Result<Fields, Error> {
         let source = body.source;
         let field = boundary_element_field(body, &self.cuts)?;

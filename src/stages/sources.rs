@@ -1,4 +1,4 @@
-//! What a source gives to a shot: its energy over frequency and time, and its sound at the microphones.
+//! The contribution of a source to a shot: its energy over frequency and time, and its sound at the microphones.
 //!
 //! A source implements [`Emission`]; [`Energy`] and [`Analysis`] are stages of any source.
 
@@ -23,19 +23,19 @@ pub trait Emission: Clone + Serialize + Send + Sync + 'static {
     /// Energy over frequency, without signals.
     ///
     /// # Errors
-    /// Those of its inputs and of its method.
+    /// The errors of its inputs and of its method.
     fn energy(&self) -> Result<Apart<SourceSpectrum>, Error>;
 
     /// Energy over frequency, and over time between the events, within `range_hz`.
     ///
     /// # Errors
-    /// Those of its inputs and of its method.
+    /// The errors of its inputs and of its method.
     fn analysed(&self, edges: &EventEdges, range_hz: [f64; 2]) -> Result<Apart<SoundSource>, Error>;
 
     /// Checks of its inputs that are not checks of the shot.
     ///
     /// # Errors
-    /// Those of its inputs.
+    /// The errors of its inputs.
     fn checks(&self) -> Result<Vec<Check>, Error> {
         Ok(Vec::new())
     }
@@ -95,12 +95,12 @@ impl<E: Emission> Stage for Analysis<E> {
     }
 }
 
-/// A source with all that the result of a run reads of it.
+/// A source with all the data that the result of a run needs.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct SourceSound {
     /// Its energy and its sound at the microphones.
     pub heard: Apart<Heard>,
-    /// Energy that is missing from its model above top frequencies, including parts that count to another source.
+    /// Energy missing from its model above top frequencies, including parts assigned to another source.
     pub truncations: Vec<Truncation>,
     /// Checks of the source, in addition to [`SoundSource::surface_check`].
     pub checks: Vec<Check>,
@@ -109,7 +109,7 @@ pub struct SourceSound {
 }
 
 impl SourceSound {
-    /// Its energy over frequency and time, without the part that counts to another source.
+    /// Its energy over frequency and time, without the part that is assigned to another source.
     pub fn source(&self) -> &SoundSource {
         &self.heard.own.source
     }

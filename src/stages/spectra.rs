@@ -15,16 +15,16 @@ use super::response::Vibration;
 use super::{Code, Progress, Stage, Stored, Uncached, code};
 use crate::error::Error;
 
-/// Modes whose motion is computed together: their forces are one matrix product.
+/// Number of modes whose motion is computed together: their forces are one matrix product.
 const BLOCK: usize = 32;
 
-/// Analyses the motion of one body of a response. Its output is not stored: it is an intermediate of hundreds of
-/// megabytes.
+/// Analyses the motion of one body of a response. Its output is not stored, because it is an intermediate result of
+/// hundreds of megabytes.
 #[derive(Clone, Serialize)]
 pub struct BodyAnalysis {
     /// The response.
     pub vibration: Stored<Vibration>,
-    /// Place of the body in it.
+    /// Index of the body in it.
     pub index: usize,
     /// Range of the spectra \[Hz\].
     pub range_hz: [f64; 2],
@@ -39,9 +39,9 @@ pub struct MovingBody {
     pub body: Stored<Body>,
     /// Loss factor of its modes \[-\].
     pub loss_factor: f64,
-    /// The response that it is part of.
+    /// The response to which it belongs.
     pub vibration: Stored<Vibration>,
-    /// Its place in that response.
+    /// Its index in that response.
     pub index: usize,
     /// Its motion.
     pub motion: Stored<BodyMotion>,
@@ -70,9 +70,9 @@ pub struct BodyInMotion {
     pub body: Arc<Body>,
     /// Loss factor of its modes \[-\].
     pub loss_factor: f64,
-    /// The response that it is part of.
+    /// The response to which it belongs.
     pub vibration: Arc<Vibration>,
-    /// Its place in that response.
+    /// Its index in that response.
     pub index: usize,
     /// Its motion.
     pub motion: Arc<BodyMotion>,
@@ -87,7 +87,7 @@ pub struct BodyMotion {
     pub sensors: SensorMotion,
 }
 
-/// Acceleration of an elastic body at the sensors on it, before their band limits.
+/// Acceleration of an elastic body at its sensors, before their band limits are applied.
 #[derive(Debug, Clone)]
 pub struct SensorMotion {
     /// Names of the sensors.
@@ -143,10 +143,10 @@ impl Stage for BodyAnalysis {
 
 /// Spectra within `range_hz` of the modal accelerations of the body at `index` of a response, and accelerations of
 /// points of that body at the response's samples (samples x points). `points` (modes x points) contains the
-/// displacement of each mode there.
+/// displacement of each mode at these points.
 ///
 /// # Errors
-/// Those of the response and of the Fourier transform.
+/// The errors of the response and of the Fourier transform.
 fn body_spectra(
     response: &ModalResponse,
     index: usize,
@@ -181,12 +181,13 @@ fn body_spectra(
     Ok((spectra, sum))
 }
 
-/// A sum whose terms arrive in any order and are added in order, so that the result does not depend on the threads.
+/// A sum whose terms arrive in any order and are added in a fixed order, so that the result does not depend on the
+/// threads.
 struct OrderedSum {
     sum: DMatrix<f64>,
     /// First mode of the next term.
     next: usize,
-    /// Terms that arrived early, each with the mode after its last.
+    /// Terms that arrived early, each with the mode that follows it.
     early: BTreeMap<usize, (usize, DMatrix<f64>)>,
 }
 

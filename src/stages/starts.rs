@@ -1,8 +1,8 @@
 //! Scatter of the level of a bouncing workpiece.
 //!
-//! A block that leaves its support and lands magnifies small differences that no design specifies: gaps of a micrometre
-//! change when and how it lands, and so its vibration. The response is computed for several such starts; their spread
-//! is part of the level's uncertainty.
+//! A block that leaves its support and lands amplifies small differences that no design specifies: gaps of a micrometre
+//! change when and how it lands, and thus its vibration. The response is computed for several such starts; the standard
+//! deviation is part of the level's uncertainty.
 
 use nailnoise_acoustics::signals::{SourceSpectrum, Weighting};
 use serde::Serialize;
@@ -16,7 +16,7 @@ use crate::result::Starts;
 /// A-weighted levels of the workpiece for several starts.
 #[derive(Serialize)]
 pub struct OtherStarts {
-    /// The workpiece of the run, whose start is the first.
+    /// The workpiece of the run, which uses the first start.
     pub first: Stored<SourceSound>,
     /// Energies of the other starts.
     pub others: OnDemand<Vec<Stored<Apart<SourceSpectrum>>>>,
@@ -25,7 +25,7 @@ pub struct OtherStarts {
 }
 
 impl Stage for OtherStarts {
-    /// None for a silent workpiece.
+    /// `None` for a silent workpiece.
     type Output = Option<Starts>;
     type Error = Error;
     type Codec = Postcard;

@@ -31,7 +31,7 @@ pub struct PressureRecord {
     pub chamber: Chamber,
     /// Sampling interval, the first sample at t = 0 \[s\].
     pub interval: f64,
-    /// Reading, 0 for the pressure at t = 0 \[Pa\].
+    /// Reading relative to the pressure at t = 0 \[Pa\].
     pub values: Vec<f64>,
 }
 
@@ -83,8 +83,8 @@ impl Stage for Transducers {
 }
 
 impl PressureTransducer {
-    /// Absolute pressure before it \[Pa\]. In the cylinder's wall it belongs to the volume below the piston until the
-    /// piston has passed it, and to that above while the piston is lower.
+    /// Absolute pressure at the transducer \[Pa\]. In the cylinder's wall, it is that of the volume below the piston
+    /// until the piston has passed, and that above the piston while the piston is below it.
     fn pressure(&self, record: &ShotRecord) -> Vec<f64> {
         let surface = match self.chamber {
             Chamber::Return => RETURN_WALL,
@@ -107,7 +107,7 @@ impl PressureTransducer {
     }
 }
 
-/// A signal after the first-order high-pass of a discharging charge, from rest at its first value.
+/// A signal after the first-order high-pass of a leaking charge, initially at rest at its first value.
 ///
 /// ```text
 /// y' + y/tau = p'      H = s tau/(1 + s tau)

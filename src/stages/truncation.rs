@@ -1,6 +1,6 @@
 //! Truncation: the energy of a part above its top frequency, beyond the modes of the model.
 //!
-//! The part does not radiate there. The absent energy is estimated by continuing the slope of its last octave.
+//! The part does not radiate there. The missing energy is estimated by extrapolating the slope of its last octave.
 
 use std::borrow::Cow;
 
@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::result::Check;
 
-/// Third-octave bands in an octave.
+/// Number of third-octave bands in an octave.
 const OCTAVE: usize = 3;
 
 /// Largest truncation of a source's A-weighted level \[dB\].
@@ -35,7 +35,7 @@ pub struct Truncation {
     pub source: Cow<'static, str>,
     /// Top frequency of the part \[Hz\].
     pub top_hz: f64,
-    /// How much higher the source's A-weighted level would be \[dB\].
+    /// Increase of the source's A-weighted level if the energy were included \[dB\].
     pub decibels: f64,
 }
 
@@ -58,7 +58,7 @@ impl Truncation {
     }
 }
 
-/// Truncations of a source within a range \[Hz\], by those of its parts that end below the top of the range.
+/// Truncations of a source within a range \[Hz\], for its parts that end below the top of the range.
 pub fn truncations(
     source: (&'static str, &SourceSpectrum),
     range_hz: [f64; 2],
@@ -103,10 +103,10 @@ fn truncation((source, whole): (&'static str, &SourceSpectrum), range_hz: [f64; 
     }
 }
 
-/// A-weighted energy between `top` and `high` if the band energies went on as in the octave below `top` \[J\].
+/// A-weighted energy between `top` and `high` if the band energies continued as in the octave below `top` \[J\].
 ///
-/// The line of 10 lg E over the band number is fitted by least squares to the last three complete bands. It may not
-/// rise: a rising end does not show where the rise ends.
+/// The line of 10 lg E over the band number is fitted by least squares to the last three complete bands. Its slope is
+/// at most zero, because a rising end does not show where the rise ends.
 fn extrapolated(spectrum: &SourceSpectrum, top: f64, high: f64) -> f64 {
     let bands: Vec<BandLevel> = spectrum.band_levels([0.0, top]);
     let whole = bands
@@ -136,7 +136,7 @@ mod tests {
     use super::*;
 
     /// A spectrum E(f) = f^-3 cut at `top`: bands fall by 2 dB each, and the energy above is known. The weighting is
-    /// taken at mid-band, hence 5 %.
+    /// evaluated at mid-band, hence 5 %.
     #[test]
     fn a_power_law_is_continued() {
         let (top, high) = (5011.872, 10_000.0);

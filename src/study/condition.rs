@@ -1,12 +1,12 @@
-//! Which inputs decide whether a shot counts: first-order contributions to the variance of that, over all candidates
-//! with a shot.
+//! Inputs that determine whether a shot counts: first-order contributions to the variance of this indicator, over all
+//! candidates with a shot.
 //!
-//! Y is 1 if a shot counts, else 0, and S_i = Var E[Y|X_i]/Var Y. E[Y|X_i] is the share of candidates that count in
-//! each of [`BINS`] equal parts of the input's distribution, so that a study stores counts and no candidates. The
-//! scatter of these parts is taken off as for the levels (Kelley 1935). Resamples draw the number of counting shots in
-//! each part from its binomial distribution; they scatter around those of the sample, so that the correction is made
-//! twice there. For an input without effect, n times the uncorrected estimate has the chi-squared distribution of
-//! `BINS` - 1 degrees of freedom.
+//! Y is 1 if a shot counts, else 0, and S_i = Var E[Y|X_i]/Var Y. E[Y|X_i] is the fraction of candidates that count in
+//! each of [`BINS`] equal parts of the input's distribution, so that a study stores counts instead of candidates. The
+//! scatter of these fractions is corrected as for the levels (Kelley 1935). Resamples draw the number of counting shots
+//! in each part from its binomial distribution; they scatter around those of the sample, so that the correction is
+//! applied twice to them. For an input without effect, n times the uncorrected estimate has the chi-squared
+//! distribution of `BINS` - 1 degrees of freedom.
 
 use nailnoise_acoustics::random::uniform;
 use schemars::JsonSchema;
@@ -17,22 +17,22 @@ use super::normal;
 use super::statistics::{Estimate, RESAMPLES, interval};
 use super::variables::Variable;
 
-/// Parts of a distribution.
+/// Number of parts of a distribution.
 const BINS: usize = 16;
 
 /// Probability that any of the inputs is above the limit by chance.
 const CHANCE: f64 = 0.05;
 
-/// Fewest shots for an estimate of contributions, and fewest of those that count or do not.
+/// Minimum number of shots for an estimate of contributions, and minimum number of those that count or do not.
 const FEWEST: u64 = 200;
 const FEWEST_OF_A_KIND: u64 = 20;
 
-/// Variance beyond which a binomial number is drawn as a normal one.
+/// Variance above which a binomial number is approximated by a normal one.
 const NORMAL: f64 = 50.0;
 
 const SEED: u64 = 0x5EED_C0DE;
 
-/// Candidates with a shot in each part of each input's distribution, and how many of them count.
+/// Number of candidates with a shot in each part of each input's distribution, and number of those that count.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Counts {
     inputs: Vec<[[u64; 2]; BINS]>,
@@ -41,7 +41,7 @@ pub struct Counts {
 }
 
 impl Counts {
-    /// Adds a candidate by the places of its inputs in their distributions; NaN for an input that is not drawn.
+    /// Adds a candidate, given the positions of its inputs in their distributions; NaN for an input that is not drawn.
     pub(super) fn add(&mut self, shares: &[f64], counts: bool) {
         self.inputs.resize(shares.len(), [[0; 2]; BINS]);
         self.shots += 1;
@@ -54,13 +54,13 @@ impl Counts {
     }
 }
 
-/// All shots of some parts, and how many of them count.
+/// Number of all shots in some parts, and of those that count.
 fn sum(bins: &[[u64; 2]]) -> [u64; 2] {
     bins.iter()
         .fold([0, 0], |sums, bin| [sums[0] + bin[0], sums[1] + bin[1]])
 }
 
-/// S of an input without the correction, and its degrees of freedom; none for a fixed input.
+/// S of an input without the correction, and its degrees of freedom; `None` for a fixed input.
 fn explained(bins: &[[u64; 2]]) -> Option<(f64, f64)> {
     let occupied = || bins.iter().filter(|[shots, _]| *shots > 0);
     let degrees = occupied().count().checked_sub(1).filter(|degrees| *degrees > 0)?;
@@ -73,7 +73,7 @@ fn explained(bins: &[[u64; 2]]) -> Option<(f64, f64)> {
     Some((if variance > 0.0 { between / variance } else { 0.0 }, degrees as f64))
 }
 
-/// 90 % interval of S of an input after the correction for chance, which is made twice.
+/// 90 % interval of S of an input after the correction for chance, which is applied twice.
 fn interval_of(bins: &[[u64; 2]], chance: f64) -> [Option<f64>; 2] {
     let resample = |resample: usize| {
         let drawn = |(place, &[shots, counting]): (usize, &[u64; 2])| {
@@ -90,7 +90,7 @@ fn interval_of(bins: &[[u64; 2]], chance: f64) -> [Option<f64>; 2] {
     interval((0..RESAMPLES).map(resample).collect())
 }
 
-/// The binomial number of `n` trials below which a share `u` of its distribution lies.
+/// The number of successes in `n` trials at the quantile `u` of the binomial distribution.
 fn binomial(n: u64, p: f64, u: f64) -> u64 {
     let trials = n as f64;
     if p > 0.5 {
@@ -111,16 +111,16 @@ fn binomial(n: u64, p: f64, u: f64) -> u64 {
     number
 }
 
-/// Inputs that decide whether a shot counts.
+/// Inputs that determine whether a shot counts.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Condition {
-    /// Candidates with a shot.
+    /// Number of candidates with a shot.
     pub shots: u64,
-    /// Part of them that counts.
+    /// Fraction of them that counts.
     pub share: f64,
-    /// First-order contribution that any input exceeds by chance with 5 %.
+    /// First-order contribution that any input exceeds by chance with a probability of 5 %.
     pub by_chance: f64,
-    /// Inputs above it, the largest first.
+    /// Inputs above this limit, largest first.
     pub inputs: Vec<ConditionInput>,
 }
 
@@ -129,9 +129,9 @@ pub struct Condition {
 pub struct ConditionInput {
     /// The variable.
     pub variable: String,
-    /// Part of the variance that it explains alone \[-\].
+    /// Fraction of the variance that it explains alone \[-\].
     pub first_order: Estimate,
-    /// Part of the shots that counts in the lower and in the upper half of its distribution.
+    /// Fractions of shots that count in the lower and upper half of its distribution.
     pub halves: [f64; 2],
 }
 
@@ -141,7 +141,8 @@ fn chi_squared(degrees: f64, p: f64) -> f64 {
     degrees * (1.0 - part + normal::quantile(p) * part.sqrt()).powi(3)
 }
 
-/// States the variables that decide; none with too few shots, or if nearly all of them count or none.
+/// The inputs that determine whether a shot counts; `None` if there are too few shots, or if nearly all or none of them
+/// count.
 pub(super) fn condition(counts: &Counts, variables: &[Variable]) -> Option<Condition> {
     let (shots, counting) = (counts.shots, counts.counting);
     if shots < FEWEST || counting.min(shots - counting) < FEWEST_OF_A_KIND {
@@ -189,7 +190,7 @@ mod tests {
     use super::*;
     use crate::study::variables::{Scope, VariableKind};
 
-    /// Counts where X_0 < 5/16 and X_1 < 1/2; X_2 does nothing.
+    /// A shot counts if X_0 < 5/16 and X_1 < 1/2; X_2 has no effect.
     fn found(seed: u64, n: u64) -> Condition {
         let variables = ["a", "b", "c"].map(|name| Variable {
             name: name.to_owned(),
@@ -225,11 +226,11 @@ mod tests {
     #[test]
     fn an_input_that_does_nothing_is_seldom_above_the_limit() {
         let above = (0..200).filter(|seed| found(*seed, 1000).inputs.iter().any(|own| own.variable == "c"));
-        // Of one of three inputs 5/3 %, or three to four of 200; eleven or more have a probability of 0.1 %.
+        // For one of three inputs, 5/3 % of 200 are three to four; eleven or more have a probability of 0.1 %.
         assert!(above.count() < 11);
     }
 
-    /// Stated intervals of 90 % contain the true value in 84 to 96 % of 200 repetitions.
+    /// Intervals stated as 90 % contain the true value in 84 to 96 % of 200 repetitions.
     #[test]
     fn intervals_cover_as_stated() {
         let mut covered = [0; 2];

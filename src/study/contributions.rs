@@ -1,4 +1,5 @@
-//! Inputs that decide each level of a study: the share that one input explains, and by how much it moves the level.
+//! Inputs that determine each level of a study: the fraction of the variance that one input explains, and its effect on
+//! the level.
 
 use rayon::prelude::*;
 use schemars::JsonSchema;
@@ -9,24 +10,24 @@ use super::draws::{Draw, Draws};
 use super::level_table::{LevelTable, number, outputs};
 use super::statistics::{Bootstrap, Estimate};
 
-/// Fewest draws for an estimate of contributions.
+/// Minimum number of draws for an estimate of contributions.
 pub(super) const FEWEST: usize = 40;
 
-/// Inputs that decide a level.
+/// Inputs that determine a level.
 #[derive(Debug, Clone, Serialize, Deserialize, JsonSchema)]
 pub struct Contributions {
     /// Source, `total`, or the difference of two sources.
     pub output: String,
     /// Variance over the draws \[dB2\].
     pub variance_db2: f64,
-    /// First-order contribution that the largest of all inputs of shots exceeds by chance in one of twenty cases; in
-    /// one of forty where structures are drawn.
+    /// First-order contribution that the largest of all shot inputs exceeds by chance in one of twenty cases; in one of
+    /// forty if structures are drawn.
     pub by_chance: f64,
-    /// First-order contribution that the largest of all inputs of structures exceeds by chance in one of forty cases;
-    /// null where they are held or too few.
+    /// First-order contribution that the largest of all structure inputs exceeds by chance in one of forty cases; null
+    /// if structures are fixed or too few.
     #[serde(default)]
     pub by_chance_of_structures: Option<f64>,
-    /// Inputs above what their kind reaches by chance.
+    /// Inputs above the limit for their kind.
     pub inputs: Vec<Contribution>,
 }
 
@@ -35,12 +36,12 @@ pub struct Contributions {
 pub struct Contribution {
     /// The variable.
     pub variable: String,
-    /// Part of the variance that it explains alone \[-\].
+    /// Fraction of the variance that it explains alone \[-\].
     pub first_order: f64,
-    /// 5th and 95th percentile of this part over resampled draws.
+    /// 5th and 95th percentile of this fraction over resampled draws.
     #[serde(default)]
     pub first_order_interval: [Option<f64>; 2],
-    /// Mean level of the draws in the upper third of its values, less that in the lower third \[dB\].
+    /// Mean level of the draws in the upper third of its values, minus that in the lower third \[dB\].
     pub effect_db: f64,
     /// 5th and 95th percentile of this difference over resampled draws.
     #[serde(default)]
@@ -48,7 +49,7 @@ pub struct Contribution {
 }
 
 impl Contribution {
-    /// The part of the variance with its interval.
+    /// The fraction of the variance with its interval.
     pub fn part(&self) -> Estimate {
         Estimate {
             value: Some(self.first_order),
@@ -56,7 +57,7 @@ impl Contribution {
         }
     }
 
-    /// The difference of the outer thirds with its interval \[dB\].
+    /// The difference between the outer thirds with its interval \[dB\].
     pub fn effect(&self) -> Estimate {
         Estimate {
             value: Some(self.effect_db),
@@ -65,7 +66,7 @@ impl Contribution {
     }
 }
 
-/// An input that explains more than chance, while its interval is not known.
+/// An input that explains more than chance, before its interval is known.
 struct Found<'a> {
     variable: usize,
     input: &'a Binned,
@@ -74,7 +75,7 @@ struct Found<'a> {
 }
 
 /// Contributions of inputs to the total, each source, and the difference of the two loudest; `names` are the sources in
-/// their order. None with too few draws.
+/// their order. Empty if there are too few draws.
 pub(super) fn contributions(
     made: &Draws,
     table: &LevelTable,
@@ -91,7 +92,7 @@ pub(super) fn contributions(
     };
     let numbers: Vec<usize> = made.draws.iter().map(|draw| draw.structure).collect();
     let structures = Structures::new(&numbers, made.structures > 0);
-    // The columns themselves are made anew where one is needed: of many draws they are long.
+    // Columns are computed again when needed, because they are long for many draws.
     let binned = |variable: usize| Some((variable, Binned::new(&column(variable)?, &structures)?));
     let inputs: Vec<(usize, Binned)> = (0..made.variables.len()).filter_map(binned).collect();
     let of_units = |unit: Unit| -> Vec<&Binned> {
@@ -120,7 +121,7 @@ pub(super) fn contributions(
         });
         let mut found: Vec<Found<'_>> = found.collect();
         found.sort_by(|a, b| b.first_order.total_cmp(&a.first_order));
-        // If no input is above its limit, resamples are not needed.
+        // If no input is above its limit, no resamples are needed.
         let figures_of = |counts: &[u32]| {
             let sums = sums_of(counts);
             let figures = |own: &Found<'_>| {

@@ -1,38 +1,39 @@
-//! First-order contributions of inputs to the variance of a level, from the draws themselves.
+//! First-order contributions of inputs to the variance of a level, computed from the draws.
 //!
 //! S_i = Var E[Y|X_i]/Var Y. The draws are put into bins of equal counts along an input; the variance between the bins'
-//! means estimates Var E[Y|X_i]. Means of finite bins scatter even where the input does nothing, by (M - 1)/(n - 1) of
-//! the variance in the mean. This part is subtracted (Kelley, "An unbiased correlation ratio measure", PNAS 21, 554
-//! (1935)).
+//! means estimates Var E[Y|X_i]. Means of finite bins scatter even if the input has no effect: on average by
+//! (M - 1)/(n - 1) of the variance. This part is subtracted (Kelley, "An unbiased correlation ratio measure", PNAS 21,
+//! 554 (1935)).
 //!
-//! Shots on one structure share its inputs. Such an input has only as many independent values as there are structures:
-//! its bins contain structures, n is their number, and the variance that it can explain is that between them.
+//! Shots on one structure share the inputs of the structure. Such an input has only as many independent values as there
+//! are structures: its bins contain structures, n is their number, and the variance that it can explain is that between
+//! structures.
 //!
-//! A resample repeats draws, so that its bins scatter once more around those of the sample: Kelley's correction is made
-//! twice there.
+//! A resample repeats draws, so that its bins scatter additionally around those of the sample: Kelley's correction is
+//! applied twice.
 //!
-//! Of many inputs some seem to matter by chance. An estimate counts if it is above the *largest* value of all inputs in
-//! 19 of 20 random pairings of levels with inputs. Inputs of structures and inputs of shots have separate limits, each
-//! of 39 in 40 pairings, because the fewer structures scatter more.
+//! With many inputs, some seem to matter by chance. An estimate counts if it is above the *largest* value of all inputs
+//! in 19 of 20 random pairings of levels with inputs. Inputs of structures and inputs of shots have separate limits,
+//! each of 39 in 40 pairings, because the fewer structures scatter more.
 
 use nailnoise_acoustics::random::uniform;
 use rayon::prelude::*;
 
-/// Random pairings.
+/// Number of random pairings.
 const PERMUTATIONS: usize = 400;
 
-/// Part of them that may reach the limit of one kind of inputs or the other.
+/// Fraction of pairings that may reach the limit of either kind of input.
 const CHANCE: f64 = 0.05;
 
-/// Fewest structures for an estimate of the contributions of their inputs.
+/// Minimum number of structures for an estimate of the contributions of their inputs.
 const FEWEST_STRUCTURES: usize = 10;
 
-/// Most bins.
+/// Maximum number of bins.
 const MOST_BINS: usize = 32;
 
 const SEED: u64 = 0xC047_121B;
 
-/// The unit that has separate values of an input: a draw, or a structure with all draws on it.
+/// The unit for which an input has its own value: a draw, or a structure with all its draws.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Unit {
     /// Each draw.
@@ -45,15 +46,15 @@ impl Unit {
     pub(super) const ALL: [Self; 2] = [Self::Draw, Self::Structure];
 }
 
-/// Structures of draws, numbered from 0 on; none if all draws are on that of the design.
+/// Structures of draws, numbered from 0; empty if all draws use that of the design.
 pub(super) struct Structures {
     of_draws: Vec<usize>,
-    /// The first draw on each.
+    /// The first draw on each structure.
     first_draws: Vec<usize>,
 }
 
 impl Structures {
-    /// From a number of each draw's structure; `drawn` is whether structures differ at all.
+    /// From the number of each draw's structure; `drawn` is whether structures differ at all.
     pub(super) fn new(numbers: &[usize], drawn: bool) -> Self {
         let mut known = numbers.to_vec();
         known.sort_unstable();
@@ -75,25 +76,25 @@ impl Structures {
     }
 }
 
-/// Share of a variance that an input explains, less the share that it explains by chance, after so many such
-/// corrections: the unexplained share grows by the same factor with each.
+/// Fraction of a variance that an input explains, corrected this number of times for the fraction explained by chance;
+/// each correction multiplies the unexplained fraction by the same factor.
 pub(super) fn corrected(explained: f64, chance: f64, corrections: i32) -> f64 {
     1.0 - (1.0 - explained) / (1.0 - chance).powi(corrections)
 }
 
-/// Levels of draws that count several times each, as sums over units.
+/// Levels of draws that may count several times, as sums over units.
 pub(super) struct Sums {
     /// Number of draws in each unit, and the sum of their levels above the mean \[dB\].
     units: Vec<(f64, f64)>,
-    /// Units, each as often as it counts.
+    /// Number of units, including repetitions.
     count: f64,
-    /// Sums of squares between units and of all draws \[dB2\].
+    /// Sums of squares between units, and of all draws \[dB2\].
     between: f64,
     total: f64,
 }
 
 impl Sums {
-    /// Of levels \[dB\] and how often each draw counts.
+    /// From levels \[dB\] and the number of times each draw counts.
     pub(super) fn new(levels: &[f64], counts: &[u32], structures: &Structures, unit: Unit) -> Self {
         let weighted = || {
             levels
@@ -132,7 +133,7 @@ impl Sums {
     }
 }
 
-/// An input in bins along its values.
+/// An input, divided into bins along its values.
 pub(super) struct Binned {
     /// Content of the bins.
     pub(super) unit: Unit,
@@ -142,8 +143,8 @@ pub(super) struct Binned {
 }
 
 impl Binned {
-    /// Puts units into about sqrt(n) bins of equal counts; equal values share a bin. None for a constant input, and for
-    /// one of too few structures.
+    /// Divides units into about sqrt(n) bins of equal counts; equal values share a bin. `None` for a constant input,
+    /// and for an input of too few structures.
     pub(super) fn new(values: &[f64], structures: &Structures) -> Option<Self> {
         if structures.count() == 0 {
             return Self::along(values, Unit::Draw);
@@ -159,7 +160,7 @@ impl Binned {
             .flatten()
     }
 
-    /// Bins along a value of each unit.
+    /// Bins along one value per unit.
     fn along(values: &[f64], unit: Unit) -> Option<Self> {
         let n = values.len();
         let wanted = (n as f64).sqrt().round().clamp(2.0, MOST_BINS as f64) as usize;
@@ -182,7 +183,7 @@ impl Binned {
         })
     }
 
-    /// S of levels, which may be below 0 for an input that does nothing.
+    /// S of levels, which may be negative for an input without effect.
     pub(super) fn first_order(&self, sums: &Sums) -> f64 {
         self.explained(sums, &sums.units, 1)
     }
@@ -192,7 +193,8 @@ impl Binned {
         self.explained(sums, &sums.units, 2)
     }
 
-    /// S of the levels of `units`, which may be those of `sums` in another order, after so many corrections for chance.
+    /// S of the levels of `units`, which may be those of `sums` in another order, corrected this number of times for
+    /// chance.
     fn explained(&self, sums: &Sums, units: &[(f64, f64)], corrections: i32) -> f64 {
         let mut bins = [(0.0, 0.0); MOST_BINS];
         for (&bin, (count, sum)) in self.bins.iter().zip(units) {
@@ -247,7 +249,7 @@ impl Thirds {
         }
     }
 
-    /// Mean level in the upper third, less that in the lower third \[dB\], of draws that count several times each.
+    /// Mean level in the upper third minus that in the lower third \[dB\], for draws that may count several times.
     pub(super) fn effect(&self, levels: &[f64], counts: &[u32]) -> f64 {
         let mean = |part: &[usize]| {
             let sums = part.iter().fold((0.0, 0.0), |(sum, n), &draw| {
@@ -339,7 +341,7 @@ mod tests {
             let input = Binned::new(&values, &structures).unwrap();
             above += usize::from(input.first_order(&sums) > by_chance(&[&input], &sums, true));
         }
-        // One in twenty, or two in forty; seven or more have a probability of 0.3 %.
+        // One in twenty means two in forty; seven or more have a probability of 0.3 %.
         assert!(above < 7, "{above} of 40");
     }
 
@@ -419,7 +421,7 @@ mod tests {
         assert!(Binned::new(&values, &Structures::new(&numbers, true)).is_none());
     }
 
-    /// Stated intervals of 90 % contain the true value in 84 to 95 % of 200 repetitions, by draws and by structures.
+    /// Intervals stated as 90 % contain the true value in 84 to 95 % of 200 repetitions, for draws and for structures.
     #[test]
     fn intervals_cover_as_stated() {
         let mut covered = [0; 3];

@@ -1,4 +1,4 @@
-//! The stored record of the draws of a study: their levels, and the place of each quantity in its distribution, so that
+//! The stored record of a study's draws: their levels, and the position of each quantity in its distribution, so that
 //! the draws can be weighted for another design.
 
 use std::collections::BTreeMap;
@@ -15,25 +15,25 @@ use crate::result::TOTAL;
 /// Maximum number of stored draws.
 const MOST: usize = 4096;
 
-/// Decimals of the levels \[dB\].
+/// Reciprocal of the rounding unit of levels \[1/dB\].
 const DECIMALS: f64 = 100.0;
 
-/// Parts of a distribution that a place is rounded to: three hexadecimal digits.
+/// Number of parts of a distribution to which a position is rounded: three hexadecimal digits.
 const PARTS: f64 = 4096.0;
 const DIGITS: usize = 3;
 
-/// Levels and places of the draws.
+/// Levels and positions of the draws.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct DrawTable {
-    /// Level of each source and of the total in each draw, with the errors of methods \[dB re 1 pW s\]; null for
+    /// Level of each source and of the total in each draw, including the errors of methods \[dB re 1 pW s\]; null for
     /// silence.
     pub levels_db: BTreeMap<String, Vec<Option<f64>>>,
-    /// Place of each drawn key in its distribution, draw by draw: three hexadecimal digits, 0 to 4095 of 4096 parts.
+    /// Position of each drawn key in its distribution for each draw: three hexadecimal digits, 0 to 4095 of 4096 parts.
     pub places: BTreeMap<String, String>,
 }
 
 impl DrawTable {
-    /// That of these draws.
+    /// The table of these draws.
     pub(super) fn of(made: &Draws) -> Self {
         let draws = &made.draws[..made.draws.len().min(MOST)];
         let table = LevelTable::new(draws);
@@ -56,8 +56,8 @@ impl DrawTable {
         }
     }
 
-    /// 5th and 95th percentile of the fall of the total where one source is silent, by source \[dB\]. Of fewer draws
-    /// than [`STATED_FROM`] the least and the greatest fall. Empty where a draw is silent as a whole.
+    /// 5th and 95th percentile of the decrease of the total when one source is silent, for each source \[dB\]. For
+    /// fewer draws than [`STATED_FROM`], the smallest and the largest decrease. Empty if any draw is completely silent.
     pub(super) fn silencing(&self) -> BTreeMap<String, [f64; 2]> {
         let ends = if self.len() < STATED_FROM {
             [0.0, 1.0]
@@ -78,8 +78,8 @@ impl DrawTable {
             .collect()
     }
 
-    /// Whether its first draws are those of another table: the same places, and levels that differ by one in the last
-    /// decimal at most.
+    /// Whether its first draws equal those of another table: the same positions, and levels that differ by at most one
+    /// unit in the last decimal.
     pub(super) fn begins_with(&self, other: &Self) -> bool {
         let count = other.len();
         let near = |(own, other): (&Option<f64>, &Option<f64>)| match (own, other) {
@@ -103,12 +103,12 @@ impl DrawTable {
         self.levels_db.get(TOTAL).map_or(0, Vec::len)
     }
 
-    /// Whether there are none.
+    /// Whether there are no draws.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
 
-    /// Shares of its distribution below a key, draw by draw; none for one that is not drawn.
+    /// Quantile of a key's value in each draw; `None` for a key that is not drawn.
     pub(super) fn shares(&self, key: &str) -> Option<Vec<f64>> {
         let digits = self.places.get(key)?;
         let share = |place: usize| {
@@ -118,7 +118,7 @@ impl DrawTable {
         (0..self.len()).map(share).collect()
     }
 
-    /// Levels of a source or of the total, draw by draw; minus infinity for silence.
+    /// Level of a source or of the total in each draw; minus infinity for silence.
     pub(super) fn levels(&self, name: &str) -> Option<Vec<f64>> {
         let own = self.levels_db.get(name)?.iter();
         Some(own.map(|level| level.unwrap_or(f64::NEG_INFINITY)).collect())

@@ -1,15 +1,15 @@
-//! The draws of a study: each a design with the levels of its shot.
+//! The draws of a study: each is a design with the levels of its shot.
 //!
-//! Structures (modes and radiation matrices) are dear, shots on them are cheap. If structures are drawn, each serves
-//! several shots: a joint draw of structure and shot that is accepted gives the structure, and further shots are drawn
-//! on it. Both have the distribution of independent joint draws under the condition, because an accepted pair is a draw
-//! of the structure given that it is accepted.
+//! Structures (modes and radiation matrices) are expensive, shots on them are inexpensive. If structures are drawn,
+//! each is used for several shots: an accepted joint draw of structure and shot gives the structure, and further shots
+//! are drawn on it. Both have the distribution of independent joint draws under the condition, because the structure of
+//! an accepted pair has its distribution given acceptance.
 //!
 //! Joint draws of a calibration include dimensions of the bodies that decide the cycle. Where structures are fixed, the
 //! cycle has all values of a joint draw, and the bodies those of the design.
 //!
-//! The only output is the outcomes of candidates and the levels of draws, as outputs of stages in the store: a study
-//! that ended early continues from there, and a larger one begins with the draws of a smaller one.
+//! The outcomes of candidates and the levels of draws are kept as stage outputs in the store: a study that ended early
+//! continues from there, and a larger one begins with the draws of a smaller one.
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -38,14 +38,14 @@ pub struct Draw {
     pub structure: usize,
     /// Number of the candidate in its sequence.
     pub candidate: u64,
-    /// Place of each variable in its distribution, 0 .. 1, which [`Variable::drawn`] converts to its value; NaN for a
-    /// fixed one.
+    /// Position of each variable in its distribution, 0 .. 1, which [`Variable::drawn`] converts to its value; NaN for
+    /// a fixed one.
     pub shares: Vec<f64>,
     /// Figures of the shot.
     pub shot: ShotFigures,
     /// Levels without errors of methods.
     pub levels: Levels,
-    /// Error of each source's method in this draw \[dB\], in the order of the levels' sources.
+    /// Error of each source's method in this draw \[dB\], in the order of the sources in the levels.
     pub method_db: Vec<f64>,
 }
 
@@ -56,13 +56,13 @@ pub struct Draws {
     pub variables: Vec<Variable>,
     /// The draws.
     pub draws: Vec<Draw>,
-    /// Structures that were drawn; 0 if they are those of the design.
+    /// Number of structures drawn; 0 if they are those of the design.
     pub structures: usize,
     /// Outcomes of all candidates.
     pub tally: Tally,
     /// Draws whose sound cannot be computed, with the message.
     pub failures: Vec<(usize, String)>,
-    /// Ends of methods' errors that are open and taken as 0 dB.
+    /// Ends of methods' error ranges that are open and taken as 0 dB.
     pub open_ends: Vec<String>,
 }
 
@@ -77,27 +77,27 @@ impl Request {
     }
 }
 
-/// A draw before its sound.
+/// A draw before its sound is computed.
 pub(super) struct Planned {
     pub(super) structure: usize,
     pub(super) candidate: Candidate,
 }
 
-/// Makes the requested draws on a graph, and reports their number on `progress`.
+/// Makes the requested draws on a graph and reports their number to `progress`.
 ///
 /// # Errors
-/// Those of the chain of the design itself; [`StudyError::NothingDrawn`] where no candidate is accepted;
-/// [`StudyError::NoLevels`] where those of no draw can be computed.
+/// The errors of the chain of the design itself; [`StudyError::NothingDrawn`] if no candidate is accepted;
+/// [`StudyError::NoLevels`] if the levels of no draw can be computed.
 pub fn draws(graph: &Graph, design: &Design, request: &Request, progress: &Progress) -> Result<Draws, Error> {
     let made = common_draws(graph, &[design], request, progress)?;
     Ok(made.into_iter().next().unwrap_or_default())
 }
 
-/// Draws of several designs in common: in each draw, everything that the designs share is the same, so that it cancels
-/// in their differences. A draw counts where it counts in all of them. The draws of each design come in the same order.
+/// Common draws of several designs: in each draw, everything that the designs share is the same, so that it cancels in
+/// their differences. A draw counts if it counts in all of them. The draws of each design come in the same order.
 ///
 /// # Errors
-/// As [`draws`].
+/// Same as [`draws`].
 pub fn common_draws(
     graph: &Graph,
     designs: &[&Design],
@@ -145,7 +145,7 @@ pub fn common_draws(
     Ok(draws.into_iter().map(of_design).collect())
 }
 
-/// Candidates that are accepted, structure by structure.
+/// Accepted candidates, by structure.
 fn plan(
     graph: &Graph,
     (designs, sampler): (&[Design], &Sampler),
@@ -200,10 +200,10 @@ fn plan(
     Ok((planned, tally))
 }
 
-/// Draws of each design, and those that cannot be computed.
+/// Draws of each design, and those that could not be computed.
 pub(super) type Made = (Vec<Vec<Draw>>, Vec<(usize, String)>);
 
-/// The levels of all planned draws, structure by structure, each shot on a separate thread.
+/// The levels of all planned draws, by structure, each shot on a separate thread.
 pub(super) fn levels(
     graph: &Graph,
     (designs, sampler): (&[Design], &Sampler),
@@ -242,7 +242,7 @@ pub(super) fn levels(
                 }
             }
         };
-        // Retain the structures' stages while their draws come and go.
+        // Keep the stages of the structures while their draws come and go.
         let anchors: Vec<_> = (0..designs.len()).map(|which| of(0, which)).collect();
         let count = group.len() * designs.len();
         let all = on_threads(count, |job| {
@@ -315,7 +315,7 @@ fn check_joint(designs: &[&Design], request: &Request) -> Result<(), Error> {
     Ok(())
 }
 
-/// A point without the dimensions of the bodies that joint draws give to the cycle; none without such.
+/// A point without the dimensions of the bodies that joint draws give to the cycle; `None` if there are none.
 fn held_bodies(sampler: &Sampler, point: &Point) -> Option<Point> {
     let mut held = point.clone();
     let mut found = false;
@@ -333,8 +333,8 @@ fn design_of(design: &Design, sampler: &Sampler, point: &Point) -> Result<Design
     drawn(design, sampler, design, point).map_err(|reason| StudyError::NoDesign { reason }.into())
 }
 
-/// The shapes of a drawn structure that other structures may have too: those that depend only on its alternatives. A
-/// dimension from a range gives each structure a different shape.
+/// The shapes of a drawn structure that other structures may share: those that depend only on its alternatives. A
+/// dimension drawn from a range gives each structure a different shape.
 fn shared_shapes(graph: &Graph, (design, sampler): (&Design, &Sampler), point: &Point) -> Result<SharedShapes, Error> {
     let mut chosen = point.clone();
     for (share, variable) in chosen.shares.iter_mut().zip(sampler.variables()) {
@@ -350,7 +350,7 @@ fn shared_shapes(graph: &Graph, (design, sampler): (&Design, &Sampler), point: &
     )
 }
 
-/// The error of each source's method in a draw \[dB\]; an end that is open counts as 0 dB.
+/// The error of each source's method in a draw \[dB\]; an open end counts as 0 dB.
 pub(super) fn method_errors(variables: &[Variable], point: &Point, levels: &Levels) -> Vec<f64> {
     let mut errors = vec![0.0; levels.sources.len()];
     for (variable, share) in variables.iter().zip(&point.shares).filter(|(_, share)| !share.is_nan()) {
@@ -368,7 +368,7 @@ pub(super) fn method_errors(variables: &[Variable], point: &Point, levels: &Leve
     errors
 }
 
-/// Ends of methods' errors that are open, by source.
+/// Open ends of methods' error ranges, by source.
 fn open_ends(sampler: &Sampler, draws: &[Draw]) -> Vec<String> {
     let mut open = std::collections::BTreeSet::new();
     for source in draws.iter().flat_map(|draw| &draw.levels.sources) {
@@ -383,10 +383,10 @@ fn open_ends(sampler: &Sampler, draws: &[Draw]) -> Vec<String> {
     open.into_iter().collect()
 }
 
-/// Levels of the design itself; none if its shot or its sound cannot be computed.
+/// Levels of the design itself; `None` if its shot or its sound cannot be computed.
 ///
 /// # Errors
-/// Those of the chain's inputs.
+/// The errors of the chain's inputs.
 pub fn nominal(graph: &Graph, design: &Design, request: &Request) -> Result<Option<std::sync::Arc<Levels>>, Error> {
     let chain = Chain::new(graph, &request.with_sensors(design), Options::default())?;
     Ok(chain.levels.get().ok())

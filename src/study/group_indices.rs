@@ -1,4 +1,4 @@
-//! Contributions of groups of inputs to the variance of a level, by pairs of draws that share a part of their inputs.
+//! Contributions of groups of inputs to the variance of a level, from pairs of draws that share a part of their inputs.
 //!
 //! Y and Y' have the same distribution. If they share only the inputs of a group and are independent otherwise, E (Y -
 //! Y')^2/2 = E Var(Y|X_g), so that S_g = 1 - E (Y - Y')^2/(2 Var Y): the reduction of the variance if the group is
@@ -7,7 +7,7 @@
 //! 35 (1999)).
 //!
 //! Both are also valid under a condition, which makes inputs depend on each other, if the part that is not shared is
-//! drawn anew given the shared part and the condition (Kucherenko, Tarantola, Annoni, Comput. Phys. Commun. 183, 937
+//! drawn again given the shared part and the condition (Kucherenko, Tarantola, Annoni, Comput. Phys. Commun. 183, 937
 //! (2012)). S_g then includes the information of the group about the other inputs, and may be above T_g.
 
 use super::statistics::{Bootstrap, Estimate};
@@ -17,11 +17,11 @@ use super::statistics::{Bootstrap, Estimate};
 pub(super) struct Row {
     /// Level of the draw itself \[dB\].
     pub(super) base: f64,
-    /// For each group the partner that shares only the group, and the one that shares all else \[dB\].
+    /// For each group \[dB\]: level of the partner that shares only the group, and of the one that shares all else.
     pub(super) partners: Vec<[f64; 2]>,
 }
 
-/// First-order and total contribution of each group, and the variance \[dB2\]; none if the level does not vary.
+/// First-order and total contribution of each group, and the variance \[dB2\]; `None` if the level does not vary.
 pub(super) fn indices(rows: &[Row]) -> Option<(Vec<[Estimate; 2]>, f64)> {
     let groups = rows.first()?.partners.len();
     let all = |row: &Row| -> Vec<f64> {
@@ -30,7 +30,7 @@ pub(super) fn indices(rows: &[Row]) -> Option<(Vec<[Estimate; 2]>, f64)> {
     };
     let per_row = (1 + 2 * groups) as f64;
     let middle = rows.iter().flat_map(all).sum::<f64>() / (per_row * rows.len() as f64);
-    // All draws have one distribution: the variance is that of all of them.
+    // All draws have the same distribution, so the variance is that of all of them.
     let moments: Vec<[f64; 2]> = rows
         .iter()
         .map(|row| {
@@ -149,8 +149,8 @@ mod tests {
         assert_indices(&rows(1 << 14, 2, level, |_| true), &expected, 0.01);
     }
 
-    /// Inputs with a sum below 1, the level the first of them: Var = 1/18, E Var(x|y) = E (1 - y)^2/12 = 1/24, and
-    /// knowing y takes off the rest.
+    /// Inputs with a sum below 1, the level being the first of them: Var = 1/18, E Var(x|y) = E (1 - y)^2/12 = 1/24,
+    /// and knowing y removes the rest.
     #[test]
     fn under_a_condition_an_input_tells_of_those_that_depend_on_it() {
         let below_one = |u: &[f64; 2]| u[0] + u[1] < 1.0;
@@ -158,13 +158,13 @@ mod tests {
         assert_indices(&rows, &[[1.0, 0.75], [0.25, 0.0]], 0.012);
     }
 
-    /// The expected values lie in 84 to 95 % of the intervals that are stated as 90 %, over 200 repetitions.
+    /// Over 200 repetitions, 84 to 95 % of the intervals stated as 90 % contain the expected values.
     #[test]
     fn intervals_of_the_indices_cover_as_stated() {
         let level = |u: &[f64; 2]| u.iter().zip([2.0, 1.0]).map(|(u, a)| a * normal::quantile(*u)).sum();
         let mut covered = [0; 2];
         for seed in 0..200 {
-            // Points that are random and not evenly placed: one of each scramble.
+            // Points that are random instead of evenly distributed: one of each scramble.
             let rows: Vec<Row> = (0..120)
                 .flat_map(|k| rows(1, 1000 * seed + k, level, |_| true))
                 .collect();

@@ -1,8 +1,9 @@
-//! Which groups of inputs decide a level: each draw has two partners for each group, one that shares the group with it
-//! and one that shares all else. The part that is not shared is drawn anew until the shot counts.
+//! Contributions of groups of inputs to a level: each draw has two partners for each group, one that shares the group
+//! with it and one that shares all else. The part that is not shared is drawn again until the shot counts.
 //!
-//! One decision or one measurement settles a group: tables of the design file, and the errors of methods. Quantities
-//! with a common rule or correlation stay together, in the group of the first of them.
+//! A group consists of the inputs that one decision or one measurement determines: tables of the design file, and the
+//! errors of methods. Quantities with a common rule or correlation are kept together, in the group of the first of
+//! them.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -26,10 +27,10 @@ use crate::study::StudyError;
 /// The random sequence of the partners, separate from those of all structures.
 const STREAM: u64 = u64::MAX;
 
-/// Which part of a draw its partner shares.
+/// The part of a draw that its partner shares.
 const SHARED: [&str; 2] = ["group", "rest"];
 
-/// Groups with their tables of the design file; a table that is not named is a separate group.
+/// Groups with their tables of the design file; a table that is not listed is a separate group.
 const GROUPS: [(&str, &[&str]); 7] = [
     ("supply", &["supply", "ambient"]),
     ("valves", &["head_valve", "trigger", "chambers"]),
@@ -45,9 +46,9 @@ const GROUPS: [(&str, &[&str]); 7] = [
 pub struct GroupStudy {
     /// The groups.
     pub groups: Vec<Group>,
-    /// Draws that have all their partners.
+    /// Number of draws with all their partners.
     pub rows: usize,
-    /// Draws that lack one: no candidate for it counts, or it cannot be computed.
+    /// Number of draws without one of them, because no candidate for it counts or it cannot be computed.
     pub incomplete: usize,
     /// Total, each source, and the difference of the two loudest.
     pub outputs: Vec<GroupContributions>,
@@ -69,7 +70,7 @@ pub struct GroupContributions {
     pub output: String,
     /// Variance over all draws and partners \[dB2\].
     pub variance_db2: f64,
-    /// The groups, the largest total first.
+    /// The groups, largest total first.
     pub groups: Vec<GroupContribution>,
 }
 
@@ -78,9 +79,9 @@ pub struct GroupContributions {
 pub struct GroupContribution {
     /// The group.
     pub group: String,
-    /// Part of the variance that knowing the group alone takes off \[-\].
+    /// Fraction of the variance removed by knowing the group alone \[-\].
     pub first_order: Estimate,
-    /// Part of the variance that remains where all but the group is known \[-\].
+    /// Fraction of the variance that remains if all but the group is known \[-\].
     pub total: Estimate,
 }
 
@@ -117,11 +118,11 @@ struct PartnerDraw {
     draw: Draw,
 }
 
-/// Draws the partners of draws with fixed structures, computes their levels, and states the contributions, together
-/// with a table of all partners.
+/// Draws partners with fixed structures, computes their levels, and returns the contributions with a table of all
+/// partners.
 ///
 /// # Errors
-/// Those of the chain; [`Error::Table`] of the table.
+/// The errors of the chain; [`Error::Table`] for the table.
 pub fn group_study(
     graph: &Graph,
     design: &Design,
@@ -196,14 +197,14 @@ fn levels_of(draw: &Draw) -> Vec<f64> {
     table.levels.concat().into_iter().chain(table.totals()).collect()
 }
 
-/// Levels of a draw and of those partners that there are, by group and by the part that they share.
+/// Levels of a draw and of its existing partners, by group and by the part that they share.
 struct Levels {
     base: Vec<f64>,
     partners: Vec<[Option<Vec<f64>>; 2]>,
 }
 
 impl Levels {
-    /// Values of `figure` for the draw and for all its partners; none if one is missing.
+    /// Values of `figure` for the draw and all its partners; `None` if one is missing.
     fn row(&self, figure: impl Fn(&[f64]) -> f64) -> Option<Row> {
         let pair = |[group, rest]: &[Option<Vec<f64>>; 2]| Some([figure(group.as_ref()?), figure(rest.as_ref()?)]);
         Some(Row {
@@ -273,7 +274,7 @@ fn stated(sampler: &Sampler, groups: &[(String, Vec<usize>)], made: &Draws, part
     }
 }
 
-/// `groups.csv`: a row for every draw and each of its partners, with levels \[dB re 1 pW s\].
+/// `groups.csv`: one row for every draw and each of its partners, with levels \[dB re 1 pW s\].
 fn csv(groups: &[(String, Vec<usize>)], made: &Draws, partners: &[PartnerDraw]) -> Result<Vec<u8>, Error> {
     let names = LevelTable::new(&made.draws).names;
     let header = ["draw", "group", "shares"].map(str::to_owned).into_iter();

@@ -1,4 +1,4 @@
-//! Jobs on separate threads. The pool of threads serves the stages within a job, which wait for each other.
+//! Runs jobs on separate threads. The thread pool is used for the stages within a job, which wait for each other.
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
@@ -12,8 +12,7 @@ use crate::stages::levels::{Levels, ShotLevels};
 use crate::stages::{Postcard, Stage};
 use crate::study::StudyError;
 
-/// Computes the jobs `0 .. count`, as many at a time as the pool has threads; the results come in the order of the
-/// jobs.
+/// Computes the jobs `0 .. count`, as many at a time as the pool has threads; the results are in the order of the jobs.
 pub(crate) fn on_threads<T: Send>(count: usize, compute: impl Fn(usize) -> T + Sync) -> Vec<T> {
     let next = AtomicUsize::new(0);
     let results: Mutex<Vec<Option<T>>> = Mutex::new((0..count).map(|_| None).collect());
@@ -30,10 +29,10 @@ pub(crate) fn on_threads<T: Send>(count: usize, compute: impl Fn(usize) -> T + S
             .map(|_| beside(scope, &work))
             .collect();
         work();
-        // A panic continues unchanged: it may be the end of work that was abandoned.
+        // A panic continues unchanged, because it may be the end of abandoned work.
         others.into_iter().for_each(Begun::join);
     });
-    // Every job has a result here, since a panic has gone on.
+    // Every job has a result here, because a panic has been propagated.
     let results = results.into_inner().unwrap_or_else(PoisonError::into_inner);
     results.into_iter().flatten().collect()
 }
@@ -53,7 +52,7 @@ pub(crate) fn levels_of_shot(chain: Result<Chain, Error>) -> Result<Levels, Erro
     chain.levels.get().map(|levels| Levels::clone(&levels))
 }
 
-/// The reason why a job failed, as text. An input that several jobs share fails in the job that computes it; the error
+/// The reason why a job failed, as text. An input shared by several jobs fails in the job that computes it; the error
 /// of that job is the cause for all.
 pub(super) fn reason<'a>(error: &'a Error, of_all: impl IntoIterator<Item = &'a Error>) -> String {
     let mut all = std::iter::once(error).chain(of_all);

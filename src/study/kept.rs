@@ -25,7 +25,7 @@ const STUDY: &str = "study";
 /// Version of the layout of the stored data.
 const LAYOUT: &str = "2";
 
-/// Maximum number of stored studies; the last ones remain.
+/// Maximum number of stored studies; the most recent ones are kept.
 const MOST: usize = 16;
 
 /// A study in the store.
@@ -36,22 +36,22 @@ struct Kept {
     draws: DrawTable,
 }
 
-/// A study that serves a design.
+/// A study that applies to a design.
 #[derive(Debug, Clone)]
 pub struct Found {
     /// Its results.
     pub result: StudyResult,
-    /// How the draws of another study are weighted; none if they are of this population.
+    /// Weighting of the draws of another study; `None` if they are from this population.
     pub weighting: Option<Weighting>,
     /// Falls of the total where one source is silent, as in [`DrawTable::silencing`]; empty for weighted draws.
     pub silencing: BTreeMap<String, [f64; 2]>,
 }
 
 impl Found {
-    /// Results of a study for a design; none if it does not serve it.
+    /// Results of a study for a design; `None` if it does not apply to it.
     ///
     /// # Errors
-    /// A design that cannot be digested.
+    /// If a design cannot be digested.
     pub(super) fn of(
         design: &Design,
         population: &Population,
@@ -73,7 +73,8 @@ impl Found {
         })
     }
 
-    /// The larger study counts, and one that drew structures above all; of few draws those of the same population.
+    /// Order of preference: a study with drawn structures, then one with more draws; with few draws, one of the same
+    /// population.
     pub fn size(&self) -> (bool, usize) {
         size(&self.result)
     }
@@ -96,10 +97,10 @@ fn size(study: &StudyResult) -> (bool, usize) {
     (study.structures > 0, study.draws)
 }
 
-/// The largest study in the store that serves a design, by the code of today.
+/// The largest study in the store that applies to a design and was made by the current code.
 ///
 /// # Errors
-/// A design that cannot be digested.
+/// If a design cannot be digested.
 pub fn kept(store: &Store, design: &Design) -> Result<Option<Found>, Error> {
     let mut largest: Option<Found> = None;
     for own in all(store).1 {
@@ -115,7 +116,7 @@ pub fn kept(store: &Store, design: &Design) -> Result<Option<Found>, Error> {
 /// Stores a study, unless one of the same population with drawn structures or more draws is stored.
 ///
 /// # Errors
-/// A design that cannot be digested.
+/// If a design cannot be digested.
 pub fn keep(store: &Store, design: &Design, result: &StudyResult, made: &Draws) -> Result<(), Error> {
     let (key, mut kept) = all(store);
     let population = Population::of(design, result)?;

@@ -1,5 +1,5 @@
-//! The uncertainty of a fitted penetration law as variables of a study: one of the specimen, and one a principal
-//! component of the covariance of its coefficients.
+//! The uncertainty of a fitted penetration law as variables of a study: one for the specimen, and one for each
+//! principal component of the covariance of its coefficients.
 
 use super::parameters::Parameter;
 use crate::design::Design;
@@ -9,10 +9,10 @@ use crate::error::Error;
 /// The key whose file contains the law; the variables are named after it.
 const KEY: &str = "wood.penetration_fit";
 
-/// A key whose scatter the specimens of a fit already include: to draw it too would count it twice.
+/// A key whose scatter is already included in the specimens of a fit, so that drawing it too would count it twice.
 const HELD: &str = "wood.hardness_modulus";
 
-/// Leaves out the key whose scatter the specimens of a fitted law include.
+/// Removes the key whose scatter the specimens of a fitted law include.
 pub(super) fn leave_out_held(design: &Design, parameters: &mut Vec<Parameter>) -> Result<(), Error> {
     if fitted_law(design)?.is_some() {
         parameters.retain(|parameter| parameter.key != HELD);
@@ -20,7 +20,7 @@ pub(super) fn leave_out_held(design: &Design, parameters: &mut Vec<Parameter>) -
     Ok(())
 }
 
-/// Names of the standard normal scores of the fitted laws of these designs, the specimen first; none without a fitted
+/// Names of the standard normal scores of the fitted laws of these designs, the specimen first; empty without a fitted
 /// law.
 pub(super) fn score_names(designs: &[Design]) -> Result<Vec<String>, Error> {
     let mut most = 0;

@@ -1,10 +1,10 @@
-//! Intervals of a run in words, the same for the terminal and the page. A terminal breaks a line where its text does.
+//! Text about the intervals of a run, the same for the terminal and the page. A terminal breaks a line where its text
+//! does.
 
 use super::tolerance::{STATED_FROM, content, next_within};
 use crate::result::{Ends, RunResult, RunStudy, StudySummary};
 
-/// Headings of the columns that a study adds to the table of the sources: interval, and probability of being the
-/// loudest.
+/// Headings of the columns that a study adds to the table of sources: interval, and probability of being the loudest.
 pub fn headings(study: &StudySummary) -> [String; 2] {
     match study.ends {
         Ends::Percentiles => ["90 % of draws dB".to_owned(), "P(first)".to_owned()],
@@ -30,12 +30,12 @@ fn interval(study: &StudySummary, source: &str) -> String {
     format!("{low} .. {high}")
 }
 
-/// A level to a tenth of a decibel; a dash for silence.
+/// A level with one decimal; a dash for silence.
 fn level(db: Option<f64>) -> String {
     db.map_or_else(|| "-".to_owned(), |db| format!("{db:.1}"))
 }
 
-/// A share of the draws in percent, or as a count if they are few.
+/// A fraction of the draws in percent, or as a count if they are few.
 fn of_draws(share: f64, study: &StudySummary) -> String {
     match study.ends {
         Ends::Percentiles => format!("{:.0} % of the draws", 100.0 * share),
@@ -43,7 +43,7 @@ fn of_draws(share: f64, study: &StudySummary) -> String {
     }
 }
 
-/// Contents and omissions of the columns; without a study the reason.
+/// Explanation of the columns; without a study, the reason.
 pub fn legend(result: &RunResult) -> Vec<String> {
     match &result.study {
         RunStudy::Known(study) => of_study(study, result),
@@ -85,7 +85,7 @@ fn of_study(study: &StudySummary, result: &RunResult) -> Vec<String> {
     lines
 }
 
-/// The draws behind the intervals.
+/// The draws from which the intervals follow.
 fn basis(study: &StudySummary) -> String {
     let structures = match study.structures {
         0 => "structures as in the design".to_owned(),
@@ -132,7 +132,7 @@ fn basis(study: &StudySummary) -> String {
 /// The two most frequent orders.
 fn orders(study: &StudySummary) -> Option<String> {
     let (first, rest) = study.orders.split_first()?;
-    // Eight draws out of eight leave up to 31 % for another order, at 95 % confidence.
+    // If eight draws out of eight agree, the probability of another order is up to 31 %, at 95 % confidence.
     let certain = match study.ends {
         Ends::Percentiles if first.share >= 0.95 => "",
         _ => "not certain: ",
@@ -147,7 +147,7 @@ fn orders(study: &StudySummary) -> Option<String> {
     ))
 }
 
-/// The inputs that decide the total.
+/// The inputs that affect the total most.
 fn deciding(study: &StudySummary) -> Option<String> {
     let named = study.deciding.iter().map(|own| {
         let error = own.half_width;

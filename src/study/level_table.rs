@@ -1,4 +1,4 @@
-//! Levels of the draws as a table: a row for each draw, a column for each source.
+//! Levels of the draws as a table: one row per draw, one column per source.
 
 use super::draws::{Draw, Draws};
 use super::statistics::energy_sum;
@@ -7,7 +7,7 @@ use crate::design::Value;
 use crate::result::TOTAL;
 use crate::stages::levels::Levels;
 
-/// Levels of all draws with the errors of methods; minus infinity is silence.
+/// Levels of all draws including the errors of methods; minus infinity for silence.
 pub(super) struct LevelTable {
     pub(super) names: Vec<String>,
     pub(super) levels: Vec<Vec<f64>>,
@@ -30,17 +30,17 @@ impl LevelTable {
         }
     }
 
-    /// Place of a source in the rows; the first for a name that is none.
+    /// Index of a source in the rows; the first for a name that is not a source.
     pub(super) fn place(&self, source: &str) -> usize {
         self.names.iter().position(|own| own == source).unwrap_or(0)
     }
 
-    /// Levels of the source at a place, draw by draw.
+    /// Levels of the source with an index in each draw.
     pub(super) fn column(&self, place: usize) -> Vec<f64> {
         self.levels.iter().map(|levels| levels[place]).collect()
     }
 
-    /// Levels of all sources together, draw by draw.
+    /// Levels of the sum of all sources in each draw.
     pub(super) fn totals(&self) -> Vec<f64> {
         self.levels
             .iter()
@@ -49,14 +49,14 @@ impl LevelTable {
     }
 }
 
-/// Level of all sources of a shot together \[dB re 1 pW s\]; none if all are silent.
+/// Level of the sum of all sources of a shot \[dB re 1 pW s\]; `None` if all are silent.
 pub(crate) fn total_of(levels: &Levels) -> Option<f64> {
     let sources = levels.sources.iter();
     let total = energy_sum(sources.map(|source| source.lwa_db.unwrap_or(f64::NEG_INFINITY)));
     total.is_finite().then_some(total)
 }
 
-/// Levels of the total, each source, and the difference of the two loudest, in each draw \[dB\], if none is silent;
+/// Levels of the total, each source, and the difference of the two loudest in each draw \[dB\], if none is silent;
 /// `names` are the sources in their order.
 pub(super) fn outputs(table: &LevelTable, names: &[String]) -> Vec<(String, Vec<f64>)> {
     let of = |name: &String| table.column(table.place(name));
@@ -98,7 +98,7 @@ pub fn column(made: &Draws, variable: &str) -> Vec<f64> {
         .collect()
 }
 
-/// The levels of an output in each draw \[dB\]: of a source, of the total, or a difference `A less B`.
+/// The levels of an output in each draw \[dB\]: of a source, of the total, or of a difference `A less B`.
 pub fn levels_of(made: &Draws, output: &str) -> Vec<f64> {
     let table = LevelTable::new(&made.draws);
     let of = |name: &str| match name {

@@ -1,8 +1,8 @@
 //! Effects of the ranges of a design on its shot and its levels.
 //!
 //! [`variables`] lists the variables, [`Sampler`] draws them, [`screen`] computes the shots of candidates and accepts
-//! those that count, [`draws`] computes their levels, and [`StudyResult`] states the results. [`shots`] draws only for
-//! the cycle.
+//! those that count, [`draws`] computes their levels, and [`StudyResult`] contains the results. [`shots`] draws only
+//! for the cycle.
 
 mod condition;
 mod contributions;

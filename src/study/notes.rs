@@ -9,10 +9,10 @@ use super::variable_report::VariableReport;
 use super::variables::VariableKind;
 use crate::design::Design;
 
-/// Share of a distribution within which a value is at its end.
+/// Fraction of a distribution at its ends within which a value is reported to be at an end.
 const AT_THE_END: f64 = 0.02;
 
-/// Standard errors by which the condition moves the mean of a variable before that is stated.
+/// Shift of a variable's mean due to the condition, in standard errors, above which it is reported.
 const SHIFTED: f64 = 4.0;
 
 /// The notes on draws of a design.

@@ -1,7 +1,7 @@
 //! Effect of each input on the levels of the design itself: levels at the 5th and the 95th percentile of its
 //! distribution, with all other inputs as in the design.
 //!
-//! Such changes are valid only at the design. If inputs act together, or a shot no longer drives the nail, they do not
+//! Such changes are valid only at the design. If inputs interact, or a shot no longer drives the nail, they do not
 //! apply to other designs; contributions to the variance do.
 
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -27,26 +27,26 @@ use crate::stages::Progress;
 use crate::stages::levels::Levels;
 use crate::study::StudyError;
 
-/// Shares of its distribution at which an input is set.
+/// Quantiles of its distribution at which an input is set.
 const SHARES: [f64; 2] = [0.05, 0.95];
 
-/// What each input that is drawn does to the levels of the design.
+/// Effect of each drawn input on the levels of the design.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct OneAtATime {
     /// Names of the levels: `total`, then the sources.
     pub outputs: Vec<String>,
-    /// The inputs of shots and the errors of methods, the largest change of the total first.
+    /// The inputs of shots and the errors of methods, largest change of the total first.
     pub inputs: Vec<InputChanges>,
-    /// Inputs of structures, which are left out.
+    /// Number of inputs of structures, which are omitted.
     pub left_out: usize,
 }
 
-/// What an input does to the levels of the design.
+/// Effect of an input on the levels of the design.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct InputChanges {
     /// The variable.
     pub variable: String,
-    /// Its SI unit; empty where it has none.
+    /// Its SI unit; empty if it has none.
     pub unit: String,
     /// With the input at the 5th and at the 95th percentile of its distribution.
     pub ends: [InputEnd; 2],
@@ -55,26 +55,26 @@ pub struct InputChanges {
 /// The shot with an input at one end.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct InputEnd {
-    /// The input; for a choice the number of the alternative, for the error of a method its place in its range.
+    /// Value of the input; for a choice, the number of the alternative; for the error of a method, its position in its
+    /// range.
     pub value: Option<f64>,
-    /// Outcome of the shot; empty where there are no levels.
+    /// Outcome of the shot; empty if there are no levels.
     pub outcome: String,
-    /// Why there are no levels; empty where there are.
+    /// Reason why there are no levels; empty if there are.
     pub refused: String,
-    /// Change of each level from that of the design \[dB\], in the order of `outputs`; null where one of both is
-    /// silent.
+    /// Change of each level from that of the design \[dB\], in the order of `outputs`; null if either is silent.
     pub change_db: Vec<Option<f64>>,
 }
 
 impl InputChanges {
-    /// The largest change of the level at a place of the outputs \[dB\].
+    /// The largest change of the level at an index of the outputs \[dB\].
     pub fn largest(&self, output: usize) -> f64 {
         let changes = self.ends.iter().filter_map(|end| *end.change_db.get(output)?);
         changes.fold(0.0, |largest, change| change.abs().max(largest))
     }
 }
 
-/// Levels of the total and each source with errors of methods; none for silence.
+/// Levels of the total and each source, including errors of methods; `None` for silence.
 fn outputs(levels: &Levels, errors: &[f64]) -> Vec<Option<f64>> {
     let sources = levels.sources.iter().zip(errors);
     let sources: Vec<Option<f64>> = sources
@@ -86,11 +86,10 @@ fn outputs(levels: &Levels, errors: &[f64]) -> Vec<Option<f64>> {
         .collect()
 }
 
-/// Changes of the levels of the design, which are `nominal`, with each input of its draws at the ends of its
-/// distribution.
+/// Changes of the levels of the design, which are `nominal`, when each drawn input is at the ends of its distribution.
 ///
 /// # Errors
-/// Those of the chain of the design itself.
+/// The errors of the chain of the design itself.
 pub fn one_at_a_time(
     graph: &Graph,
     design: &Design,
@@ -110,7 +109,7 @@ pub fn one_at_a_time(
         shares[inputs[job / 2]] = SHARES[job % 2];
         Point { shares }
     };
-    // Structures stay at hand while shots come and go.
+    // Structures are kept while shots come and go.
     let anchor = Chain::new(graph, &design, Options::default())?;
     let (total, done) = (2 * inputs.len(), AtomicUsize::new(0));
     let results = on_threads(total, |job| {
@@ -162,10 +161,10 @@ pub fn one_at_a_time(
     })
 }
 
-/// A table with a row for each input.
+/// A table with one row per input.
 ///
 /// # Errors
-/// Errors of the format.
+/// If the format cannot represent the values.
 pub fn one_at_a_time_csv(own: &OneAtATime) -> Result<Vec<u8>, Error> {
     let ends = ["at P5", "at P95"];
     let of_end = |end: &str| -> Vec<String> {

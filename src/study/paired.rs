@@ -1,4 +1,4 @@
-//! Two designs over common draws: how much one changes the levels of the other, and how sure that is.
+//! Two designs with common draws: the change of the levels from one to the other, and its uncertainty.
 
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -12,21 +12,21 @@ use crate::design::Design;
 use crate::result::TOTAL;
 use crate::wording::drawn_structures;
 
-/// A design against a reference over common draws. What both share is the same in each draw, the errors of methods
-/// included, and cancels in the change.
+/// A design compared with a reference by common draws. Everything that both share is the same in each draw, including
+/// the errors of methods, and cancels in the change.
 #[derive(Debug, Clone, Serialize, JsonSchema)]
 pub struct PairedStudy {
     /// Name of the reference.
     pub reference: String,
     /// Name of the other design.
     pub design: String,
-    /// Draws that count in both.
+    /// Number of draws that count in both.
     pub draws: usize,
     /// Seed.
     pub seed: u64,
-    /// Structures that were drawn; 0 where each design holds its own.
+    /// Number of structures drawn; 0 if each design has its own fixed structure.
     pub structures: usize,
-    /// Keys that the designs decide differently and that are not drawn.
+    /// Keys for which the designs have different values and that are not drawn.
     pub decided: Vec<String>,
     /// Each source, then the total.
     pub changes: Vec<Change>,
@@ -47,12 +47,12 @@ pub struct Change {
     pub quieter: Estimate,
     /// Width of the interval from P5 to P95 of the change \[dB\].
     pub width_db: Option<f64>,
-    /// The same of the reference's level: what the change would at least have without common draws \[dB\].
+    /// Width for the reference's level \[dB\]; without common draws, the change would be at least this wide.
     pub level_width_db: Option<f64>,
 }
 
 impl PairedStudy {
-    /// What the changes are based on, in words.
+    /// Text on the basis of the changes.
     pub(crate) fn basis(&self) -> String {
         let decided = match self.decided.as_slice() {
             [] => "nothing".to_owned(),
@@ -69,7 +69,7 @@ impl PairedStudy {
         )
     }
 
-    /// States the results of common draws of a reference and a design.
+    /// Computes results from common draws of a reference and a design.
     pub fn new((reference, a): (&Design, &Draws), (design, b): (&Design, &Draws), request: &Request) -> Self {
         Self {
             reference: reference.name().to_owned(),
@@ -90,7 +90,7 @@ pub(super) fn changes(a: &Draws, b: &Draws) -> Vec<Change> {
     let [of_a, of_b] = [a, b].map(|made| LevelTable::new(&made.draws));
     let width = |own: &Quantiles| Some(own.p95.value? - own.p05.value?);
     let change = |source: &str, before: &[f64], after: &[f64]| {
-        // Silence in both does not count as a change.
+        // Silence in both counts as no change.
         let difference = |(a, b): (&f64, &f64)| if a == b { 0.0 } else { b - a };
         let changes: Vec<f64> = before.iter().zip(after).map(difference).collect();
         let change_db = bootstrap.quantiles(&changes);

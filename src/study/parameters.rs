@@ -1,4 +1,4 @@
-//! The keys of a design that have a range: how a number between 0 and 1 becomes a value.
+//! The keys of a design that have a range, and how a number between 0 and 1 becomes a value.
 
 use serde::Serialize;
 
@@ -7,13 +7,13 @@ use crate::chain::engine;
 use crate::design::{Design, Distribution, Entry, Provenance, Value};
 use crate::error::Error;
 
-/// Standard deviations at which a normal distribution is cut.
+/// Number of standard deviations at which a normal distribution is truncated.
 pub(crate) const CUT: f64 = 3.0;
 
 /// A key with a range.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Parameter {
-    /// Full name, as `piston.mass`.
+    /// Full name, such as `piston.mass`.
     pub key: String,
     /// Symbol; empty if there is none.
     pub symbol: &'static str,
@@ -26,16 +26,16 @@ pub struct Parameter {
     /// Distribution over the range.
     #[serde(skip)]
     pub distribution: Distribution,
-    /// Standard deviations at which a normal distribution is cut below and above its middle.
+    /// Numbers of standard deviations at which a normal distribution is truncated below and above its centre.
     #[serde(skip)]
     pub(crate) cut: [f64; 2],
-    /// Under which name a draw sets it, if that is not the key: of a derived quantity.
+    /// Name under which a draw sets it, if that is not the key: for a derived quantity.
     #[serde(skip)]
     pub(crate) change: Option<&'static str>,
 }
 
 impl Parameter {
-    /// The parameter of an entry, if it has a range of more than one point.
+    /// The parameter of an entry, if its range is more than a point.
     pub(crate) fn of(entry: Entry) -> Option<Self> {
         let range = entry.range.filter(|range| range[0] < range[1])?;
         matches!(entry.value, Value::Number(_) | Value::Count(_)).then_some(Self {
@@ -50,8 +50,8 @@ impl Parameter {
         })
     }
 
-    /// The parameters of a design that have a range of more than one point: keys, and derived quantities that are
-    /// drawn. Properties of the numerical method are among them.
+    /// The parameters of a design whose range is more than a point: keys, and derived quantities that are drawn. They
+    /// include properties of the numerical method.
     pub(crate) fn all(design: &Design) -> Vec<(Self, Provenance)> {
         let own = design.entries().into_iter().filter_map(|entry| {
             let provenance = entry.provenance;
@@ -71,7 +71,7 @@ impl Parameter {
         own.chain(derived).collect()
     }
 
-    /// The name under which [`set`](crate::design::Values::set) takes it.
+    /// The name for [`set`](crate::design::Values::set).
     pub fn change(&self) -> &str {
         self.change.unwrap_or(&self.key)
     }
@@ -93,7 +93,7 @@ impl Parameter {
         matches!(self.value, Value::Count(_))
     }
 
-    /// Probability density at a value; of a uniform count the probability.
+    /// Probability density at a value; for a uniform count, the probability.
     pub(super) fn density(&self, x: f64) -> f64 {
         let [low, high] = self.support();
         if x < low || x > high {
@@ -122,7 +122,7 @@ impl Parameter {
         }
     }
 
-    /// The parameter by a measurement of its value with a standard deviation: normal, cut to the range.
+    /// The parameter after a measurement of its value with a standard deviation: normal, truncated to the range.
     pub(crate) fn measured(self, value: f64, deviation: f64) -> Self {
         let cut = self.range.map(|end| ((end - value) / deviation).clamp(-CUT, CUT));
         Self {
@@ -147,7 +147,7 @@ impl Parameter {
         }
     }
 
-    /// The value `x` in the form of this key; a count is rounded and at least 1.
+    /// The value `x` in the form for this key; a count is rounded and at least 1.
     pub(crate) fn hold(&self, x: f64) -> Value {
         match self.value {
             Value::Count(_) => Value::Count(x.round().clamp(1.0, f64::from(u32::MAX)) as u32),
@@ -179,12 +179,12 @@ impl Parameter {
         if share.is_nan() { 1.0 } else { share.clamp(0.0, 1.0) }
     }
 
-    /// The value below which a share `u` of the distribution lies, 0 < u < 1.
+    /// The quantile `u` of the distribution, 0 < u < 1.
     pub fn at(&self, u: f64) -> Value {
         let [low, high] = self.range;
         let mode = self.number();
         let x = match self.distribution {
-            // Every integer of the range is as likely.
+            // Every integer in the range is equally likely.
             Distribution::Uniform if matches!(self.value, Value::Count(_)) => (low.ceil()
                 + u * (high.floor() - low.ceil() + 1.0))
                 .floor()
@@ -209,14 +209,13 @@ impl Parameter {
     }
 }
 
-/// The keys that have a range and take part in the cycle, in the order of the reference.
+/// The keys of the cycle that have a range, in the order of the reference.
 ///
-/// Whether a key takes part is found by setting it: it does where the cycle's parameters change. Keys that appear only
-/// in the chosen form of the physics do not show there, so that those of a form that is not chosen are included; they
-/// have no effect on the cycle.
+/// A key belongs to the cycle if setting it changes the cycle's parameters. Keys that are used only by the chosen form
+/// of the physics do not show this, so that keys of other forms are included; they have no effect on the cycle.
 ///
 /// # Errors
-/// Values of the design that do not yield inputs.
+/// If the values of the design do not yield valid inputs.
 pub fn taking_part(design: &Design) -> Result<Vec<Parameter>, Error> {
     let base = engine(design)?;
     let takes_part = |parameter: &Parameter| {
@@ -247,7 +246,7 @@ mod tests {
         }
     }
 
-    /// Mean and variance by the midpoint rule over u.
+    /// Mean and variance, by the midpoint rule over u.
     fn moments(parameter: &Parameter) -> [f64; 2] {
         const N: u32 = 200_000;
         let value = |k: u32| match parameter.at((f64::from(k) + 0.5) / f64::from(N)) {
@@ -295,7 +294,8 @@ mod tests {
             (free[0] - 2.0).abs() < 1e-4 && (free[1] / 0.25 - 0.973_336_9).abs() < 1e-4,
             "{free:?}"
         );
-        // Cut at its mean and three deviations below: mean -(phi(0) - phi(3))/(Phi(3) - 1/2) standard deviations.
+        // Truncated at its mean and at three deviations below: mean -(phi(0) - phi(3))/(Phi(3) - 1/2) standard
+        // deviations.
         let half = of([-9.0, 2.0]);
         assert!(
             (moments(&half)[0] - (2.0 - 0.5 * 0.791_16)).abs() < 1e-3,
@@ -303,6 +303,34 @@ mod tests {
             moments(&half)
         );
         assert!((0..99).all(|k| matches!(half.at((f64::from(k) + 0.5) / 99.0), Value::Number(x) if x <= 2.0)));
+    }
+
+    #[test]
+    fn the_share_below_a_value_is_the_inverse_of_the_value_at_a_share() {
+        let measured = parameter(Value::Number(3.0), [2.0, 5.0], Distribution::Uniform).measured(2.2, 0.3);
+        let all = [
+            Distribution::Uniform,
+            Distribution::Triangular,
+            Distribution::Normal,
+            Distribution::LogUniform,
+        ];
+        let all = all.map(|distribution| parameter(Value::Number(3.0), [2.0, 5.0], distribution));
+        for own in all.iter().chain([&measured]) {
+            for share in [1e-6, 0.1, 0.5, 0.77, 1.0 - 1e-6] {
+                let Value::Number(value) = own.at(share) else {
+                    panic!("a number");
+                };
+                let found = own.share_below(value);
+                assert!(
+                    (found - share).abs() < 1e-9,
+                    "{:?}: {found}, expected {share}",
+                    own.distribution
+                );
+            }
+            assert_eq!([own.share_below(0.1), own.share_below(9.0)], [0.0, 1.0]);
+        }
+        let count = parameter(Value::Count(2), [1.0, 5.0], Distribution::Uniform);
+        assert!((1..=5).all(|own| count.at(count.share_below(f64::from(own))) == Value::Count(own)));
     }
 
     #[test]

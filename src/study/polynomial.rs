@@ -1,34 +1,34 @@
 //! Sparse polynomials of points in the unit cube.
 //!
 //! A figure is expanded in products of Legendre polynomials, which are orthonormal for independent uniform coordinates
-//! (Xiu and Karniadakis, SIAM J. Sci. Comput. 24, 619 (2002)). Terms enter one by one: the next is the one that
-//! correlates most with the rest of the figure (orthogonal matching pursuit; for polynomials Blatman and Sudret, J.
-//! Comput. Phys. 230, 2345 (2011)). Their number is the one that best predicts points which took no part in choosing
-//! them; Q2 is the part of the variance at these points that is predicted. Sobol' indices are sums of squared
-//! coefficients (Sudret, Reliab. Eng. Syst. Saf. 93, 964 (2008)).
+//! (Xiu and Karniadakis, SIAM J. Sci. Comput. 24, 619 (2002)). Terms are added one by one: the next is the one that
+//! correlates most with the residual of the figure (orthogonal matching pursuit; for polynomials Blatman and Sudret, J.
+//! Comput. Phys. 230, 2345 (2011)). Their number is the one that best predicts points that were not used for choosing
+//! them; Q2 is the predicted fraction of the variance at these points. Sobol' indices are sums of squared coefficients
+//! (Sudret, Reliab. Eng. Syst. Saf. 93, 964 (2008)).
 
 use nailnoise_acoustics::random::uniform;
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
-/// Largest number of candidate terms of a polynomial, and the highest degree.
+/// Maximum number of candidate terms of a polynomial, and maximum degree.
 const MOST_CANDIDATES: usize = 12_000;
 const HIGHEST_DEGREE: usize = 10;
 
-/// Most terms of a polynomial; with few points a quarter of their number.
+/// Maximum number of terms of a polynomial; with few points, a quarter of the number of points.
 const MOST_TERMS: usize = 40;
 
-/// Parts into which points are divided; each is predicted from the others.
+/// Number of parts into which points are divided; each is predicted from the others.
 const FOLDS: u64 = 5;
 
 const SEED: u64 = 0x50F7_0A7E;
 
-/// The fold of a point, or of points that are predicted together, by their number.
+/// The fold of a point, or of points that are predicted together, from their number.
 pub(super) fn fold_of(number: usize) -> u64 {
     (uniform(SEED, number as u64, 0) * FOLDS as f64) as u64
 }
 
-/// A product of polynomials: inputs with the degrees of theirs.
+/// A product of polynomials: inputs with their degrees.
 type Term = Vec<(usize, usize)>;
 
 /// Candidate terms of a polynomial, with their values at all points.
@@ -36,20 +36,20 @@ pub(super) struct Candidates {
     terms: Vec<Term>,
     /// Highest total degree.
     pub(super) degree: usize,
-    /// Values, all points of a term together; the constant first.
+    /// Values; those of a term at all points are contiguous, the constant first.
     columns: Vec<Vec<f64>>,
 }
 
-/// Terms of a polynomial other than the constant in the order of their choice, and their coefficients.
+/// Terms of a polynomial other than the constant, in the order of their choice, with their coefficients.
 pub(super) struct Polynomial {
     pub(super) terms: Vec<usize>,
     coefficients: Vec<f64>,
-    /// Part of the variance at points left out that is predicted \[-\].
+    /// Fraction of the variance that is predicted at points left out \[-\].
     pub(super) q2: f64,
 }
 
 impl Candidates {
-    /// All terms up to the highest degree with a limited number of terms, for points in the unit cube.
+    /// All terms up to the highest degree that a limited number of terms allows, for points in the unit cube.
     pub(super) fn new(points: &[Vec<f64>], inputs: usize) -> Self {
         let degree = (1..=HIGHEST_DEGREE)
             .take_while(|&degree| degree == 1 || number_of_terms(inputs, degree) <= MOST_CANDIDATES)
@@ -58,7 +58,7 @@ impl Candidates {
         let mut terms: Vec<Term> = vec![Vec::new()];
         let mut last = 0..1;
         for _ in 0..degree {
-            // One degree more: in the last input of a term or in a later one, so that each product appears once.
+            // One degree more, in the last input of a term or in a later one, so that each product appears once.
             let mut next = Vec::new();
             for term in &terms[last.clone()] {
                 let (begin, rest) = term.split_at(term.len().saturating_sub(1));
@@ -93,7 +93,7 @@ impl Candidates {
         }
     }
 
-    /// The polynomial of levels at the points; each point belongs to a fold.
+    /// The polynomial for levels at the points; each point belongs to a fold.
     pub(super) fn fitted(&self, levels: &[f64], folds: &[u64]) -> Polynomial {
         let most = (levels.len() / 4).min(MOST_TERMS).min(self.terms.len() - 1);
         // Sum of squared errors at the points of a fold for every number of terms, predicted from the other folds.
@@ -110,7 +110,7 @@ impl Candidates {
             errors
         };
         let errors: Vec<Vec<f64>> = (0..FOLDS).into_par_iter().map(of_fold).collect();
-        // A fold whose levels are met exactly ends early.
+        // A fold whose levels are matched exactly ends early.
         let at = |errors: &Vec<f64>, terms: usize| errors.get(terms).or(errors.last()).copied().unwrap_or(0.0);
         let sum = |terms: usize| errors.iter().map(|errors| at(errors, terms)).sum::<f64>();
         let best = (0..=most).fold(0, |best, terms| if sum(terms) < sum(best) { terms } else { best });
@@ -124,7 +124,7 @@ impl Candidates {
         }
     }
 
-    /// Chooses up to `most` terms by the points that are `known`; `each` gets the prediction at all points with only
+    /// Chooses up to `most` terms using the points that are `known`; `each` receives the prediction at all points after
     /// the constant and after every term. Returns the terms other than the constant, and their coefficients.
     fn pursue(
         &self,
@@ -140,15 +140,15 @@ impl Candidates {
         let norms: Vec<f64> = self.columns.iter().map(|column| dot(column, column).sqrt()).collect();
         let mut rest: Vec<f64> = levels.to_vec();
         let mut prediction = vec![0.0; levels.len()];
-        // Orthonormal columns over the known points, and their coefficients over the terms' columns.
+        // Orthonormal columns over the known points, and their coefficients in terms of the terms' columns.
         let (mut basis, mut of_terms) = (Vec::<Vec<f64>>::new(), Vec::<Vec<f64>>::new());
         let (mut chosen, mut amplitudes) = (Vec::<usize>::new(), Vec::new());
         for step in 0..=most {
-            // The constant comes first.
+            // The constant is the first term.
             let place = match step {
                 0 => 0,
                 _ => {
-                    // Points that are not known do not count.
+                    // Points that are not known are ignored.
                     let masked: Vec<f64> = rest
                         .iter()
                         .zip(known)
@@ -176,7 +176,7 @@ impl Candidates {
             let mut column = self.columns[place].clone();
             let mut of_term = vec![0.0; chosen.len()];
             of_term.push(1.0);
-            // Twice is enough.
+            // Orthogonalising twice is enough.
             for _ in 0..2 {
                 for (own, combination) in basis.iter().zip(&of_terms) {
                     let part = dot(own, &column);
@@ -208,14 +208,14 @@ impl Candidates {
                 .zip(combination)
                 .for_each(|(c, own)| *c += amplitude * own);
         }
-        // Without known points there is not even a constant.
+        // Without known points, not even the constant is determined.
         (
             chosen.into_iter().skip(1).collect(),
             coefficients.into_iter().skip(1).collect(),
         )
     }
 
-    /// The same terms with the coefficients that fit levels best at points that count several times each. None where
+    /// The same terms with the coefficients that best fit levels at points that may count several times. `None` if
     /// these points do not determine them.
     pub(super) fn refitted(&self, polynomial: &Polynomial, levels: &[f64], counts: &[u32]) -> Option<Polynomial> {
         let places = || std::iter::once(0).chain(polynomial.terms.iter().copied());
@@ -357,7 +357,7 @@ mod tests {
         }
     }
 
-    /// N(100, 3) + N(97, 4) in energy: by quadrature.
+    /// N(100, 3) + N(97, 4) in energy, by quadrature.
     #[test]
     fn indices_of_an_energy_sum_are_those_by_quadrature() {
         let z = |u: f64| super::super::normal::quantile(u);
@@ -371,7 +371,7 @@ mod tests {
         }
     }
 
-    /// Draws that took part in choosing the terms would seem to be predicted.
+    /// Draws that were used for choosing the terms would seem to be predicted.
     #[test]
     fn noise_is_not_predicted() {
         let points = points(200, 60);

@@ -1,15 +1,15 @@
 //! The population of a study's draws, and its comparison with that of another design.
 //!
-//! A study may be used for a design whose drawn quantities have the same distributions and which agrees in everything
-//! else. If some distributions differ, its draws may be weighted by the ratio of the densities (importance sampling),
+//! A study may be used for a design if the distributions of its drawn quantities are the same and everything else
+//! agrees. If some distributions differ, its draws may be weighted by the ratio of the densities (importance sampling),
 //!
 //! ```text
 //! w_i = prod_j q_j(x_ij)/p_j(x_ij)        n_eff = (sum w_i)^2 / sum w_i^2        (Kish 1965)
 //! ```
 //!
-//! with the densities p_j of the study and q_j of the design, of the quantities j that differ. p_j must be above zero
-//! wherever q_j is. A condition, such as "drives", and the rejection of conflicting values are the same on both sides
-//! and cancel.
+//! with the densities p_j of the study and q_j of the design for the quantities j that differ. p_j must be positive
+//! wherever q_j is. Conditions such as "drives" and the rejection of conflicting values are the same in both and
+//! cancel.
 
 use serde::{Deserialize, Serialize};
 
@@ -23,7 +23,7 @@ use crate::wording::hexadecimal;
 /// Relative tolerance for equal ends of ranges; provided studies have five digits.
 const SAME: f64 = 1e-4;
 
-/// The distribution of a quantity that is drawn.
+/// The distribution of a drawn quantity.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub(super) struct Marginal {
     pub(super) key: String,
@@ -46,7 +46,7 @@ impl Marginal {
         }
     }
 
-    /// The quantity that has this distribution.
+    /// The quantity with this distribution.
     fn parameter(&self) -> Parameter {
         let number = self.mode.unwrap_or(self.range[0]);
         Parameter {
@@ -76,7 +76,7 @@ impl Marginal {
             && self.range.iter().zip(other.range).all(|(own, other)| same(*own, other))
     }
 
-    /// The value below which a share of the distribution lies.
+    /// The quantile of the distribution.
     pub(super) fn at(&self, share: f64) -> f64 {
         match self.parameter().at(share) {
             Value::Number(value) => value,
@@ -98,29 +98,29 @@ impl Marginal {
     }
 }
 
-/// Variables of a study, and a digest of all else.
+/// Variables of a study, and a digest of everything else.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub(super) struct Population {
     drawn: Vec<Marginal>,
-    /// Keys with a range that the study does not draw: they change no level, or belong to fixed structures.
+    /// Keys with a range that the study does not draw, because they change no level or belong to fixed structures.
     not_drawn: Vec<String>,
     /// Digest of all values that are not drawn, and of the settings in `[study]`.
     rest: String,
 }
 
-/// How the population of a study and that of a design differ.
+/// The difference between the populations of a study and of a design.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum Difference {
-    /// Not at all.
+    /// They are the same.
     None,
-    /// In the distributions of these quantities: that of the study, and that of the design.
+    /// The distributions of these quantities differ: that of the study, and that of the design.
     Distributions(Vec<(Marginal, Marginal)>),
-    /// So that the draws do not serve the design.
+    /// Another difference, so that the draws cannot be used for the design.
     Other,
 }
 
-/// All quantities of a design with a range of more than one point, except properties of the numerical method, with the
-/// key that their draw sets.
+/// All quantities of a design whose range is more than a point, except properties of the numerical method, with the key
+/// that their draw sets.
 fn ranged(design: &Design) -> Vec<(Parameter, String)> {
     let entries = design.entries().into_iter();
     let entries = entries.filter(|entry| entry.provenance != Provenance::Numerical);
@@ -132,10 +132,10 @@ fn ranged(design: &Design) -> Vec<(Parameter, String)> {
 }
 
 impl Population {
-    /// That of a study of a design.
+    /// The population of a study of a design.
     ///
     /// # Errors
-    /// A design that cannot be digested.
+    /// If a design cannot be digested.
     pub(super) fn of(design: &Design, result: &StudyResult) -> Result<Self, Error> {
         let is_drawn = |key: &str| result.variables.iter().any(|own| own.drawn && own.name == key);
         let (drawn, others): (Vec<_>, Vec<_>) = ranged(design).into_iter().partition(|(own, _)| is_drawn(&own.key));
@@ -157,10 +157,10 @@ impl Population {
                 .all(|(own, other)| own.key == other.key && own.is_same(other))
     }
 
-    /// How the population of a design differs from this one.
+    /// The difference between this population and that of a design.
     ///
     /// # Errors
-    /// A design that cannot be digested.
+    /// If a design cannot be digested.
     pub(super) fn difference(&self, design: &Design) -> Result<Difference, Error> {
         let own = ranged(design);
         let of_study = |key: &str| self.drawn.iter().find(|marginal| marginal.key == key);
@@ -203,7 +203,7 @@ fn rest(design: &Design, keys: &[&str]) -> Result<String, Error> {
     Ok(hexadecimal(&key.digest()))
 }
 
-/// The weight of a draw by the values of the quantities whose distributions differ.
+/// The weight of a draw, from the values of the quantities whose distributions differ.
 pub(super) fn weight<'a>(values: impl Iterator<Item = (&'a (Marginal, Marginal), f64)>) -> f64 {
     let ratio = |((study, own), x): (&(Marginal, Marginal), f64)| {
         let [own, study] = [own, study].map(|marginal| marginal.parameter().density(x));
@@ -212,7 +212,7 @@ pub(super) fn weight<'a>(values: impl Iterator<Item = (&'a (Marginal, Marginal),
     values.map(ratio).product()
 }
 
-/// Of how many draws without weights these are worth (Kish 1965).
+/// The number of unweighted draws to which these are equivalent (Kish 1965).
 pub(super) fn effective(weights: &[f64]) -> f64 {
     let [sum, squares] = [1, 2].map(|power| weights.iter().map(|weight| weight.powi(power)).sum::<f64>());
     if squares > 0.0 { sum * sum / squares } else { 0.0 }
@@ -235,7 +235,7 @@ mod tests {
         }
     }
 
-    /// The mean of x under the weights is that of the other distribution, by the moments of each.
+    /// The weighted mean of x is that of the other distribution, from the moments of each.
     #[test]
     fn weighted_draws_have_the_moments_of_the_other_distribution() {
         let study = marginal([1.0, 4.0], Distribution::Uniform);

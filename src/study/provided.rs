@@ -1,5 +1,5 @@
-//! Studies of shipped designs that come with the program, so that `nailnoise run` states intervals without a wait: the
-//! result and the levels of each draw, in one compact file of the folder `designs/studies`.
+//! Studies of shipped designs that come with the program, so that `nailnoise run` states intervals without delay: the
+//! result and the levels of each draw, in one compact file in the folder `designs/studies`.
 
 use serde::{Deserialize, Serialize};
 use serde_json::{Number, Value};
@@ -13,7 +13,7 @@ use crate::design::{Design, renames};
 use crate::error::Error;
 use crate::shipped;
 
-/// Version of the layout. Files of another one are passed over.
+/// Version of the layout. Files with another version are ignored.
 const SCHEMA: &str = "nailnoise-provided-study/2";
 
 /// Significant digits of the figures.
@@ -30,19 +30,19 @@ pub struct ProvidedStudy {
     /// Version of the program that made it.
     pub version: String,
     code: String,
-    /// Draws that were computed again after a change of the code, with equal levels; none where the code made all
-    /// draws.
+    /// Number of draws that were computed again after a change of the code, with equal levels; `None` if the code made
+    /// all draws.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     repeated: Option<usize>,
     population: Population,
     /// Its results, without bands and intervals between events.
     pub result: StudyResult,
-    /// Levels and places of its draws.
+    /// Levels and positions of its draws.
     #[serde(flatten)]
     pub draws: DrawTable,
 }
 
-/// The part of a file that is read to see whether it serves a design.
+/// The part of a file that is read to decide whether it applies to a design.
 #[derive(Deserialize)]
 struct Head {
     population: Population,
@@ -53,15 +53,15 @@ struct Head {
 pub struct ProvidedState {
     /// Path of the design in the folder `designs`.
     pub design: &'static str,
-    /// Draws of its study; none without one.
+    /// Number of draws of its study; `None` without one.
     pub draws: Option<usize>,
     /// Inputs that have changed since it was made.
     pub changed: Vec<&'static str>,
-    /// Draws that were computed again after a change of the code, with equal levels.
+    /// Number of draws that were computed again after a change of the code, with equal levels.
     pub repeated: Option<usize>,
 }
 
-/// A provided study that serves a design.
+/// A provided study that applies to a design.
 #[derive(Debug)]
 pub struct FoundProvided {
     /// The study.
@@ -71,10 +71,10 @@ pub struct FoundProvided {
 }
 
 impl ProvidedStudy {
-    /// A study of the shipped design of this path.
+    /// A study of the shipped design with this path.
     ///
     /// # Errors
-    /// A design that cannot be digested.
+    /// If a design cannot be digested.
     pub fn new(path: &str, design: &Design, command: &str, result: &StudyResult, made: &Draws) -> Result<Self, Error> {
         Ok(Self {
             schema: SCHEMA.to_owned(),
@@ -99,11 +99,11 @@ impl ProvidedStudy {
         Ok(serde_json::to_string(&value).map_err(Error::Json)? + "\n")
     }
 
-    /// The provided study that serves a design: that of a shipped one, of one that differs from it in values of drawn
-    /// quantities whose distributions are the same, or one whose draws, weighted, are worth enough.
+    /// The provided study that applies to a design. This is the study of a shipped design with the same values, or with
+    /// other values of drawn quantities but the same distributions, or one whose weighted draws are worth enough.
     ///
     /// # Errors
-    /// A design that cannot be digested; a file that does not follow the layout.
+    /// If a design cannot be digested, or a file does not follow the layout.
     pub fn of(design: &Design) -> Result<Option<FoundProvided>, Error> {
         let mut largest: Option<FoundProvided> = None;
         for (_, text) in current() {
@@ -122,11 +122,10 @@ impl ProvidedStudy {
         Ok(largest)
     }
 
-    /// Reads the text of a file, with the names of today of keys that have been renamed; nothing from one of another
-    /// layout.
+    /// Reads the text of a file, with the current names of renamed keys; `None` for a file of another layout.
     ///
     /// # Errors
-    /// A file of this layout that does not follow it.
+    /// If a file of this layout does not follow it.
     pub fn read(text: &str) -> Result<Option<Self>, Error> {
         if !text.contains(&layout()) {
             return Ok(None);
@@ -136,25 +135,26 @@ impl ProvidedStudy {
         serde_json::from_str(&text).map(Some).map_err(Error::Json)
     }
 
-    /// Whether it has so many draws of this seed.
+    /// Whether it has this number of draws with this seed.
     pub fn has_draws(&self, draws: usize, seed: u64) -> bool {
         (self.result.draws, self.result.seed) == (draws, seed) && self.draws.len() == draws
     }
 
-    /// Whether its population is that of today's design.
+    /// Whether its population is that of the current design.
     ///
     /// # Errors
-    /// A design that cannot be digested.
+    /// If a design cannot be digested.
     pub fn is_of(&self, design: &Design) -> Result<bool, Error> {
         Ok(self.population.difference(design)? == Difference::None)
     }
 
-    /// The same study of today's code and design, if the quantities that it draws have the distributions of a study
-    /// with few draws that today's code made of the design, and its first draws are equal to those. Values that are not
-    /// drawn, and names, may have changed: the equal draws show that the levels do not depend on it.
+    /// The same study, renewed for the current code and design. It must draw quantities with the distributions of a
+    /// study with few draws that the current code made of the design, and its first draws must be equal to those.
+    /// Values that are not drawn, and names, may have changed: the equal draws show that the levels do not depend on
+    /// them.
     ///
     /// # Errors
-    /// A design that cannot be digested.
+    /// If a design cannot be digested.
     pub fn renewed(mut self, design: &Design, few: &StudyResult, made: &Draws) -> Result<Option<Self>, Error> {
         let population = Population::of(design, few)?;
         let repeated = DrawTable::of(made);
@@ -169,15 +169,15 @@ impl ProvidedStudy {
         Ok(Some(self))
     }
 
-    /// Whether the code of the levels is that of today.
+    /// Whether the code that computes levels is the current one.
     pub fn is_of_this_code(&self) -> bool {
         self.code == code()
     }
 
-    /// The study of each shipped design, as far as there is one.
+    /// The study of each shipped design, if there is one.
     ///
     /// # Errors
-    /// A design that cannot be digested; a file that does not follow the layout.
+    /// If a design cannot be digested, or a file does not follow the layout.
     pub fn states() -> Result<Vec<ProvidedState>, Error> {
         let studies: Vec<Self> = current()
             .map(|(_, text)| serde_json::from_str(text).map_err(Error::Json))
@@ -208,7 +208,7 @@ impl ProvidedStudy {
     }
 }
 
-/// A study without bands and intervals, which are most of its bytes; no command shows them of a provided one.
+/// A study without bands and intervals, which are most of its bytes; no command shows those of a provided study.
 fn brief(result: &StudyResult) -> StudyResult {
     let mut brief = result.clone();
     for own in &mut brief.sources {
@@ -218,7 +218,7 @@ fn brief(result: &StudyResult) -> StudyResult {
     brief
 }
 
-/// The text that only files of this layout contain.
+/// Text that only files of this layout contain.
 fn layout() -> String {
     format!("\"schema\":\"{SCHEMA}\"")
 }
@@ -252,7 +252,7 @@ mod tests {
     use super::*;
     use crate::result::TOTAL;
 
-    /// Every study of the folder is of a shipped design, and its own draws give the shares that it states.
+    /// Every study in the folder is of a shipped design, and its own draws give the fractions that it states.
     #[test]
     fn provided_studies_state_what_their_draws_give() {
         assert_eq!(current().count(), shipped::STUDIES.len(), "studies of another layout");
@@ -261,7 +261,7 @@ mod tests {
             let own: ProvidedStudy = serde_json::from_str(text).unwrap();
             let design = Design::shipped(&own.design).unwrap_or_else(|| panic!("{path}: no design {}", own.design));
             let found = ProvidedStudy::of(&design).unwrap().unwrap();
-            // Designs with equal values have equal draws, and the first of their studies serves all.
+            // Designs with equal values have equal draws, and the first of their studies applies to all.
             assert_eq!(found.study.draws.levels_db, own.draws.levels_db, "{path}");
             assert_eq!(found.found.weighting, None, "{path}");
             let total = &own.draws.levels_db[TOTAL];
@@ -273,7 +273,7 @@ mod tests {
                 let others: Vec<_> = others.map(|(_, levels)| levels).collect();
                 let first = (0..levels.len()).filter(|&draw| others.iter().all(|other| levels[draw] > other[draw]));
                 let share = first.count() as f64 / levels.len() as f64;
-                // Levels have two decimals: a draw may be a tie.
+                // Levels have two decimals, so that a draw may be a tie.
                 let tie = 1.1 / levels.len() as f64;
                 assert!(
                     (share - source.first.value.unwrap()).abs() < tie,

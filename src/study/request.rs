@@ -1,4 +1,4 @@
-//! The request for a study: how many draws, and which part of them.
+//! The request for a study: the number of draws, and which part of them to compute.
 
 /// The request for a study.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -7,16 +7,16 @@ pub struct Request {
     pub draws: usize,
     /// Seed.
     pub seed: u64,
-    /// Shots on each structure that is drawn; with `None`, the structures of the design are fixed.
+    /// Number of shots on each drawn structure; with `None`, the structures of the design are fixed.
     pub shots_a_structure: Option<usize>,
     /// The draws that are computed.
     pub part: Subset,
-    /// Whether the draws retain the sensors on the workpiece.
+    /// Whether the draws keep the sensors on the workpiece.
     pub workpiece_sensors: bool,
 }
 
 impl Request {
-    /// All of so many draws, with the structures of the design and without its sensors.
+    /// All of this number of draws, with the structures of the design and without its sensors.
     pub fn new(draws: usize, seed: u64) -> Self {
         Self {
             draws,
@@ -33,21 +33,22 @@ impl Request {
 pub enum Subset {
     /// All draws.
     All,
-    /// Every `of`-th structure, if structures are drawn, else every `of`-th draw: the `number`-th of them, from 1.
+    /// Every `of`-th structure if structures are drawn, otherwise every `of`-th draw, starting with the `number`-th,
+    /// from 1.
     Task {
         /// Its number, 1 .. `of`.
         number: u32,
-        /// How many tasks there are.
+        /// Number of tasks.
         of: u32,
     },
-    /// The same with the outcomes of the candidates that are already stored: none is computed ahead for other tasks.
+    /// The same with the outcomes of candidates that are already stored; none is computed in advance for other tasks.
     Screened {
         /// Its number, 1 .. `of`.
         number: u32,
-        /// How many tasks there are.
+        /// Number of tasks.
         of: u32,
     },
-    /// All draws, limited to those with stored levels.
+    /// All draws whose levels are stored.
     Kept,
 }
 

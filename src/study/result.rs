@@ -35,20 +35,20 @@ pub struct StudyResult {
     /// Version of the layout; it changes when a reader of the old layout would misread the new one.
     #[schemars(extend("const" = SCHEMA))]
     pub schema: String,
-    /// Which design this is of.
+    /// The design of this study.
     pub design: DesignId,
     /// Seed of the draws.
     pub seed: u64,
-    /// How the shot of the design itself ends, where it does not drive; null otherwise.
+    /// Outcome of the shot of the design itself, if it does not drive; null otherwise.
     #[serde(default)]
     pub headline: Option<Headline>,
-    /// Draws that count.
+    /// Number of draws that count.
     pub draws: usize,
-    /// Structures that were drawn; 0 where those of the design were held.
+    /// Number of structures drawn; 0 if those of the design were fixed.
     pub structures: usize,
-    /// Outcomes of which a shot must have one to count; all count where it is empty.
+    /// Outcomes with which a shot counts; if empty, all count.
     pub require: Vec<String>,
-    /// What became of all candidates.
+    /// Numbers of all candidates by their fate.
     pub candidates: Candidates,
     /// Each source, in the order of the design's own ranking by P50.
     pub sources: Vec<SourceStudy>,
@@ -58,61 +58,62 @@ pub struct StudyResult {
     pub orders: Vec<OrderProbability>,
     /// Probability that one source is louder than another.
     pub louder: Vec<Louder>,
-    /// Expected loss of a decision that a perfect knowledge of all inputs would avoid, where one source is silenced
+    /// Expected loss of a decision that a perfect knowledge of all inputs would avoid, if one source is silenced
     /// \[dB\].
     pub perfect_information_db: Estimate,
-    /// Which inputs decide each level, the largest contribution first.
+    /// The inputs that affect each level, largest contribution first.
     pub contributions: Vec<Contributions>,
-    /// Which inputs decide whether a shot counts; null with too few candidates, or where nearly all of them count.
+    /// The inputs that determine whether a shot counts; null with too few candidates, or if nearly all of them count.
     #[serde(default)]
     pub condition: Option<Condition>,
-    /// Which groups of inputs decide each level; null without `--groups`.
+    /// The groups of inputs that affect each level; null without `--groups`.
     #[serde(default)]
     pub groups: Option<GroupStudy>,
     /// Polynomial surrogates of the levels, by `nailnoise study`; empty with too few draws.
     #[serde(default)]
     pub surrogates: Vec<Surrogate>,
-    /// What each input does to the levels of the design itself; null without `--one-at-a-time`.
+    /// The effect of each input on the levels of the design itself; null without `--one-at-a-time`.
     #[serde(default)]
     pub one_at_a_time: Option<OneAtATime>,
     /// P50 of the total and P(first) of each source over the first draws, doubling.
     pub convergence: Vec<Convergence>,
-    /// What was drawn.
+    /// The drawn variables.
     pub variables: Vec<VariableReport>,
-    /// What a reader must know beside the numbers.
+    /// Notes that a reader must know in addition to the numbers.
     pub notes: Vec<String>,
 }
 
-/// What became of candidates.
+/// Numbers of candidates by their fate.
 #[derive(Debug, Clone, Serialize, Deserialize, JsonSchema)]
 pub struct Candidates {
-    /// Candidates drawn.
+    /// Number of candidates drawn.
     pub drawn: u64,
-    /// Shots by outcome, `dry_fire` or `solver_failure`.
+    /// Number of shots by outcome, `dry_fire` or `solver_failure`.
     pub outcomes: BTreeMap<String, u64>,
-    /// Candidates that are no designs, by the reason.
+    /// Number of candidates that are not valid designs, by reason.
     pub refused: BTreeMap<String, u64>,
-    /// Values drawn anew because they do not go together, by their keys.
+    /// Number of values drawn again because they conflict, by their keys.
     pub rejections: BTreeMap<String, u64>,
-    /// Draws that could not be computed.
+    /// Number of draws that could not be computed.
     pub failures: usize,
 }
 
 /// Levels over the draws.
 #[derive(Debug, Clone, Serialize, Deserialize, JsonSchema)]
 pub struct LevelStudy {
-    /// Level of the design itself; null where it is silent or cannot be computed.
+    /// Level of the design itself; null if it is silent or cannot be computed.
     pub nominal_db: Option<f64>,
-    /// Share of the draws below the level of the design itself.
+    /// Fraction of the draws below the level of the design itself.
     pub below_nominal: Option<f64>,
-    /// Lowest and highest of the draws; null for silence.
+    /// Lowest and highest level of the draws; null for silence.
     pub extremes_db: [Option<f64>; 2],
     /// P5, P50 and P95 of the draws.
     pub level_db: Quantiles,
 }
 
 impl LevelStudy {
-    /// P5 and P95 of so many draws; of fewer than [`STATED_FROM`] the lowest and the highest, which have no interval.
+    /// P5 and P95 of this number of draws; for fewer than [`STATED_FROM`], the lowest and the highest, which have no
+    /// interval.
     pub fn ends(&self, draws: usize) -> [Estimate; 2] {
         if draws >= STATED_FROM {
             return [self.level_db.p05, self.level_db.p95];
@@ -124,7 +125,7 @@ impl LevelStudy {
     }
 }
 
-/// Names of [`LevelStudy::ends`] for so many draws.
+/// Names of [`LevelStudy::ends`] for this number of draws.
 pub fn names_of_ends(draws: usize) -> [&'static str; 2] {
     match draws {
         STATED_FROM.. => ["P5", "P95"],
@@ -141,22 +142,22 @@ pub struct SourceStudy {
     pub level: LevelStudy,
     /// Probability that it is the loudest.
     pub first: Estimate,
-    /// Expected distance to the loudest source: the loss where this one is taken for the loudest \[dB\].
+    /// Expected distance to the loudest source: the loss if this one is taken for the loudest \[dB\].
     pub loss_db: Estimate,
-    /// Expected reduction of the total where it is silent \[dB\].
+    /// Expected reduction of the total if it is silent \[dB\].
     pub silencing_db: Estimate,
     /// One-third-octave bands.
     pub bands: Vec<LabelledStudy>,
-    /// Intervals between neighbouring events.
+    /// Intervals between adjacent events.
     pub intervals: Vec<LabelledStudy>,
 }
 
 /// Levels of a band or interval over the draws.
 #[derive(Debug, Clone, Serialize, Deserialize, JsonSchema)]
 pub struct LabelledStudy {
-    /// Mid-band frequency \[Hz\], or the events on either side.
+    /// Mid-band frequency \[Hz\], or the events at both ends.
     pub label: String,
-    /// Draws that have it: events may come in another order.
+    /// Number of draws that have it; the order of events may differ.
     pub draws: usize,
     /// P5, P50 and P95.
     pub level_db: Quantiles,
@@ -174,9 +175,9 @@ pub struct OrderProbability {
 /// Probability that one source is louder than another.
 #[derive(Debug, Clone, Serialize, Deserialize, JsonSchema)]
 pub struct Louder {
-    /// The one.
+    /// The louder source.
     pub source: String,
-    /// The other.
+    /// The quieter source.
     pub than: String,
     /// The probability.
     pub probability: Estimate,
@@ -185,7 +186,7 @@ pub struct Louder {
 /// Results over the first draws.
 #[derive(Debug, Clone, Serialize, Deserialize, JsonSchema)]
 pub struct Convergence {
-    /// How many draws.
+    /// Number of draws.
     pub draws: usize,
     /// P50 of the total \[dB re 1 pW s\].
     pub total_p50_db: Estimate,
@@ -299,7 +300,7 @@ impl StudyResult {
         }
     }
 
-    /// The same with surrogates of the levels, which take a second or two.
+    /// The same with surrogates of the levels, which take a second or two to compute.
     #[must_use]
     pub fn with_surrogates(mut self, design: &Design, made: &Draws) -> Self {
         let names: Vec<String> = self.sources.iter().map(|source| source.source.clone()).collect();

@@ -1,11 +1,11 @@
 //! Draws of the variables: an Owen-scrambled Sobol' sequence, correlations, and rejection of conflicting values.
 //!
-//! Point `i` of the sequence depends only on `i`, the seed and the list of variables, so that more draws do not change
-//! the first ones, and threads and machines do not matter.
+//! Point `i` of the sequence depends only on `i`, the seed and the list of variables, so that the first draws are
+//! independent of the number of draws, of threads and of the machine.
 //!
 //! Some values conflict, for example a seat wider than the valve. The variables of such rules form connected
-//! components. Values are rejected and drawn anew *within a component*, which gives the same distribution as rejecting
-//! entire designs, and leaves all other variables their low-discrepancy points.
+//! components. Values are rejected and drawn again *within a component*, which gives the same distribution as rejecting
+//! complete designs, and keeps the low-discrepancy points of all other variables.
 //!
 //! Variables with joint draws, those of a calibration, have the values of a row of these in place of the sequence.
 
@@ -18,18 +18,18 @@ use super::normal;
 use super::variables::{Drawn, Variable, VariableKind};
 use crate::design::{Correlation, Design, JointDraws, Value, Values};
 
-/// Dimensions and length of the sequence: beyond them it continues with another scramble.
+/// Dimensions and length of the sequence; beyond them, it continues with another scramble.
 const DIMENSIONS: usize = 256;
 const LENGTH: u64 = 1 << 16;
 
-/// Times that a component is drawn at most for one point.
+/// Maximum number of times a component is drawn for one point.
 const MOST_ATTEMPTS: u64 = 1000;
 
-/// Designs by which rules that values may break are looked for: a rule that one draw in twenty breaks is missed once in
-/// 500 000.
+/// Number of designs with which rules between values are searched: a rule that one draw in twenty breaks is missed once
+/// in 500 000.
 const PROBES: u64 = 256;
 
-/// Numbers of the sequence are multiples of 2^-24 from 0 on; half of that moves them away from the ends.
+/// Numbers of the sequence are multiples of 2^-24 starting at 0; half a step moves them away from the ends.
 const HALF_STEP: f64 = 1.0 / (1 << 25) as f64;
 
 /// Draws of a list of variables.
@@ -58,37 +58,37 @@ struct Component {
     members: Vec<usize>,
     /// Whether some of their values conflict.
     conflicts: bool,
-    /// Those members that are correlated.
+    /// Its members that are correlated.
     correlated: Vec<Correlated>,
 }
 
-/// Members of a component with one common correlation in the Gaussian copula.
+/// Members of a component with a common correlation in the Gaussian copula.
 #[derive(Debug, Clone, PartialEq)]
 struct Correlated {
     members: Vec<usize>,
     pearson: f64,
 }
 
-/// A point: the place of each active variable in its distribution, which [`Variable::drawn`] converts to its value.
+/// A point: the position of each active variable in its distribution, which [`Variable::drawn`] converts to its value.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Point {
     /// Share of its distribution below each variable, 0 .. 1; NaN for a fixed one.
     pub shares: Vec<f64>,
 }
 
-/// Which variables are drawn, around which values, and which of many independent sequences is used.
+/// Which variables are drawn, around which values, and in which of many independent sequences.
 #[derive(Clone, Copy)]
 pub struct Frame<'a> {
-    /// Values of all fixed quantities, for each of several designs that are drawn in common.
+    /// Values of all fixed quantities, for each of several designs with common draws.
     pub bases: &'a [Values],
     /// Whether each variable is drawn.
     pub active: &'a [bool],
     /// Number of the sequence.
     pub stream: u64,
-    /// A point of the bases without conflicts. It gives all variables that are not drawn; without it they are those of
+    /// A point of the bases without conflicts. It gives all variables that are not drawn; without it, they are those of
     /// the bases.
     pub given: Option<&'a Point>,
-    /// Number of the given point where partners of many points are drawn: their first candidates are the points of one
+    /// Number of the given point when partners of many points are drawn: their first candidates are the points of one
     /// sequence.
     pub partner_of: Option<u64>,
 }
@@ -116,11 +116,11 @@ pub struct NoValues {
     pub keys: String,
 }
 
-/// How often values were rejected, by the conflicting keys.
+/// Number of rejections of values, by the conflicting keys.
 pub type Rejections = BTreeMap<String, u64>;
 
 impl Sampler {
-    /// A sampler of variables of a design. Rules between their values are found by probes.
+    /// A sampler of variables of a design. Rules between their values are found by trial draws.
     pub fn new(design: &Design, variables: Vec<Variable>, seed: u64) -> Self {
         let rules = rules(design, &variables);
         let components = components(&variables, &rules, &design.study().correlations);
@@ -150,7 +150,7 @@ impl Sampler {
         &self.variables
     }
 
-    /// Places of the variables of each component.
+    /// Indices of the variables of each component.
     pub(super) fn components(&self) -> impl Iterator<Item = &[usize]> {
         self.components.iter().map(|component| component.members.as_slice())
     }
@@ -165,7 +165,7 @@ impl Sampler {
         ruled
     }
 
-    /// The variables of each component whose values in a point break a rule around a base.
+    /// For each component whose values in a point break a rule around a base, its variables.
     pub(crate) fn broken<'a>(&'a self, base: &'a Values, point: &'a Point) -> impl Iterator<Item = &'a [usize]> {
         let conflicting = self.components.iter().filter(|component| component.conflicts);
         conflicting
@@ -215,7 +215,7 @@ impl Sampler {
         let mut point = frame.given.cloned().unwrap_or_else(|| Point {
             shares: vec![f64::NAN; count],
         });
-        // Each further candidate for a partner comes from another scramble.
+        // Each further candidate for a partner is taken from another scramble.
         let index = frame.partner_of.map_or(index, |number| index * LENGTH + number);
         if let Some(joint) = &self.joint {
             let row = &joint.shares[joint.draws.row_of(index, self.seed)];
@@ -300,7 +300,7 @@ impl Sampler {
             own.for_each(|&member| around.shares[member] = f64::NAN);
             let changes = self.changes_of_values(&self.changes(&around));
             for base in &mut bases {
-                // The given point was accepted, so that its values can be set.
+                // The given point was accepted, so its values can be set.
                 let _ = base.set(&changes);
             }
         }
@@ -357,8 +357,8 @@ fn joint_shares(draws: &JointDraws, variables: &[Variable]) -> Vec<Vec<f64>> {
     draws.rows.iter().map(shares).collect()
 }
 
-/// Gives independent standard normal numbers one common correlation `r`: multiplies them by the Cholesky factor of
-/// (1 - r) I + r 1 1^T.
+/// Gives independent standard normal numbers the common correlation `r`: multiplies them by the Cholesky factor of (1 -
+/// r) I + r 1 1^T.
 fn correlate(z: &mut [f64], r: f64) {
     let mut factor = CommonFactor::default();
     for own in z {
@@ -368,7 +368,7 @@ fn correlate(z: &mut [f64], r: f64) {
     }
 }
 
-/// The inverse of [`correlate`]; a number that those before it determine becomes 0.
+/// The inverse of [`correlate`]; a number that is determined by those before it becomes 0.
 fn decorrelate(z: &mut [f64], r: f64) {
     let mut factor = CommonFactor::default();
     for own in z {
@@ -383,7 +383,7 @@ fn decorrelate(z: &mut [f64], r: f64) {
 struct CommonFactor {
     /// Sum of the squares of the row's entries before the diagonal.
     squares: f64,
-    /// Their product with the numbers so far.
+    /// Product of the row's entries with the numbers so far.
     sum: f64,
 }
 
@@ -392,7 +392,7 @@ impl CommonFactor {
         (1.0 - self.squares).max(0.0).sqrt()
     }
 
-    /// Goes to the next row, with the number of this one.
+    /// Advances to the next row, given the number of this one.
     fn next(&mut self, independent: f64, r: f64) {
         let diagonal = self.diagonal();
         let below = if diagonal > 0.0 {
@@ -405,10 +405,10 @@ impl CommonFactor {
     }
 }
 
-/// Sets of variables whose values may conflict: for designs drawn at random, the smallest sets of their variables that
-/// break a rule without the others.
+/// Sets of variables whose values may conflict: for random designs, the smallest sets of their variables that break a
+/// rule without the others.
 fn rules(design: &Design, variables: &[Variable]) -> BTreeSet<Vec<usize>> {
-    /// Apart from any seed of a study: the rules do not depend on it.
+    /// Distinct from any seed of a study, because the rules do not depend on it.
     const SEED: u64 = 0x5EED_0F9A_0BE5;
     let (base, idle): (&Values, _) = (design, design.idle_keys());
     let conflict = |members: &[usize], drawn: &[Drawn]| {
@@ -440,7 +440,7 @@ fn rules(design: &Design, variables: &[Variable]) -> BTreeSet<Vec<usize>> {
             };
             let mut rule: Vec<usize> = members.iter().copied().filter(sets).collect();
             if conflict(&rule, &drawn).is_none() {
-                // Values that the message does not name are involved: remove the superfluous ones.
+                // Values that the message does not name are involved; those that are not needed are removed.
                 rule.clone_from(&members);
                 for member in members.clone() {
                     let rest: Vec<usize> = rule.iter().copied().filter(|other| *other != member).collect();
@@ -459,7 +459,7 @@ fn rules(design: &Design, variables: &[Variable]) -> BTreeSet<Vec<usize>> {
     found
 }
 
-/// Joins variables that are in a rule or a correlation together.
+/// Joins variables that occur together in a rule or a correlation.
 fn components(variables: &[Variable], rules: &BTreeSet<Vec<usize>>, correlations: &[Correlation]) -> Vec<Component> {
     let place = |key: &String| variables.iter().position(|variable| variable.name == *key);
     let correlated: Vec<Correlated> = correlations
@@ -514,7 +514,7 @@ mod tests {
         Design::parse(&format!("base = \"n80cb.toml\"\n{text}"), folder).unwrap()
     }
 
-    /// Variables of these keys of a design, whether or not they change levels.
+    /// Variables for these keys of a design, whether or not they change levels.
     fn of(design: &Design, keys: &[&str]) -> Vec<Variable> {
         let entry = |key: &&str| design.entries().into_iter().find(|entry| entry.key == *key).unwrap();
         let parameters = keys.iter().map(entry).filter_map(Parameter::of);
@@ -590,6 +590,37 @@ mod tests {
         }
     }
 
+    /// A row of joint draws sets all of its keys, and a key without joint draws obeys its rules around them.
+    #[test]
+    fn joint_draws_come_as_whole_rows() {
+        let keys = ["head_valve.exhaust_lap", "head_valve.intake_lap", "piston.mass"];
+        let rows = vec![vec![0.7e-3, 0.1295], vec![1.9e-3, 0.1325]];
+        let names = [keys[0], keys[2]].map(str::to_owned).to_vec();
+        let joint = JointDraws::new(String::new(), String::new(), names, rows.clone());
+        let design = design("").with_joint_draws(Arc::new(joint));
+        let variables = of(&design, &keys);
+        let sampler = Sampler::new(&design, variables.clone(), 3);
+        let bases = [Values::clone(&design)];
+        let frame = Frame::new(&bases, &[true; 3], 0);
+        for index in 0..40 {
+            let point = sampler.point(frame, index, &mut Rejections::new()).unwrap();
+            let value = |place: usize| match variables[place].drawn(point.shares[place]) {
+                Some(Drawn::Value(Value::Number(value))) => value,
+                other => panic!("{other:?}"),
+            };
+            // The seed begins with the second row.
+            let row = &rows[(index as usize + 1) % 2];
+            for (place, expected) in [(0, row[0]), (2, row[1])] {
+                assert!(
+                    (value(place) / expected - 1.0).abs() < 1e-9,
+                    "{} {expected}",
+                    value(place)
+                );
+            }
+            assert!(value(0) <= value(1), "{} {}", value(0), value(1));
+        }
+    }
+
     /// The law of rejection: conditional on the rule, the pair is uniform over the remaining domain.
     #[test]
     fn values_that_do_not_go_together_are_drawn_anew_alone() {
@@ -610,7 +641,7 @@ mod tests {
             other => panic!("{other:?}"),
         };
         assert!(points.iter().all(|point| value(point, 0) <= value(point, 1)));
-        // The same by a fine grid.
+        // The same with a fine grid.
         let cell = |[low, high]: [f64; 2], k: u32| low + (f64::from(k) + 0.5) / 500.0 * (high - low);
         let (mut sum, mut count) = (0.0, 0.0);
         for (i, j) in (0..500).flat_map(|i| (0..500).map(move |j| (i, j))) {
@@ -626,7 +657,7 @@ mod tests {
         );
         let share = N as f64 / (N + rejections.values().sum::<u64>()) as f64;
         assert!((share - count / 250_000.0).abs() < 0.02, "{share}");
-        // A variable without rules retains its even points.
+        // A variable without rules keeps its evenly distributed points.
         let mut cells = [0; 64];
         points
             .iter()

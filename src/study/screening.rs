@@ -1,4 +1,4 @@
-//! Candidates and their shots: the cheap part of a study, before any sound is computed.
+//! Candidates and their shots: the inexpensive part of a study, before any sound is computed.
 
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -17,14 +17,14 @@ use crate::stages::cycle::Engine;
 use crate::stages::outcomes::{Outcomes, ShotOutcome};
 use crate::study::StudyError;
 
-/// Candidates that are computed and stored at a time; for a partner of a point, which needs one, at first and then
-/// twice as many each time.
+/// Number of candidates that are computed and stored at a time. For a partner of a point, of which one is needed, this
+/// is the first number; it then doubles each time.
 pub(super) const BLOCK: u64 = 64;
 const FIRST_BLOCK: u64 = 2;
 /// Maximum number of candidates for each requested draw, and before any is accepted.
 const MOST: u64 = 1000;
 const MOST_IN_VAIN: u64 = 4096;
-/// Interval of the samples, which no outcome needs \[s\].
+/// Sampling interval \[s\]; outcomes need no samples.
 const SAMPLES: f64 = 1e-3;
 
 /// A candidate whose shots were computed.
@@ -41,23 +41,23 @@ pub struct Candidate {
 /// Outcomes of all candidates.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Tally {
-    /// Candidates drawn.
+    /// Number of candidates drawn.
     pub candidates: u64,
-    /// Values drawn anew because of conflicts, by their keys.
+    /// Number of values drawn again because of conflicts, by their keys.
     pub rejections: Rejections,
-    /// Candidates that are not valid designs, by the reason.
+    /// Number of candidates that are not valid designs, by reason.
     pub refused: BTreeMap<String, u64>,
-    /// Shots by outcome, `dry_fire` or `solver_failure`.
+    /// Number of shots by outcome, `dry_fire` or `solver_failure`.
     pub outcomes: BTreeMap<String, u64>,
     /// Candidates whose shot cannot be computed, with the message.
     pub failures: Vec<(u64, String)>,
-    /// Places of the counting shots in the distributions.
+    /// Positions of the counting shots in the distributions.
     pub condition: Counts,
 }
 
 impl Tally {
-    /// Counts another tally in. The condition stays that of the first: further candidates on a structure that was
-    /// accepted are not independent of it.
+    /// Adds another tally. The condition remains that of the first, because further candidates on an accepted structure
+    /// are not independent of it.
     pub fn add(&mut self, other: Self) {
         self.candidates += other.candidates;
         let into = |own: &mut BTreeMap<String, u64>, counts: BTreeMap<String, u64>| {
@@ -71,7 +71,7 @@ impl Tally {
         self.failures.extend(other.failures);
     }
 
-    /// Shots that were computed.
+    /// Number of shots that were computed.
     pub fn shots(&self) -> u64 {
         self.outcomes.values().sum()
     }
@@ -95,7 +95,7 @@ pub(crate) fn drawn(design: &Design, sampler: &Sampler, base: &Values, point: &P
     }
 }
 
-/// A candidate's point and the cycle of each design, or why it is not a valid design.
+/// A candidate's point and the cycle of each design, or the reason why it is not a valid design.
 pub(super) fn cycles_of(
     (designs, sampler): (&[Design], &Sampler),
     frame: Frame<'_>,
@@ -118,8 +118,8 @@ pub(super) fn cycles_of(
     Ok((point, cycles))
 }
 
-/// A candidate before its shot: its point and cycles, or why it is not a valid design; and the values that were drawn
-/// anew for it.
+/// A candidate before its shot: its point and cycles, or the reason why it is not a valid design; and the values that
+/// were drawn again for it.
 pub(super) type Prepared = (Result<(Point, Vec<Engine>), String>, Rejections);
 
 /// The candidates of a block, and the stage that computes their shots.
@@ -141,19 +141,19 @@ pub(super) fn block_of(
     (block, Outcomes { engines })
 }
 
-/// The name under which the outcomes of a candidate are counted: one name, or those of the designs.
+/// The name under which the outcomes of a candidate are counted: a single name, or those of all designs.
 fn name(outcomes: &[ShotOutcome]) -> String {
     let mut names: Vec<&str> = outcomes.iter().map(ShotOutcome::name).collect();
     names.dedup();
     names.join(" / ")
 }
 
-/// Draws candidates until `want` of them are accepted in all of the designs, in the order of the sequence. Fewer come
-/// back where 1000 candidates for each were not enough. Tasks that share a store share the work. Out of as many blocks
-/// as there are tasks, each task computes one, and then reads those of the others that are stored by then.
+/// Draws candidates in the order of the sequence until `want` of them are accepted in all of the designs. Returns fewer
+/// if 1000 candidates for each are not enough. Tasks that share a store share the work. In each round with as many
+/// blocks as tasks, each task computes one, and then reads those of the others that are stored by then.
 ///
 /// # Errors
-/// [`StudyError::NothingDrawn`] where no candidate is accepted.
+/// [`StudyError::NothingDrawn`] if no candidate is accepted.
 pub fn screen(
     graph: &Graph,
     (designs, sampler): (&[Design], &Sampler),

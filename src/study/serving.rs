@@ -1,4 +1,4 @@
-//! The study that serves a design, and what it says about the levels of a run.
+//! The study that applies to a design, and its statements about the levels of a run.
 
 use std::collections::BTreeMap;
 
@@ -21,30 +21,30 @@ use crate::stages::{Digest, Progress};
 use crate::store::{Key, Store};
 use crate::study::StudyError;
 
-/// Most inputs that are named as deciding the total.
+/// Maximum number of inputs named for their effect on the total.
 const DECIDING: usize = 3;
 
 /// Seed of screenings: the draws are the first ones of a study with the default seed.
 const SEED: u64 = 1;
 
-/// A study that serves a design.
+/// A study that applies to a design.
 #[derive(Debug, Clone, Serialize)]
 pub struct Serving {
     /// Its results.
     pub result: StudyResult,
-    /// How the draws of another study are weighted; none for draws of this design.
+    /// Weighting of the draws of another study; `None` for draws of this design.
     pub weighting: Option<Weighting>,
-    /// Origin of a study that comes with the program; none for a study of the user.
+    /// Origin of a study that comes with the program; `None` for a study of the user.
     pub provided: Option<Provided>,
     /// Ends of the fall of the total where one source is silent, by source \[dB\]; empty for weighted draws.
     pub silencing: BTreeMap<String, [f64; 2]>,
 }
 
 impl Serving {
-    /// The study that serves a design: the largest of those in the store and in the program.
+    /// The study that applies to a design: the largest in the store and in the program.
     ///
     /// # Errors
-    /// A design that cannot be digested; a provided study that does not follow its layout.
+    /// If a design cannot be digested, or a provided study does not follow its layout.
     pub fn of(store: &Store, design: &Design) -> Result<Option<Self>, Error> {
         let (kept, provided) = (kept(store, design)?, ProvidedStudy::of(design)?);
         let of_user = |found: Found| Self {
@@ -67,7 +67,7 @@ impl Serving {
         })
     }
 
-    /// What the study says about the levels of a run of the design.
+    /// The statements of the study about the levels of a run of the design.
     fn of_run(&self, design: &Design, run: &RunResult) -> RunStudy {
         match contradicting_outcome(design, run) {
             Some(contradiction) => RunStudy::Absent(contradiction),
@@ -138,19 +138,19 @@ impl Serving {
     }
 }
 
-/// Lower end, median and upper end over so many draws of a level that is `own` in the run \[dB\].
+/// Lower end, median and upper end of a level over this number of draws; the level is `own` in the run \[dB\].
 fn ends(level: &LevelStudy, draws: usize, own: Option<f64>) -> [Option<f64>; 3] {
     if draws >= STATED_FROM {
         let quantiles = &level.level_db;
         return [quantiles.p05, quantiles.p50, quantiles.p95].map(|quantile| quantile.value);
     }
     let [low, high] = level.extremes_db;
-    // Silence is below every level.
+    // Silence is lower than every level.
     let low = low.zip(own).map(|(low, own)| low.min(own));
     [low, None, [high, own].into_iter().flatten().reduce(f64::max)]
 }
 
-/// Whether a level \[dB\] lies outside its interval; silence is below every level.
+/// Whether a level \[dB\] is outside its interval; silence is lower than every level.
 fn is_outside(spread: &LevelSpread, level: Option<f64>) -> bool {
     match level {
         Some(own) => spread.low_db.is_some_and(|low| own < low) || spread.high_db.is_none_or(|high| own > high),
@@ -158,7 +158,7 @@ fn is_outside(spread: &LevelSpread, level: Option<f64>) -> bool {
     }
 }
 
-/// Why no draw of a study is a shot like that of a run: it has another outcome than the shots that count.
+/// The reason why no draw of a study is a shot like that of a run: its outcome is not one that counts.
 fn contradicting_outcome(design: &Design, run: &RunResult) -> Option<NoStudy> {
     let (require, outcome) = (&design.study().require, run.outcome.as_str());
     if require.is_empty() || require.contains(&outcome) {
@@ -175,7 +175,7 @@ fn contradicting_outcome(design: &Design, run: &RunResult) -> Option<NoStudy> {
     })
 }
 
-/// Where the intervals of a run come from, decided before it is computed.
+/// Origin of the intervals of a run, decided before it is computed.
 #[derive(Debug, Clone)]
 pub enum StudySource {
     /// A study that exists.
@@ -200,7 +200,7 @@ impl StudySource {
         }
     }
 
-    /// What is known about the levels of a run of the design.
+    /// The known statements about the levels of a run of the design.
     pub fn of_run(&self, design: &Design, run: &RunResult) -> RunStudy {
         let none = |reason: String| match contradicting_outcome(design, run) {
             Some(contradiction) => RunStudy::Absent(contradiction),
@@ -213,12 +213,12 @@ impl StudySource {
         }
     }
 
-    /// Whether a run is to be followed by a screening: no draw is made for a shot that no draw can be like.
+    /// Whether a run is to be followed by a screening; none is made if no draw can have the outcome of the shot.
     pub fn awaits_screening(&self, design: &Design, run: &RunResult) -> bool {
         matches!(self, Self::Screening(_)) && contradicting_outcome(design, run).is_none()
     }
 
-    /// The source after its screening, which is stored; one that needs none is returned unchanged.
+    /// The source after its screening, which is stored; a source that needs none is returned unchanged.
     #[must_use]
     pub fn screened(self, store: &Store, design: &Design, progress: &Progress) -> Self {
         let Self::Screening(request) = self else { return self };
@@ -238,7 +238,7 @@ impl StudySource {
         }
     }
 
-    /// The part of a key that tells apart the results of one design.
+    /// The part of a key that distinguishes the results of one design.
     pub fn digest(&self) -> Digest {
         match self {
             Self::Known(serving) => Key::empty().with(serving),
@@ -249,10 +249,10 @@ impl StudySource {
     }
 }
 
-/// Makes a study of a design and stores it for later runs; returns its draws, too.
+/// Makes a study of a design and stores it for later runs; also returns its draws.
 ///
 /// # Errors
-/// Those of [`draws`]; [`StudyError::NotCollected`] if draws are missing that were to be read only.
+/// The errors of [`draws`]; [`StudyError::NotCollected`] if draws are missing that were to be read only.
 pub fn study(
     store: &Store,
     design: &Design,

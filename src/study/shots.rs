@@ -1,4 +1,4 @@
-//! Designs drawn only for the nailing cycle: the outcome of each shot.
+//! Designs drawn only for the nailing cycle, with the outcome of each shot.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -16,7 +16,7 @@ use crate::graph::Graph;
 use crate::stages::outcomes::ShotOutcome;
 use crate::stages::{Progress, Stage};
 
-/// Maximum number of candidates drawn for each requested design, to end a design whose ranges hardly ever yield
+/// Maximum number of candidates drawn for each requested design, so that drawing ends if the ranges hardly ever yield
 /// compatible values.
 const MOST_CANDIDATES: usize = 1000;
 
@@ -27,16 +27,16 @@ pub struct Shots {
     pub seed: u64,
     /// The keys that were drawn.
     pub parameters: Vec<Parameter>,
-    /// Names of the scores by which a fitted penetration law is drawn.
+    /// Names of the scores with which a fitted penetration law is drawn.
     pub scores: Vec<String>,
     /// Outcomes of the candidates.
     #[serde(flatten)]
     pub counted: Counted,
-    /// The designs, in the order they were drawn.
+    /// The designs, in the order in which they were drawn.
     pub draws: Vec<DrawnShot>,
 }
 
-/// One design drawn.
+/// A drawn design.
 #[derive(Debug, Clone, Serialize)]
 pub struct DrawnShot {
     /// Number of the candidate.
@@ -47,14 +47,14 @@ pub struct DrawnShot {
     pub outcome: ShotOutcome,
 }
 
-/// Draws `count` designs from the ranges of the keys of `design` that take part in the cycle, and computes the cycle of
-/// each on a graph.
+/// Draws `count` designs from the ranges of the keys of `design` that affect the cycle, and computes the cycle of each
+/// on a graph.
 ///
-/// The draws depend only on `seed` and the ranges, not on the number of threads. Fewer than `count` designs come back
-/// where a thousand candidates for each were not enough.
+/// The draws depend only on `seed` and the ranges, not on the number of threads. Returns fewer than `count` designs if
+/// a thousand candidates for each are not enough.
 ///
 /// # Errors
-/// As [`ShotSampler::new`].
+/// Same as [`ShotSampler::new`].
 pub fn shots(graph: &Graph, design: &Design, count: usize, seed: u64, progress: &Progress) -> Result<Shots, Error> {
     let sampler = ShotSampler::new(design, seed)?;
     let mut draws = Vec::new();
@@ -74,23 +74,23 @@ pub fn shots(graph: &Graph, design: &Design, count: usize, seed: u64, progress: 
 /// Outcomes of the candidates for drawn shots.
 #[derive(Debug, Clone, Default, PartialEq, Serialize)]
 pub struct Counted {
-    /// Number of designs drawn. It is the length of their list, so that it is not written.
+    /// Number of designs drawn. It is the length of their list, so it is not written.
     #[serde(skip)]
     pub drawn: usize,
-    /// Candidates drawn for them, those that were refused among them.
+    /// Number of candidates drawn for them, including rejected ones.
     pub candidates: usize,
-    /// How many were refused, by the rule of the cycle that is broken.
+    /// Number of rejected candidates, by the rule of the cycle that is broken.
     pub refused: BTreeMap<String, usize>,
-    /// Values drawn anew because of conflicts, by their keys.
+    /// Number of values drawn again because of conflicts, by their keys.
     pub rejections: Rejections,
-    /// How many designs came to each end: an outcome, `dry_fire` or `solver_failure`.
+    /// Number of designs with each result: an outcome, `dry_fire` or `solver_failure`.
     pub counts: BTreeMap<String, usize>,
 }
 
-/// The variables of the cycle alone: keys that take part in it, and the scores of a fitted penetration law.
+/// The variables of the cycle alone: its keys, and the scores of a fitted penetration law.
 ///
 /// # Errors
-/// As [`taking_part`].
+/// Same as [`taking_part`].
 pub fn cycle_variables(design: &Design) -> Result<Vec<Variable>, Error> {
     let mut parameters = taking_part(design)?;
     law::leave_out_held(design, &mut parameters)?;
@@ -103,21 +103,21 @@ pub fn cycle_variables(design: &Design) -> Result<Vec<Variable>, Error> {
     Ok(parameters.into_iter().map(variable).chain(scores).collect())
 }
 
-/// Draws designs only for the cycle, one batch after the other: no draw is stored.
+/// Draws designs only for the cycle, in batches; no draw is stored.
 pub struct ShotSampler {
     pub(super) design: Design,
     pub(super) sampler: Sampler,
     /// The keys that are drawn.
     pub parameters: Vec<Parameter>,
-    /// Names of the scores by which a fitted penetration law is drawn.
+    /// Names of the scores with which a fitted penetration law is drawn.
     pub scores: Vec<String>,
 }
 
 impl ShotSampler {
-    /// For the keys of a design that take part in the cycle.
+    /// For the keys of a design that affect the cycle.
     ///
     /// # Errors
-    /// As [`taking_part`].
+    /// Same as [`taking_part`].
     pub fn new(design: &Design, seed: u64) -> Result<Self, Error> {
         let variables = cycle_variables(design)?;
         let design = without_sensors(design);
@@ -134,10 +134,10 @@ impl ShotSampler {
         })
     }
 
-    /// Draws `count` designs, computes their cycles on a graph and hands each to `sink`, in their order.
+    /// Draws `count` designs, computes their cycles on a graph and passes each to `sink`, in order.
     ///
     /// # Errors
-    /// Those of the graph and of `sink`.
+    /// The errors of the graph and of `sink`.
     pub fn each(
         &self,
         graph: &Graph,
@@ -154,7 +154,7 @@ impl ShotSampler {
             let first = all.candidates;
             let block = first as u64..first as u64 + BLOCK;
             let (block, outcomes) = block_of((designs, &self.sampler), frame, block);
-            // Without a store, a graph would retain the outcomes of all blocks.
+            // Without a store, a graph would keep the outcomes of all blocks.
             let outcomes = match graph.store().folder() {
                 Some(_) => graph.get(outcomes)?,
                 None => Arc::new(outcomes.compute(progress)?),

@@ -1,8 +1,8 @@
 //! Quantiles, probabilities of orders and losses of decisions from draws, each with its bootstrap interval.
 //!
-//! Levels are in dB re 1 pW s; minus infinity is silence. Quantiles of draws interpolate linearly between neighbouring
-//! ones, at the place p (n + 1): a further draw lies below with the probability p, whatever the distribution (type 6 of
-//! Hyndman and Fan, "Sample quantiles in statistical packages", The American Statistician 50, 361 (1996)). Those of
+//! Levels are in dB re 1 pW s; minus infinity is silence. Quantiles of draws interpolate linearly between adjacent
+//! ones, at the position p (n + 1): a further draw is lower with the probability p, whatever the distribution (type 6
+//! of Hyndman and Fan, "Sample quantiles in statistical packages", The American Statistician 50, 361 (1996)). Those of
 //! resamples are of type 7.
 
 use std::collections::BTreeMap;
@@ -11,23 +11,23 @@ use nailnoise_acoustics::random::uniform;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// Resamples of a bootstrap.
+/// Number of bootstrap resamples.
 pub(super) const RESAMPLES: usize = 1000;
 
-/// Seed of the resamples: the same draws have the same intervals.
+/// Seed of the resamples, so that the same draws have the same intervals.
 const SEED: u64 = 0x0B00_7577;
 
 /// An estimate with the 90 % interval of its sampling error.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Estimate {
-    /// The estimate; null for the level of silence.
+    /// The estimate; null for silence.
     pub value: Option<f64>,
-    /// 5th and 95th percentile over resampled draws; null where silence is among them.
+    /// 5th and 95th percentile over resampled draws; null if silence is among them.
     pub interval: [Option<f64>; 2],
 }
 
 impl Estimate {
-    /// Half the width of the interval; none if silence is in it.
+    /// Half the width of the interval; `None` if it includes silence.
     pub fn half_width(&self) -> Option<f64> {
         let [low, high] = self.interval;
         Some(0.5 * (high? - low?))
@@ -55,7 +55,7 @@ pub(super) fn quantile(sorted: &[f64], p: f64) -> f64 {
     interpolated(sorted[low.min(last)], sorted[(low + 1).min(last)], part)
 }
 
-/// Between two values; both may be minus infinity.
+/// Interpolates between two values, both of which may be minus infinity.
 fn interpolated(below: f64, above: f64, part: f64) -> f64 {
     if part == 0.0 || below == above {
         below
@@ -64,7 +64,7 @@ fn interpolated(below: f64, above: f64, part: f64) -> f64 {
     }
 }
 
-/// The mean of figures that count several times each.
+/// The mean of figures that may count several times.
 pub(super) fn weighted_mean(figures: &[f64], counts: &[u32]) -> f64 {
     let weighted = figures
         .iter()
@@ -73,7 +73,7 @@ pub(super) fn weighted_mean(figures: &[f64], counts: &[u32]) -> f64 {
     weighted.sum::<f64>() / f64::from(counts.iter().sum::<u32>())
 }
 
-/// The level of the sum of energies of levels \[dB\].
+/// The level of the sum of the energies of levels \[dB\].
 pub(super) fn energy_sum(levels: impl IntoIterator<Item = f64>) -> f64 {
     10.0 * levels
         .into_iter()
@@ -82,19 +82,18 @@ pub(super) fn energy_sum(levels: impl IntoIterator<Item = f64>) -> f64 {
         .log10()
 }
 
-/// Resampled draws. A resample is made on demand: the count of each draw in it takes 4 bytes a draw for as long as one
-/// estimate uses it, whereas all resamples together would take 4 kB a draw.
+/// Resampled draws. A resample is made on demand: the count of each draw takes 4 bytes while one estimate uses it,
+/// whereas all resamples together would take 4 kB per draw.
 pub(super) struct Bootstrap {
-    /// Draws of each cluster; none if single draws are resampled.
+    /// Draws of each cluster; `None` if single draws are resampled.
     clusters: Option<Vec<Vec<u32>>>,
-    /// Clusters, or draws.
+    /// Number of clusters or draws.
     units: usize,
     draws: usize,
 }
 
 impl Bootstrap {
-    /// Resamples clusters of draws, or draws where all are in one cluster. `clusters` contains the cluster of each
-    /// draw.
+    /// Resamples clusters of draws, or draws if all are in one cluster. `clusters` contains the cluster of each draw.
     pub(super) fn new(clusters: &[usize]) -> Self {
         let mut members: BTreeMap<usize, Vec<u32>> = BTreeMap::new();
         if clusters.iter().any(|cluster| *cluster != clusters[0]) {
@@ -111,7 +110,7 @@ impl Bootstrap {
         Self { clusters, units, draws }
     }
 
-    /// Value of `statistic` for each resample, from the count of each draw in it.
+    /// Value of `statistic` for each resample, computed from the number of times each draw counts.
     fn resampled<T>(&self, mut statistic: impl FnMut(&[u32]) -> T) -> Vec<T> {
         let mut counts = vec![0; self.draws];
         let resample = |resample: u64| {
@@ -128,12 +127,12 @@ impl Bootstrap {
         (0..RESAMPLES as u64).map(resample).collect()
     }
 
-    /// An estimate with its interval: `statistic` takes how often each draw counts.
+    /// An estimate with its interval; the argument of `statistic` is the number of times each draw counts.
     pub(super) fn estimate(&self, statistic: impl Fn(&[u32]) -> f64) -> Estimate {
         estimate(statistic(&vec![1; self.draws]), self.resampled(&statistic))
     }
 
-    /// 90 % intervals of several figures of each resample.
+    /// 90 % intervals of several figures over the resamples.
     pub(super) fn intervals(&self, statistics: impl FnMut(&[u32]) -> Vec<f64>) -> Vec<[Option<f64>; 2]> {
         let resampled = self.resampled(statistics);
         let figures = resampled.first().map_or(0, Vec::len);
@@ -147,8 +146,8 @@ impl Bootstrap {
         self.estimate(|counts| weighted_mean(figures, counts))
     }
 
-    /// The share of the draws for which something is true. If it is true of all or of none, no resample differs: the
-    /// interval is then that of the binomial distribution, beyond whose end so many draws would show it with 5 %
+    /// The fraction of draws for which a condition holds. If it holds for all or none, no resample differs. The
+    /// interval is then that of the binomial distribution: beyond its end, the probability of this result is below 5 %
     /// (Clopper and Pearson 1934).
     pub(super) fn share(&self, is_so: &[bool]) -> Estimate {
         let figures: Vec<f64> = is_so.iter().map(|&is_so| f64::from(u8::from(is_so))).collect();
@@ -174,7 +173,7 @@ impl Bootstrap {
     }
 }
 
-/// An estimate, with the interval that resampled ones have.
+/// An estimate, with the interval of the resampled ones.
 fn estimate(value: f64, resampled: Vec<f64>) -> Estimate {
     Estimate {
         value: value.is_finite().then_some(value),
@@ -188,7 +187,7 @@ pub(super) fn interval(mut resampled: Vec<f64>) -> [Option<f64>; 2] {
     [0.05, 0.95].map(|p| Some(quantile(&resampled, p)).filter(|value| value.is_finite()))
 }
 
-/// Quantiles of levels that count several times each; `order` contains their places from the lowest level on.
+/// Quantiles of levels that may count several times; `order` contains their indices, lowest level first.
 fn counted_quantiles<const N: usize>(levels: &[f64], order: &[u32], counts: &[u32], shares: [f64; N]) -> [f64; N] {
     let count = counts.iter().sum::<u32>();
     let last = count.saturating_sub(1);
@@ -204,7 +203,7 @@ fn counted_quantiles<const N: usize>(levels: &[f64], order: &[u32], counts: &[u3
         })
         .collect();
     wanted.sort_unstable();
-    // The levels at all wanted places on one way through the draws in order.
+    // Finds the levels at all positions in one pass through the ordered draws.
     let mut ends = [[f64::NAN; 2]; N];
     let (mut seen, mut draws) = (0, order.iter());
     let mut level = f64::NAN;
@@ -220,8 +219,8 @@ fn counted_quantiles<const N: usize>(levels: &[f64], order: &[u32], counts: &[u3
     std::array::from_fn(|own| interpolated(ends[own][0], ends[own][1], at[own].fract()))
 }
 
-/// The quantile `p` of levels with weights: each represents its share of all weights and lies at the middle of that
-/// share (type 5 of Hyndman and Fan, if the weights are equal).
+/// The quantile `p` of weighted levels: each represents its fraction of the total weight and is at the centre of that
+/// fraction (type 5 of Hyndman and Fan, if the weights are equal).
 pub(super) fn weighted_quantiles(levels: &[f64], weights: &[f64], p: f64) -> f64 {
     let mut order: Vec<usize> = (0..levels.len()).filter(|&draw| weights[draw] > 0.0).collect();
     order.sort_by(|a, b| levels[*a].total_cmp(&levels[*b]));

@@ -1,5 +1,5 @@
-//! A polynomial surrogate of each level: which part of the variance all inputs together explain, and the indices of the
-//! inputs where that is enough.
+//! A polynomial surrogate of each level: the fraction of the variance that all inputs together explain and, if this is
+//! large enough, the indices of the inputs.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -11,10 +11,10 @@ use super::polynomial::{Candidates, Polynomial, fold_of};
 use super::statistics::{Bootstrap, Estimate};
 use crate::design::Design;
 
-/// Least Q2 at which indices are stated.
+/// Minimum Q2 for indices to be stated.
 const ENOUGH: f64 = 0.8;
 
-/// Draws that are used at most, the first ones: more would need much memory for little.
+/// Maximum number of draws used, starting with the first; more would need much memory for little benefit.
 const MOST_DRAWS: usize = 1000;
 
 /// A polynomial surrogate of a level.
@@ -22,34 +22,34 @@ const MOST_DRAWS: usize = 1000;
 pub struct Surrogate {
     /// Source, `total`, or the difference of two sources.
     pub output: String,
-    /// Draws that were used.
+    /// Number of draws used.
     pub draws: usize,
-    /// Highest total degree of the products from which its terms are chosen.
+    /// Maximum total degree of the products from which its terms are chosen.
     pub degree: usize,
-    /// Number of its terms beside the constant.
+    /// Number of its terms in addition to the constant.
     pub terms: usize,
-    /// Part of the variance of draws that were left out that it predicts \[-\]; 1 less this is its error.
+    /// Fraction of the variance of omitted draws that it predicts \[-\]; its error is 1 minus this.
     pub q2: f64,
-    /// Why no indices are stated; null where they are.
+    /// Reason why no indices are stated; null if they are.
     pub not_resolved: Option<String>,
-    /// Indices of the inputs in its terms, the largest total first; empty where the surrogate does not predict enough.
+    /// Indices of the inputs in its terms, largest total first; empty if the surrogate does not predict enough.
     pub inputs: Vec<SurrogateIndex>,
 }
 
-/// Sobol' indices of an input by a surrogate. The intervals are those of the coefficients over resampled draws; the
+/// Sobol' indices of an input from a surrogate. The intervals are those of the coefficients over resampled draws; the
 /// choice of terms is not repeated.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct SurrogateIndex {
     /// The variable.
     pub variable: String,
-    /// Part of the surrogate's variance that the input explains alone \[-\].
+    /// Fraction of the surrogate's variance that the input explains alone \[-\].
     pub first_order: Estimate,
-    /// Part that it explains alone and together with others \[-\].
+    /// Fraction that it explains alone and together with others \[-\].
     pub total: Estimate,
 }
 
 /// Surrogates of the total, each source, and the difference of the two loudest; `names` are the sources in their order.
-/// None with too few draws.
+/// Empty if there are too few draws.
 pub(super) fn surrogates(design: &Design, made: &Draws, names: &[String]) -> Vec<Surrogate> {
     let draws = &made.draws[..made.draws.len().min(MOST_DRAWS)];
     if draws.len() < FEWEST {
@@ -104,7 +104,7 @@ pub(super) fn surrogates(design: &Design, made: &Draws, names: &[String]) -> Vec
         .collect()
 }
 
-/// The common reason why all of them state no indices, if it is the same for all.
+/// The reason why none of them states indices, if it is the same for all.
 pub fn common_reason(surrogates: &[Surrogate]) -> Option<&str> {
     let reason = surrogates.first()?.not_resolved.as_deref()?;
     let same = |own: &Surrogate| own.not_resolved.as_deref() == Some(reason);
@@ -142,7 +142,7 @@ fn indices(
     own.iter().zip(intervals.chunks(2)).map(index).collect()
 }
 
-/// Why the inputs of the draws depend on each other; none if they do not.
+/// The reason why the inputs of the draws depend on each other; `None` if they do not.
 fn dependence(design: &Design, made: &Draws) -> Option<&'static str> {
     if !design.study().correlations.is_empty() {
         return Some("inputs are correlated");

@@ -24,15 +24,15 @@ use crate::stages::headline::Headline;
 use crate::stages::levels::Levels;
 use crate::study::StudyError;
 
-/// Points of a grid at most.
+/// Maximum number of points of a grid.
 const MOST: usize = 100_000;
 
-/// A key and the values that a sweep gives it.
+/// A key, and the values that a sweep assigns to it.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct Axis {
     /// Full name of the key.
     pub key: String,
-    /// Values as in a design file, without quotes.
+    /// Values as in a design file, but without quotes.
     pub values: Vec<String>,
 }
 
@@ -41,21 +41,21 @@ pub struct Axis {
 pub struct SweptPoint {
     /// The value of each key, in the order of the axes.
     pub values: Vec<String>,
-    /// Its levels; none if the values are not a valid design or the shot cannot be computed.
+    /// Its levels; `None` if the values are not a valid design or the shot cannot be computed.
     pub levels: Option<Levels>,
-    /// Level of all sources together \[dB re 1 pW s\].
+    /// Level of the sum of all sources \[dB re 1 pW s\].
     pub total_db: Option<f64>,
     /// Reserve of the drive, air a shot, and rate, with the lumped workpiece; none without levels.
     pub performance: Option<Performance>,
-    /// Headline of its shot, if that does not drive.
+    /// Headline of its shot, if the shot does not drive.
     pub headline: Option<Headline>,
-    /// Why levels are missing; empty otherwise.
+    /// Reason why levels are missing; empty otherwise.
     pub refused: String,
-    /// Folder of its films; none without a request.
+    /// Folder of its films; `None` if not requested.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub folder: Option<String>,
-    /// Each source, then the total, over draws that all points have in common, and the change from the first point;
-    /// none if no draws are requested.
+    /// Each source, then the total, over common draws of all points, with the change from the first point; `None` if no
+    /// draws are requested.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub drawn: Option<Vec<Change>>,
 }
@@ -108,7 +108,7 @@ fn range(low: &str, rest: &str) -> Result<Vec<String>, String> {
         } else {
             from + part * (to - from)
         };
-        // Twelve digits leave out the rounding of the steps.
+        // Twelve digits remove the rounding errors of the steps.
         let value: f64 = format!("{value:.11e}").parse().unwrap_or(value);
         format!("{value} {unit}").trim().to_owned()
     };
@@ -126,7 +126,7 @@ pub(crate) fn number(text: &str) -> Result<(f64, String), String> {
     Ok((value, unit.to_owned()))
 }
 
-/// The grid of all values, the last axis fastest.
+/// The grid of all values; the last axis varies fastest.
 fn grid(axes: &[Axis]) -> Vec<Vec<String>> {
     axes.iter().fold(vec![Vec::new()], |points, axis| {
         let longer = |point: &Vec<String>| {
@@ -147,16 +147,16 @@ fn assignments(axes: &[Axis], values: &[String]) -> Result<Vec<Assignment>, Assi
         .collect()
 }
 
-/// The design in a file, with changes that all points share, at a point of the grid.
+/// The design in a file with changes common to all points, at a point of the grid.
 ///
 /// # Errors
-/// Values that are impossible in any design, or that conflict.
+/// If values are impossible in any design, or conflict.
 pub fn at_point((path, changes): (&Path, &[Assignment]), axes: &[Axis], values: &[String]) -> Result<Design, Error> {
     let own = assignments(axes, values).map_err(|error| StudyError::NoAxis { error })?;
     Ok(Design::load_with(path, &[changes, &own].concat())?)
 }
 
-/// Whether the axes are those of a grid.
+/// Checks that the axes form a grid.
 ///
 /// # Errors
 /// [`StudyError::NothingToVary`], and [`StudyError::VariedTwice`]: the later values of a key would replace the earlier
@@ -172,12 +172,12 @@ pub fn distinct(axes: &[Axis]) -> Result<(), Error> {
     })
 }
 
-/// Levels of the design in a file, with changes that all points share, over a grid of values; on `request`, over draws
-/// that all points have in common, too. Points with conflicting values are refused with their conflict.
+/// Levels of the design in a file, with changes common to all points, over a grid of values; with a `request`, also
+/// over common draws of all points. Points with conflicting values are rejected with their conflict.
 ///
 /// # Errors
-/// A key or value that no design can have; no key, or one twice; a point that needs more memory than allowed; a grid of
-/// too many points.
+/// A key or value that no design can have; no key, or the same key twice; a point that needs more memory than allowed;
+/// a grid with too many points.
 pub fn sweep(
     graph: &Graph,
     (path, changes): (&Path, &[Assignment]),
@@ -209,7 +209,7 @@ pub fn sweep(
             Err(error) => return Err(error),
         });
     }
-    // Structures stay at hand while the points that share them are computed.
+    // Structures are kept while the points that share them are computed.
     let anchor = designs.iter().find_map(|design| design.as_ref().ok());
     let anchor = anchor
         .map(|design| Chain::new(graph, design, Options::default()))
@@ -284,7 +284,7 @@ fn shot(design: &Design, levels: &Levels) -> Result<Shot, Error> {
     })
 }
 
-/// Levels of each point that is a design over common draws, with the change from the first of them.
+/// Levels over common draws of each point that is a valid design, with the change from the first of them.
 fn drawn(
     graph: &Graph,
     designs: &[Result<Design, String>],

@@ -1,4 +1,4 @@
-//! `draws.csv`: a row for every draw.
+//! `draws.csv`: one row per draw.
 
 use super::draws::Draws;
 use super::level_table::LevelTable;
@@ -7,11 +7,11 @@ use crate::design::Value;
 use crate::error::Error;
 use crate::output;
 
-/// A row for every draw: its structure and candidate, levels with the errors of methods \[dB re 1 pW s\], the errors
-/// \[dB\], figures of the shot, then the variables in SI units; empty for a fixed one.
+/// One row per draw: its structure and candidate, levels including the errors of methods \[dB re 1 pW s\], these errors
+/// \[dB\], figures of the shot, then the variables in SI units; empty if fixed.
 ///
 /// # Errors
-/// [`Error::Table`], if rows differ in length.
+/// [`Error::Table`] if rows differ in length.
 pub fn csv(made: &Draws) -> Result<Vec<u8>, Error> {
     let levels = LevelTable::new(&made.draws);
     let sources = &levels.names;

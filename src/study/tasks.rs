@@ -1,8 +1,8 @@
-//! Parts of studies, draws of shots and sweeps that a scheduler may compute anywhere and in any order.
+//! Parts of studies, draws of shots and sweeps that a scheduler may compute on any machine and in any order.
 //!
-//! Each part leaves outputs of stages in a store. The work itself ([`draws`](super::draws), [`shots`](super::shots()),
-//! [`sweep`](super::sweep())) then finds them there. It states the same result whoever computed them, and computes the
-//! missing ones.
+//! Each part leaves stage outputs in a store. The work itself ([`draws`](super::draws), [`shots`](super::shots()),
+//! [`sweep`](super::sweep())) then finds them there. Its result does not depend on who computed the parts, and missing
+//! parts are computed.
 
 use super::jobs::levels_of_shot;
 use super::sampling::{Frame, Sampler};
@@ -22,7 +22,7 @@ pub struct Candidates {
     design: Design,
     sampler: Sampler,
     active: Vec<bool>,
-    /// Whether the outcome decides which of them count.
+    /// Whether the outcome determines which of them count.
     conditional: bool,
 }
 
@@ -30,7 +30,7 @@ impl Candidates {
     /// The tasks of a study, with drawn or fixed structures.
     ///
     /// # Errors
-    /// Those of the chain's inputs.
+    /// The errors of the chain's inputs.
     pub fn of_study(design: &Design, seed: u64, structures: bool) -> Result<Self, Error> {
         let variables = common_variables(&[design])?;
         let design = without_sensors(design);
@@ -45,10 +45,10 @@ impl Candidates {
         })
     }
 
-    /// Those of draws of shots.
+    /// The tasks for draws of shots.
     ///
     /// # Errors
-    /// Those of the cycle's inputs.
+    /// The errors of the cycle's inputs.
     pub fn of_shots(design: &Design, seed: u64) -> Result<Self, Error> {
         let ShotSampler { design, sampler, .. } = ShotSampler::new(design, seed)?;
         Ok(Self {
@@ -59,10 +59,10 @@ impl Candidates {
         })
     }
 
-    /// Computes the shots of a block, and counts the candidates that are accepted.
+    /// Computes the shots of a block, and returns the number of accepted candidates.
     ///
     /// # Errors
-    /// Those of the graph.
+    /// The errors of the graph.
     pub fn outcomes(&self, graph: &Graph, block: u64) -> Result<usize, Error> {
         let designs = std::slice::from_ref(&self.design);
         let bases = [Values::clone(&self.design)];
@@ -77,21 +77,21 @@ impl Candidates {
     }
 }
 
-/// Candidates of a block.
+/// Number of candidates in a block.
 pub const CANDIDATES: u64 = BLOCK;
 
-/// Computes the levels of a design as a sweep or a study has them: without its sensors.
+/// Computes the levels of a design in the form that sweeps and studies use: without its sensors.
 ///
 /// # Errors
-/// Those of the chain.
+/// The errors of the chain.
 pub fn levels(graph: &Graph, design: &Design) -> Result<Levels, Error> {
     levels_of_shot(Chain::new(graph, &without_sensors(design), Options::default()))
 }
 
-/// Name of the modes and radiation matrices of a design: designs of one name share them.
+/// Name of the modes and radiation matrices of a design; designs with the same name share them.
 ///
 /// # Errors
-/// Those of the chain's inputs.
+/// The errors of the chain's inputs.
 pub fn structures(design: &Design) -> Result<String, Error> {
     let graph = Graph::default();
     let chain = Chain::new(&graph, &without_sensors(design), Options::default())?;

@@ -1,4 +1,4 @@
-//! Conclusions from a few draws for further ones, whatever their distribution, provided that it is continuous.
+//! Conclusions from a few draws about further ones, for any continuous distribution.
 //!
 //! ```text
 //! P(next one within the range of n) = (n - 1)/(n + 1)
@@ -6,17 +6,17 @@
 //! ```
 //!
 //! S. S. Wilks, "Determination of sample sizes for setting tolerance limits", Ann. Math. Statist. 12, 91 (1941). The
-//! draws must be independent. Those of a study are evenly distributed candidates, and few of them count, which is
+//! draws must be independent. Those of a study are evenly distributed candidates of which only some count, which is
 //! nearly the same.
 
-/// Fewest draws for a statement of percentiles, probabilities and K; fewer show their range. In the mean, 1.6 of 32
-/// draws lie beyond the percentile of 5 % or 95 %.
+/// Minimum number of draws for stating percentiles, probabilities and K; with fewer, their range is stated. On average,
+/// 1.6 of 32 draws are beyond the 5th or the 95th percentile.
 pub const STATED_FROM: usize = 32;
 
 /// Confidence of a tolerance interval.
 pub const CONFIDENCE: f64 = 0.9;
 
-/// Probability that the next draw lies within the range of `n` draws.
+/// Probability that the next draw is within the range of `n` draws.
 pub fn next_within(n: usize) -> f64 {
     match n {
         0 => 0.0,
@@ -24,18 +24,19 @@ pub fn next_within(n: usize) -> f64 {
     }
 }
 
-/// Confidence with which the range of `n` draws contains the share `content` of all.
+/// Confidence with which the range of `n` draws contains the fraction `content` of all.
 pub fn confidence(n: usize, content: f64) -> f64 {
     let draws = n as f64;
     1.0 - draws * content.powf(draws - 1.0) + (draws - 1.0) * content.powf(draws)
 }
 
-/// Share of all draws that the range of `n` contains with a confidence of [`CONFIDENCE`]; none below two draws.
+/// Fraction of all draws that the range of `n` contains with a confidence of [`CONFIDENCE`]; `None` for fewer than two
+/// draws.
 pub fn content(n: usize) -> Option<f64> {
     if n < 2 {
         return None;
     }
-    // The confidence falls as the content rises.
+    // The confidence decreases as the content increases.
     let (mut low, mut high) = (0.0, 1.0);
     for _ in 0..60 {
         let middle = 0.5 * (low + high);
@@ -48,7 +49,7 @@ pub fn content(n: usize) -> Option<f64> {
     Some(low)
 }
 
-/// Draws whose range contains the share `content` of all with a confidence of [`CONFIDENCE`].
+/// Number of draws whose range contains the fraction `content` of all with a confidence of [`CONFIDENCE`].
 pub fn draws_for(content: f64) -> usize {
     (2..)
         .find(|&n| confidence(n, content) >= CONFIDENCE)
@@ -66,7 +67,7 @@ mod tests {
 
     const SEEDS: u64 = 200;
 
-    /// Levels by the share of their distribution below them: normal, exponential towards silence, sum of two energies.
+    /// Levels as functions of their quantile: normal, exponential towards silence, sum of two energies.
     const LEVELS: [fn(f64, f64) -> f64; 3] = [
         |u, _| 95.0 + 4.0 * normal::quantile(u),
         |u, _| 95.0 + 6.0 * u.ln(),
@@ -112,7 +113,7 @@ mod tests {
         }
     }
 
-    /// The share of 2000 further draws that a range contains is at least the stated one with the stated confidence.
+    /// The fraction of 2000 further draws that a range contains is at least the stated one with the stated confidence.
     #[test]
     fn a_range_contains_the_stated_share_with_the_stated_confidence() {
         for of in LEVELS {
@@ -128,7 +129,7 @@ mod tests {
         }
     }
 
-    /// Sample sizes of Wilks (1941) as tabulated since: 38 for 90 % with 90 %, 77 for 95 % with 90 %.
+    /// Sample sizes of Wilks (1941), as tabulated since then: 38 for 90 % with 90 %, 77 for 95 % with 90 %.
     #[test]
     fn draws_that_a_statement_needs_are_the_tabulated_ones() {
         assert_eq!([0.9, 0.95].map(draws_for), [38, 77]);

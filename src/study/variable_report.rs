@@ -1,4 +1,4 @@
-//! The drawn variables, each with its distribution, and the places of the design and the draws in it.
+//! The drawn variables, each with its distribution, and the positions of the design and the draws in it.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -16,27 +16,27 @@ pub struct VariableReport {
     pub name: String,
     /// What it changes: `shot`, `structure` or `method`.
     pub scope: String,
-    /// SI unit; empty where there is none.
+    /// SI unit; empty if it has none.
     pub unit: String,
-    /// Whether it was drawn; false for structures that are held.
+    /// Whether it was drawn; false for fixed structures.
     pub drawn: bool,
     /// Ends of the range in SI units; null for alternatives and for a method's own band.
     pub range: Option<[f64; 2]>,
     /// Distribution, or the names of the alternatives with their probabilities.
     pub distribution: String,
-    /// Place of the design's value in the distribution, 0 .. 1; null for alternatives.
+    /// Position of the design's value in the distribution, 0 .. 1; null for alternatives.
     pub nominal_place: Option<f64>,
-    /// Mean place of the draws in the distribution, 0.5 without condition; null where it was not drawn.
+    /// Mean position of the draws in the distribution, 0.5 without condition; null if it was not drawn.
     pub mean_place: Option<f64>,
 }
 
-/// Share of a parameter's distribution below its value in the design, by bisection.
+/// Quantile of a parameter's value in the design, by bisection.
 fn place_of_nominal(variable: &Variable) -> Option<f64> {
     let VariableKind::Quantity(parameter) = &variable.kind else {
         return None;
     };
     let value = |share: f64| number(Some(Drawn::Value(parameter.at(share.clamp(1e-9, 1.0 - 1e-9)))));
-    // The share up to which a condition is true, between two ends, from a share that satisfies it.
+    // The largest quantile between two ends up to which a condition holds, starting from a quantile that satisfies it.
     let last = |low: f64, holds: &dyn Fn(f64) -> bool| {
         let (mut low, mut high) = (low, 1.0);
         for _ in 0..40 {
@@ -53,7 +53,7 @@ fn place_of_nominal(variable: &Variable) -> Option<f64> {
     if !matches!(parameter.value, Value::Count(_)) {
         return Some(low);
     }
-    // A count takes a part of the distribution: its middle.
+    // A count covers a part of the distribution; its centre is used.
     let (_, top) = last(high, &|value| value <= parameter.number())?;
     Some(0.5 * (low + top))
 }

@@ -1,4 +1,4 @@
-//! Variables of a study: keys with a range, alternatives, errors of methods.
+//! Variables of a study: keys with a range, alternatives, and errors of methods.
 
 use std::collections::BTreeMap;
 
@@ -14,15 +14,15 @@ use crate::graph::Graph;
 use crate::model::sources;
 use crate::stages::Digest;
 
-/// What a variable changes.
+/// What a variable affects.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, schemars::JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Scope {
-    /// The shot: cycle, loads, damping, contact, exhaust. Modes and radiation matrices stay.
+    /// The shot: cycle, loads, damping, contact, exhaust. Modes and radiation matrices are unchanged.
     Shot,
-    /// Modes or radiation matrices of a body, which are dear.
+    /// Modes or radiation matrices of a body, which are expensive.
     Structure,
-    /// The level of a source, by the error of its method.
+    /// The level of a source, through the error of its method.
     Method,
 }
 
@@ -31,7 +31,7 @@ pub enum Scope {
 pub struct Variable {
     /// Key, name of alternatives, `wood.penetration_fit.SCORE`, or `method.SOURCE`.
     pub name: String,
-    /// The outputs that it changes.
+    /// The outputs that it affects.
     pub scope: Scope,
     /// The kind of quantity.
     pub kind: VariableKind,
@@ -44,9 +44,9 @@ pub enum VariableKind {
     Quantity(Parameter),
     /// One of several sets of values.
     Alternatives(Vec<Alternative>),
-    /// A standard normal score by which a fitted penetration law is drawn.
+    /// A standard normal score with which a fitted penetration law is drawn.
     LawScore,
-    /// The error of a method, uniform between bounds: those given \[dB\], else the method's own.
+    /// The error of a method, uniform between the given bounds \[dB\] or, without them, the method's own.
     Method(Option<[f64; 2]>),
 }
 
@@ -57,17 +57,17 @@ pub enum Drawn {
     Value(Value),
     /// Number of an alternative.
     Alternative(usize),
-    /// Share of the way from the lower to the upper bound of a method's error.
+    /// Position between the lower and upper bound of a method's error, 0 to 1.
     Share(f64),
 }
 
 impl Variable {
-    /// Its value in a draw by the share of its distribution below it; none if it is fixed, which a share of NaN means.
+    /// Its value in a draw, for a quantile of its distribution; `None` if it is fixed, for which the quantile is NaN.
     pub fn drawn(&self, share: f64) -> Option<Drawn> {
         (!share.is_nan()).then(|| self.at(share))
     }
 
-    /// The value below which a share `u` of the distribution lies, 0 < u < 1.
+    /// The quantile `u` of the distribution, 0 < u < 1.
     pub fn at(&self, u: f64) -> Drawn {
         match &self.kind {
             VariableKind::Quantity(parameter) => Drawn::Value(parameter.at(u)),
@@ -106,7 +106,7 @@ impl Variable {
     }
 }
 
-/// The scores by which the fitted penetration laws of these designs are drawn.
+/// The scores with which the fitted penetration laws of these designs are drawn.
 pub(super) fn law_scores(designs: &[Design]) -> Result<Vec<Variable>, Error> {
     let score = |name: String| Variable {
         name,
@@ -125,7 +125,8 @@ pub(super) fn drawn_scores(variables: &[Variable], shares: &[f64]) -> Vec<f64> {
     variables.iter().zip(shares).filter_map(score).collect()
 }
 
-/// The design as a study runs it: without sensors, which would refuse draws that move the surface below them.
+/// The design in the form that a study runs: without sensors, which would reject draws that move the surface below
+/// them.
 pub(crate) fn without_sensors(design: &Design) -> Design {
     let mut design = design.clone();
     design.sensors.clear();
@@ -139,7 +140,7 @@ pub(crate) fn with_workpiece_sensors(design: &Design) -> Design {
     design
 }
 
-/// Keys of the inputs of a design's levels: of the levels, and of modes and matrices.
+/// Keys of the stages that give a design's levels, modes and matrices.
 struct Keys {
     levels: Digest,
     structures: Vec<Digest>,
@@ -157,11 +158,11 @@ fn keys(design: &Design) -> Result<Keys, Error> {
 /// the levels, unless it is a property of the numerical method; the alternatives; the scores of a fitted penetration
 /// law; and the error of each source's method.
 ///
-/// A key changes the levels where the digest of their inputs changes with it. Keys of a form of the physics that is not
-/// chosen may be included; they have no effect on the levels.
+/// A key changes the levels if the digest of the levels' inputs changes with it. Keys of forms of the physics that are
+/// not chosen may be included; they have no effect on the levels.
 ///
 /// # Errors
-/// Those of the chain for the design itself.
+/// The errors of the chain for the design itself.
 pub fn variables(design: &Design) -> Result<Vec<Variable>, Error> {
     let settings = design.study();
     let mut bases = vec![without_sensors(design)];
@@ -176,7 +177,7 @@ pub fn variables(design: &Design) -> Result<Vec<Variable>, Error> {
             bases.push(other);
         }
     }
-    // Whether a key is in force may depend on the alternative: `support.worktable.preset` brings other keys.
+    // Whether a key is used may depend on the alternative, because `support.worktable.preset` introduces other keys.
     let known = bases.iter().map(|base| Ok((base, keys(base)?)));
     let known = known.collect::<Result<Vec<_>, Error>>()?;
     let scope = |changes: &[(&str, Value)]| {
@@ -252,11 +253,11 @@ pub fn variables(design: &Design) -> Result<Vec<Variable>, Error> {
     Ok(variables)
 }
 
-/// The variables of designs that are drawn in common: those of all of them, without keys whose values differ between
-/// the designs: each design retains its values.
+/// The variables of designs with common draws: those of all of them, except keys whose values differ between the
+/// designs, because each design keeps its values.
 ///
 /// # Errors
-/// As [`variables`].
+/// Same as [`variables`].
 pub fn common_variables(designs: &[&Design]) -> Result<Vec<Variable>, Error> {
     let Some((first, others)) = designs.split_first() else {
         return Ok(Vec::new());
@@ -272,7 +273,7 @@ pub fn common_variables(designs: &[&Design]) -> Result<Vec<Variable>, Error> {
         }
     }
     let differing = differing_keys(designs);
-    // A derived quantity differs if one of its primaries differs.
+    // A derived quantity differs if one of its primary quantities differs.
     let primaries = |name: &str| Derived::find(name).map_or(&[][..], |derived| derived.primaries);
     let differs = |name: &str| differing.iter().any(|key| key == name);
     joint.retain(|own| !differs(&own.name) && !primaries(&own.name).iter().any(|key| differs(key)));
@@ -301,10 +302,10 @@ pub fn differing_keys(designs: &[&Design]) -> Vec<String> {
         .collect()
 }
 
-/// Which of these keys the levels of a design depend on.
+/// For each of these keys, whether the levels of a design depend on it.
 ///
 /// # Errors
-/// As [`variables`].
+/// Same as [`variables`].
 pub fn in_force(design: &Design, wanted: &[String]) -> Result<Vec<bool>, Error> {
     let base = without_sensors(design);
     let own = keys(&base)?;
@@ -321,7 +322,7 @@ pub fn in_force(design: &Design, wanted: &[String]) -> Result<Vec<bool>, Error> 
             _ => return true,
         };
         let mut moved = base.clone();
-        // A value that is refused is one that a rule reads.
+        // A value that is rejected is used by a rule.
         let set = moved.set(&[(key.as_str(), other)]);
         set.is_err()
             || keys(&moved).map_or(true, |moved| {

@@ -7,8 +7,8 @@ use super::statistics::{Bootstrap, Estimate, Quantiles, order, weighted_quantile
 use super::tolerance::STATED_FROM;
 use crate::result::{TOTAL, Weighting};
 
-/// The levels of a design by the draws of a study, if the distributions of some quantities differ: that of the study,
-/// and that of the design. None where the draws are worth too few, or are drawn on several structures.
+/// The levels of a design from the draws of a study, if the distributions of some quantities differ: that of the study,
+/// and that of the design. `None` if the draws are worth too few, or are on several structures.
 pub(super) fn reweighted(
     study: &StudyResult,
     table: &DrawTable,
@@ -84,7 +84,7 @@ const NOT_STATED: Estimate = Estimate {
     interval: [None, None],
 };
 
-/// Statistics of draws with weights.
+/// Statistics of weighted draws.
 struct Weighted<'a> {
     bootstrap: Bootstrap,
     weights: &'a [f64],

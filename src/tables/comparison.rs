@@ -68,7 +68,7 @@ impl Comparison {
         Table::new(columns, rows.map(row))
     }
 
-    /// Errors of the methods alone.
+    /// Only the errors of the methods.
     pub(crate) fn method_table(&self) -> Table {
         let rows = self.sources.iter().map(|row| {
             let bands = row.uncertainty_db.iter().map(|bounds| band(*bounds).into());
@@ -80,7 +80,7 @@ impl Comparison {
         )
     }
 
-    /// The sources of each design by their place in its ranking.
+    /// The sources of each design, by their rank.
     pub(crate) fn ranking_table(&self) -> Table {
         let places = self.rankings.iter().map(Vec::len).max().unwrap_or(0);
         let rows = (0..places).map(|place| {
@@ -143,7 +143,7 @@ impl Comparison {
         Table::new(self.columns("figure", |name| Column::number(name)), rows)
     }
 
-    /// Sources that the designs compute by different methods, in sentences.
+    /// Sentences about sources that the designs compute by different methods.
     pub(crate) fn unlike_methods(&self) -> Vec<String> {
         let unlike = self.sources.iter().filter_map(|row| {
             let methods: Vec<&str> = row.methods.iter().flatten().map(String::as_str).collect();
@@ -158,7 +158,7 @@ impl Comparison {
         unlike.collect()
     }
 
-    /// Interval and P(first) of each source in each design; none if no study serves any of them.
+    /// Interval and P(first) of each source in each design; `None` if no study applies to any of them.
     pub(crate) fn interval_table(&self) -> Option<Table> {
         self.studies.iter().flatten().next()?;
         let named = || self.designs.iter().zip(&self.studies);
@@ -200,7 +200,7 @@ impl Comparison {
     }
 }
 
-/// Whether values differ by more than the rounding of a table.
+/// Whether values differ by more than the table's rounding.
 fn differ(row: &ValueRow) -> bool {
     row.values.iter().any(|value| match (value, row.values[0]) {
         (Some(a), Some(b)) => (a - b).abs() > 1e-6 * a.abs().max(b.abs()),
@@ -229,7 +229,7 @@ fn plain(value: &Value) -> String {
     match value {
         Value::Null => "-".to_owned(),
         Value::String(word) => word.clone(),
-        // The digits of a design value without the last ones of a conversion of units.
+        // The digits of a design value without the last ones, which are due to unit conversion.
         Value::Number(number) => number
             .as_f64()
             .map_or_else(|| number.to_string(), |value| rounded(value, 12, 1e7)),

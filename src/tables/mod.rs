@@ -1,7 +1,7 @@
-//! Tables of results. Each is described once, and rendered as text for the terminal and as HTML for the pages.
+//! Tables of results. Each is described once and rendered as text for the terminal and as HTML for the pages.
 //!
-//! Texts are those of the terminal, in plain characters: `+-0.4`, `-` for a missing value, `dB2`, `L_{WA,1s}`. The page
-//! sets them as ±0.4, –, dB², and with a subscript.
+//! Texts are written for the terminal in plain characters: `+-0.4`, `-` for a missing value, `dB2`, `L_{WA,1s}`. Pages
+//! show them as ±0.4, –, dB², and with a subscript.
 
 pub(crate) mod comparison;
 pub(crate) mod cycle;
@@ -30,7 +30,7 @@ pub(crate) struct Table {
 pub(crate) struct Column {
     /// Heading, followed by the unit.
     pub(crate) heading: String,
-    /// Content, which decides the alignment.
+    /// Content, which determines the alignment.
     pub(crate) content: Content,
     /// Whether only the page has room for the column.
     pub(crate) page_only: bool,
@@ -56,15 +56,15 @@ pub(crate) enum Content {
 pub(crate) struct Cell {
     /// Its text.
     pub(crate) text: String,
-    /// Half width of the interval of an estimate, `+-0.04`, or its bound, `> 0.69`; may be empty.
+    /// Half-width of the interval of an estimate, `+-0.04`, or its bound, `> 0.69`; may be empty.
     pub(crate) spread: String,
     /// Whether the text is the main figure of its row.
     pub(crate) strong: bool,
     /// Whether the row reports a failure.
     pub(crate) alarm: bool,
-    /// Place in the palette of the dot before the text.
+    /// Index in the palette of the dot before the text.
     pub(crate) dot: Option<usize>,
-    /// Bar of the page.
+    /// Bar, on the page only.
     pub(crate) bar: Option<Bar>,
     /// File that the text opens on the page, relative to it.
     pub(crate) opens: Option<String>,
@@ -73,14 +73,14 @@ pub(crate) struct Cell {
 /// A bar in a cell.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Bar {
-    /// Length as part of the longest possible bar, 0 to 1.
+    /// Length as a fraction of the longest possible bar, 0 to 1.
     pub(crate) length: f64,
-    /// Place of its colour in the palette.
+    /// Index of its colour in the palette.
     pub(crate) colour: usize,
 }
 
 impl Table {
-    /// A table of these columns.
+    /// A table with these columns.
     pub(crate) fn new(columns: impl IntoIterator<Item = Column>, rows: impl IntoIterator<Item = Vec<Cell>>) -> Self {
         Self {
             columns: columns.into_iter().collect(),
@@ -146,7 +146,7 @@ impl Column {
         .page_only()
     }
 
-    /// The same column on the page only.
+    /// The same column, on the page only.
     pub(crate) fn page_only(self) -> Self {
         Self {
             page_only: true,
@@ -165,7 +165,7 @@ impl<T: Into<String>> From<T> for Cell {
 }
 
 impl Cell {
-    /// An estimate with the half width of its interval, or with its bound.
+    /// An estimate with the half-width of its interval, or with its bound.
     pub(crate) fn estimate(text: impl Into<String>, spread: impl Into<String>) -> Self {
         Self {
             text: text.into(),
@@ -189,12 +189,12 @@ impl Cell {
     }
 }
 
-/// The value in words, or a dash without one.
+/// The value as text, or a dash without one.
 pub(crate) fn dash<T>(value: Option<T>, words: impl FnOnce(T) -> String) -> String {
     value.map_or_else(|| "-".to_owned(), words)
 }
 
-/// A number with so many decimals; a dash for none.
+/// A number with a fixed number of decimals; a dash for `None`.
 pub(crate) fn fixed(value: Option<f64>, decimals: usize) -> String {
     dash(value, |value| format!("{value:.decimals$}"))
 }

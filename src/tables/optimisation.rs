@@ -14,7 +14,7 @@ fn sources(found: &Optimisation) -> Vec<String> {
     })
 }
 
-/// A figure of a trial in the unit that people use, and a level in dB.
+/// A figure of a trial in the customary unit, or a level in dB.
 fn figure(trial: &Trial, name: &str) -> String {
     let value = trial.shot.as_ref().and_then(|shot| shot.figure(name));
     match crate::optimisation::is_level(name) {
@@ -23,7 +23,7 @@ fn figure(trial: &Trial, name: &str) -> String {
     }
 }
 
-/// Figures beside the levels: the objectives that are none, then what quieting costs.
+/// Figures shown next to the levels: objectives that are not levels, then the costs of quieting.
 fn figures(found: &Optimisation) -> Vec<&str> {
     let own = found.objectives.iter().map(|own: &Objective| own.figure.as_str());
     let mut names: Vec<&str> = own.filter(|name| !crate::optimisation::is_level(name)).collect();
@@ -38,7 +38,7 @@ fn figures(found: &Optimisation) -> Vec<&str> {
     names
 }
 
-/// The columns behind the name: values, levels, figures.
+/// The columns after the name: values, levels, figures.
 fn columns(found: &Optimisation, first: &str) -> Vec<Column> {
     let keys = found.variables.iter().map(|own| Column::number(&own.key));
     let levels = sources(found)
@@ -88,7 +88,7 @@ pub(crate) fn best(found: &Optimisation, reports: &[Option<String>]) -> Table {
     Table::new(columns(found, "design"), std::iter::once(own).chain(others))
 }
 
-/// All candidates in their order, with what excludes them.
+/// All candidates in their order, with the reason for excluding them.
 pub(crate) fn candidates(found: &Optimisation) -> Table {
     let rows = found.trials.iter().enumerate().map(|(place, trial)| {
         let mut cells = row(found, Cell::from((place + 1).to_string()), trial);
@@ -99,7 +99,7 @@ pub(crate) fn candidates(found: &Optimisation) -> Table {
     Table::new(columns(found, "candidate").into_iter().chain([last]), rows)
 }
 
-/// Why a candidate is not feasible; empty for a feasible one.
+/// Reason why a candidate is not feasible; empty for a feasible one.
 pub(crate) fn excluded(found: &Optimisation, trial: &Trial) -> String {
     let broken = found.constraints.iter().zip(&trial.excesses);
     let broken = broken.filter(|(_, excess)| excess.is_some_and(|excess| excess > 0.0));

@@ -56,12 +56,12 @@ pub(crate) fn ranking(result: &RunResult) -> Table {
         .with_legend(legend::legend(result))
 }
 
-/// How much lower the total would be without a source that has this share \[dB\].
+/// Decrease of the total without a source that has this share \[dB\].
 pub(crate) fn without(share: f64) -> f64 {
     -10.0 * (1.0 - share).max(1e-12).log10()
 }
 
-/// The parts of sources, each source's loudest first.
+/// The parts of sources, loudest first for each source.
 pub(crate) fn parts<'a>(sources: impl IntoIterator<Item = &'a RankedSource>) -> Table {
     let row = |source: &RankedSource, part: &Component| {
         vec![
@@ -97,7 +97,7 @@ fn loudest_band(bands: &[BandLevel]) -> Cell {
     dash(loudest(bands, |band| band.lwa_db), |band| format!("{} Hz", band.hz)).into()
 }
 
-/// How the level of each source was computed.
+/// The method for the level of each source.
 pub(crate) fn methods(result: &RunResult) -> Table {
     let rows = result.ranking.iter().map(|source| {
         vec![

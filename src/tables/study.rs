@@ -8,10 +8,10 @@ use crate::study::{
 };
 use crate::wording::{change, in_one_unit};
 
-/// A probability, or a part of a variance, with the half width of its interval or with its bound.
+/// A probability, or a fraction of a variance, with the half-width of its interval or with its bound.
 pub(crate) fn probability(estimate: &Estimate) -> Cell {
     let spread = match (estimate.value, estimate.interval, estimate.half_width()) {
-        // All draws or none: the interval lies on one side.
+        // All draws or none: the interval is on one side.
         (Some(1.0), [Some(low), _], _) => format!("> {low:.2}"),
         (Some(0.0), [_, Some(high)], _) => format!("< {high:.2}"),
         (_, _, Some(half)) => format!("+-{half:.2}"),
@@ -20,14 +20,14 @@ pub(crate) fn probability(estimate: &Estimate) -> Cell {
     Cell::estimate(fixed(estimate.value, 2), spread)
 }
 
-/// A level \[dB\] with the half width of its interval.
+/// A level \[dB\] with the half-width of its interval.
 pub(crate) fn level(estimate: &Estimate) -> Cell {
     let half = estimate.value.and(estimate.half_width());
     let spread = half.map_or_else(String::new, |half| format!("+-{half:.1}"));
     Cell::estimate(decibels(estimate.value), spread)
 }
 
-/// A difference of levels \[dB\] with its sign.
+/// A difference of levels \[dB\], with its sign.
 fn signed(difference: &Estimate) -> Cell {
     let mut cell = level(difference);
     if difference.value.is_some_and(|value| value > 0.0) {
@@ -103,7 +103,7 @@ pub(crate) fn pairs(result: &StudyResult) -> Table {
     )
 }
 
-/// The first `most` inputs that decide a level.
+/// The first `most` inputs that affect a level.
 pub(crate) fn contributions(own: &Contributions, most: usize) -> Table {
     let rows = own.inputs.iter().take(most).map(|input| {
         let bar = Cell::bar(input.first_order);
@@ -123,7 +123,8 @@ pub(crate) fn contributions(own: &Contributions, most: usize) -> Table {
     Table::new(columns, rows)
 }
 
-/// Surrogates in all inputs, one row per output; the total indices of the first `most` inputs, if they are resolved.
+/// Surrogates in all inputs, one row per output, with the total indices of the first `most` inputs if they are
+/// resolved.
 pub(crate) fn surrogates(surrogates: &[Surrogate], most: usize) -> Table {
     let common = common_reason(surrogates);
     let indices = |own: &Surrogate| {
@@ -211,7 +212,7 @@ pub(crate) fn one_at_a_time(own: &OneAtATime, most: usize) -> Table {
     Table::new(columns, own.inputs.iter().take(most).map(row)).with_legend(left_out)
 }
 
-/// How the shots of all candidates ended.
+/// Outcomes of the shots of all candidates.
 pub(crate) fn outcomes(result: &StudyResult) -> Table {
     let outcomes = &result.candidates.outcomes;
     let shots: u64 = outcomes.values().sum();
@@ -233,7 +234,7 @@ pub(crate) fn outcomes(result: &StudyResult) -> Table {
     Table::new(columns, rows)
 }
 
-/// The first `most` inputs that decide whether a shot counts.
+/// The first `most` inputs that determine whether a shot counts.
 pub(crate) fn condition(own: &Condition, most: usize) -> Table {
     let rows = own.inputs.iter().take(most).map(|input| {
         let [lower, upper] = input.halves.map(|share| percent(share).into());
@@ -251,7 +252,7 @@ pub(crate) fn condition(own: &Condition, most: usize) -> Table {
     )
 }
 
-/// Candidates that are not designs, by the reason, and values that are drawn anew.
+/// Candidates that are not valid designs, by reason, and values that are drawn again.
 pub(crate) fn incompatible(candidates: &Candidates) -> Table {
     let reasons = candidates.refused.iter().chain(&candidates.rejections);
     let rows = reasons.map(|(keys, count)| vec![keys.as_str().into(), count.to_string().into()]);

@@ -20,16 +20,16 @@ fn axis_columns(axes: &[Axis]) -> impl Iterator<Item = Column> {
     })
 }
 
-/// Headings of the figures of [`performance`]: what quieting costs.
+/// Headings of the figures of [`performance`], the costs of quieting.
 const PERFORMANCE: [&str; 4] = ["head mm", "left J", "air L", "shots/s"];
 
-/// What the shot of a point has left and consumes; no value where there is none.
+/// Remaining energy and consumption of the shot of a point; `None` for values that do not exist.
 fn performance(point: &SweptPoint) -> [Option<String>; 4] {
     let figures = point.performance.map(|own| own.figures().map(|figure| figure.value));
     figures.unwrap_or_default()
 }
 
-/// Levels of the design at each point, what its shot has left and consumes, and how it ends.
+/// Levels of the design at each point, with the remaining energy, the consumption and the outcome of its shot.
 pub(crate) fn points(axes: &[Axis], points: &[SweptPoint]) -> Table {
     let sources = sources(points);
     let row = |point: &SweptPoint| {
@@ -67,7 +67,7 @@ pub(crate) fn points(axes: &[Axis], points: &[SweptPoint]) -> Table {
     )
 }
 
-/// Levels over the draws that all points have in common; none without draws.
+/// Levels over the common draws of all points; `None` without draws.
 pub(crate) fn over_draws(axes: &[Axis], points: &[SweptPoint]) -> Option<Table> {
     let first = points.iter().find_map(|point| point.drawn.as_ref())?;
     let span = |own: &Quantiles| Cell::from(format!("{} .. {}", decibels(own.p05.value), decibels(own.p95.value)));

@@ -1,4 +1,4 @@
-//! A vessel that discharges without heat and at constant temperature, in closed form and by the procedure of ISO
+//! A vessel that discharges adiabatically and at constant temperature, in closed form and by the procedure of ISO
 //! 6358-2.
 
 use nailnoise_dynamics::{CycleRecord, Geometry, Parameters, Settings, simulate};
@@ -26,20 +26,20 @@ const CONDUCTANCE: Case = Case {
              not compared with the printed standard",
 };
 
-/// Interval of the samples \[s\].
+/// Sampling interval \[s\].
 const INTERVAL: f64 = 2e-5;
 
 /// Standard reference atmosphere of ISO 8778: temperature \[K\] and density \[kg/m³\].
 const REFERENCE_TEMPERATURE: f64 = 293.15;
 const REFERENCE_DENSITY: f64 = 1.185;
 
-/// Heat transfer \[W/(m² K)\] to a wall \[m²\], as of a vessel filled with metal wool, that holds the temperature
-/// within a tenth of a kelvin.
+/// Heat transfer coefficient \[W/(m² K)\] for a wall \[m²\], like that of a vessel filled with metal wool, which keeps
+/// the temperature constant within a tenth of a kelvin.
 const HEAT_TRANSFER: f64 = 1e5;
 const WALL: f64 = 5.0;
 
-/// The volume above a head valve that cannot move, as a vessel of one litre that discharges through the trigger's vent,
-/// with this heat transfer to its walls.
+/// The volume above a fixed head valve, used as a vessel of one litre that discharges through the trigger's vent, with
+/// this heat transfer to its walls.
 fn vessel(wall_heat_transfer: f64) -> Result<Parameters, Error> {
     let design = Design::parse("base = \"n80cb.toml\"\n", "verification.toml")?;
     let mut p = parameters(&design)?;
@@ -64,7 +64,7 @@ struct Discharge {
     pressure: f64,
     temperature: f64,
     outside: f64,
-    /// When it begins \[s\].
+    /// Start of the discharge \[s\].
     start: f64,
 }
 
@@ -83,7 +83,8 @@ impl Discharge {
         }
     }
 
-    /// Choked mass flow per area, pressure and reciprocal root of the temperature \[kg K^(1/2)/(s m² Pa)\].
+    /// Choked mass flow per area and pressure, multiplied by the square root of the temperature \[kg K^(1/2)/(s m²
+    /// Pa)\].
     fn choked(&self) -> f64 {
         let g = self.g;
         (g / self.gas_constant * (2.0 / (g + 1.0)).powf((g + 1.0) / (g - 1.0))).sqrt()
@@ -105,19 +106,19 @@ impl Discharge {
         self.pressure * (-(time - self.start) * self.rate()).exp()
     }
 
-    /// Critical ratio of the pressures.
+    /// Critical pressure ratio.
     fn critical(&self) -> f64 {
         (2.0 / (self.g + 1.0)).powf(self.g / (self.g - 1.0))
     }
 
-    /// Flow at a ratio of the pressures over that of the choked flow.
+    /// Flow at a pressure ratio relative to the choked flow.
     fn relative_flow(&self, ratio: f64) -> f64 {
         let psi = |r: f64| r.powf(1.0 / self.g) * (1.0 - r.powf((self.g - 1.0) / self.g)).sqrt();
         psi(ratio.max(self.critical())) / psi(self.critical())
     }
 }
 
-/// The discharge as the cycle computes it, pressures in the vessel \[Pa\].
+/// The discharge computed by the cycle; pressures in the vessel \[Pa\].
 fn pressures(p: &Parameters, end: f64) -> Result<CycleRecord, Error> {
     let settings = Settings {
         sample_interval: INTERVAL,
@@ -139,7 +140,8 @@ fn choked(case: Case, record: &CycleRecord, exact: impl Fn(f64) -> f64, part: f6
     [2, 5, 8].map(row).into()
 }
 
-/// Mass flow out of a vessel of constant temperature by the slope of its pressure, over the pressure \[kg/(s Pa)\].
+/// Mass flow out of a vessel at constant temperature, from the slope of its pressure, divided by the pressure \[kg/(s
+/// Pa)\].
 fn flow_per_pressure(of: &Discharge, record: &CycleRecord, sample: usize) -> f64 {
     let p = &record.above_valve.pressure;
     let slope = (p[sample + 1] - p[sample - 1]) / (2.0 * INTERVAL);
@@ -154,7 +156,7 @@ pub(super) fn rows() -> Result<Vec<Row>, Error> {
     let record = pressures(&p, 0.06)?;
     rows.extend(choked(ISOTHERMAL, &record, |t| of.isothermal(t), 1e-3));
 
-    // ISO 6358-2: the conductance where the flow is choked, the critical ratio from where it is not.
+    // ISO 6358-2: the conductance follows from the choked flow, the critical ratio from the flow that is not choked.
     let choked = flow_per_pressure(&of, &record, 250);
     let scale = 1e8 * (of.temperature / REFERENCE_TEMPERATURE).sqrt() / REFERENCE_DENSITY;
     let exact = of.area * of.choked() / of.temperature.sqrt();

@@ -1,4 +1,5 @@
-//! The GARTEUR SM-AG19 testbed: a model aeroplane of aluminium whose two wing torsions lie 0.4 Hz apart, as measured.
+//! The GARTEUR SM-AG19 testbed: an aluminium model of an aeroplane whose two measured wing torsion modes are 0.4 Hz
+//! apart.
 
 use nailnoise_fem::{Attachments, Constraints, Coupling, LumpedMass, Material, ModalSettings, assemble_with, modes};
 use nailnoise_meshes::{Grid, Mesh};
@@ -20,17 +21,17 @@ const SOURCE: &str = "measured (participant C), Balmes and Wright, DETC 1997, an
     by \
                       P. Krysl, FinEtoolsFlexStructuresTutorials.jl";
 
-/// Differences \[Hz\] of the models with the loose and with the bonded layer, see `docs/limits.md`.
+/// Differences \[Hz\] between the models with a loose and a bonded layer, see `docs/limits.md`.
 const SOFTER: [f64; 2] = [-0.7, 0.0];
 const STIFFER: [f64; 2] = [0.0, 5.5];
 
-/// Measured frequencies: wing bending, roll of the fuselage, antisymmetric and symmetric torsion of the wing \[Hz\].
+/// Measured frequencies \[Hz\]: wing bending, roll of the fuselage, antisymmetric and symmetric torsion of the wing.
 const MEASURED: [f64; 4] = [6.37, 16.10, 33.13, 33.53];
 
-/// Parts from corner to corner \[m\]: fuselage, wing, drums, vertical and horizontal tail, constraining layer. Wing and
-/// drums are 0.5 and 1 mm lower than published, so that they touch what carries them. The viscoelastic tape below the
-/// layer, 0.05 mm thick, is left out, because no modulus is published: with the layer bonded to the wing, and with its
-/// mass alone, the model is stiffer and softer than the aeroplane.
+/// Parts given by two corners \[m\]: fuselage, wing, drums, vertical and horizontal tail, constraining layer. Wing and
+/// drums are 0.5 and 1 mm lower than published, so that they touch the parts that carry them. The viscoelastic tape
+/// below the layer, 0.05 mm thick, is omitted, because its modulus is not published. The model is stiffer than the
+/// aeroplane with the layer bonded to the wing, and softer with the layer's mass alone.
 const PARTS: [[[f64; 2]; 3]; 7] = [
     [[-0.9, 0.6], [-0.025, 0.025], [-0.075, 0.075]],
     [[-0.05, 0.05], [-1.0, 1.0], [0.075, 0.085]],
@@ -41,7 +42,7 @@ const PARTS: [[[f64; 2]; 3]; 7] = [
     [[-0.05, 0.0262], [-0.85, 0.85], [0.085, 0.0861]],
 ];
 
-/// Footprints of the masses \[m\] and the masses \[kg\]: on the drums, on the tail.
+/// Footprints \[m\] and values \[kg\] of the masses on the drums and on the tail.
 const MASSES: [(&str, [[f64; 2]; 2], f64); 3] = [
     ("left mass", [[0.16, 0.2], [0.9, 0.94]], 0.2),
     ("right mass", [[0.16, 0.2], [-0.94, -0.9]], 0.2),
@@ -54,13 +55,13 @@ const MASS_HEIGHTS: [f64; 3] = [0.096, 0.096, 0.38];
 /// Young's modulus of the aluminium \[Pa\].
 const E: f64 = 70e9;
 
-/// Part of its stiffness that the layer without stiffness retains.
+/// Fraction of its stiffness that the soft layer keeps.
 const SOFT: f64 = 1e-6;
 
-/// Longest edge of an element \[m\].
+/// Longest element edge \[m\].
 const LONGEST: f64 = 0.06;
 
-/// Grid lines along an axis: the sides of all parts and footprints, with stretches divided.
+/// Grid lines along an axis: the sides of all parts and footprints, with the intervals between them divided.
 fn lines(axis: usize) -> Vec<f64> {
     let mut sides: Vec<f64> = PARTS.iter().flat_map(|part| part[axis]).collect();
     if axis < 2 {
@@ -77,7 +78,7 @@ fn lines(axis: usize) -> Vec<f64> {
     lines
 }
 
-/// Whether a coordinate lies between two.
+/// Whether a coordinate is between two others.
 fn between(x: f64, [low, high]: [f64; 2]) -> bool {
     low < x && x < high
 }
@@ -90,7 +91,7 @@ fn mesh() -> Result<Mesh, Error> {
         let part = PARTS.iter().position(holds)?;
         Some(usize::from(part == PARTS.len() - 1))
     };
-    // A mass stands on the highest face over its footprint that is open above.
+    // A mass stands on the highest face above its footprint that is open upwards.
     let name = |_: usize, axis: usize, upper: bool, centre: Point3<f64>| {
         let on = |(_, footprint, _): &&(&str, [[f64; 2]; 2], f64)| {
             (0..2).all(|own| between(centre[own], footprint[own])) && centre.z > 0.09

@@ -53,7 +53,7 @@ const SPEED: f64 = 302.0;
 const SOUND_SPEED: f64 = 340.0;
 const DISTANCE: f64 = 5.08;
 
-/// Angles from the downstream axis \[degrees\], and overall levels there \[dB\].
+/// Angles from the downstream axis \[degrees\] with the overall levels there \[dB\].
 const OVERALL: [[f64; 2]; 2] = [[60.0, 99.6], [90.0, 96.02]];
 
 /// Third octaves, lossless: Strouhal number f d/U, level \[dB\] at 60 and at 90 degrees.
@@ -88,7 +88,7 @@ const BANDS: [[f64; 3]; 28] = [
     [15.8489, 76.01, 74.26],
 ];
 
-/// Differences that `docs/limits.md` states \[dB\]: too loud at low Strouhal numbers, too quiet at high ones.
+/// Differences stated in `docs/limits.md` \[dB\]: too loud at low Strouhal numbers, too quiet at high ones.
 const STATED: [f64; 2] = [-16.0, 8.5];
 
 /// The same for the audible part of the spectrum of small holes \[dB\].
@@ -97,19 +97,19 @@ const STATED_AUDIBLE: [f64; 2] = [2.0, 7.0];
 /// Frequencies of the analysis \[Hz\]: the outermost bands with some room.
 const RANGE_HZ: [f64; 2] = [100.0, 120_000.0];
 
-/// The air of the rig, with a jet from a reservoir of the same temperature.
+/// The air of the rig, with a jet from a reservoir at the same temperature.
 fn air() -> Result<Air, Error> {
     let temperature = SOUND_SPEED * SOUND_SPEED / (HEAT_RATIO * GAS_CONSTANT);
     Ok(Air::at(temperature, 101_325.0)?)
 }
 
-/// Pressure over ambient of a reservoir at ambient temperature whose jet reaches [`SPEED`].
+/// Ratio of the pressure of a reservoir at ambient temperature, whose jet reaches [`SPEED`], to ambient pressure.
 fn pressure_ratio(air: &Air) -> f64 {
     let cooling = (HEAT_RATIO - 1.0) * SPEED * SPEED / (2.0 * HEAT_RATIO * GAS_CONSTANT * air.temperature);
     (1.0 - cooling).powf(-HEAT_RATIO / (HEAT_RATIO - 1.0))
 }
 
-/// Exposure of a steady jet of 20 ms at an angle \[rad\] from its axis, and how long it lasts \[s\].
+/// Exposure of a steady jet of 20 ms at an angle \[rad\] from its axis, and its duration \[s\].
 fn received(angle: f64) -> Result<Steady, Error> {
     let air = air()?;
     let pressure = pressure_ratio(&air) * air.pressure;
@@ -149,7 +149,7 @@ fn received(angle: f64) -> Result<Steady, Error> {
     })
 }
 
-/// The exposure at a point during some seconds of a steady jet.
+/// The exposure at a point over the duration of a steady jet.
 struct Steady {
     noise: ReceivedNoise,
     seconds: f64,

@@ -32,7 +32,7 @@ const LEVELS: [f64; BANDS] = [
     74.0, 69.0, 65.0, 67.0, 77.0, 68.0, 58.0, 45.0, 30.0,
 ];
 
-/// Test signals 2 to 4: tones \[Hz\] of a level \[dB\] and their loudness \[sone\].
+/// Test signals 2 to 4: tones \[Hz\] with a level \[dB\] and their loudness \[sone\].
 const TONES: [[f64; 3]; 3] = [[250.0, 80.0, 14.6545], [1000.0, 60.0, 4.0192], [4000.0, 40.0, 1.5494]];
 
 /// Test signals 6 to 8: tones \[Hz\] that rise from 30 to 80 dB in 10 s; N_max and N_5 \[sone\].
@@ -42,10 +42,10 @@ const RAMPS: [[f64; 3]; 3] = [
     [4000.0, 23.9501, 20.261_87],
 ];
 
-/// Test signal 12: N_max \[sone\] of a pulse of 1 kHz, 500 ms and 70 dB.
+/// Test signal 12: N_max \[sone\] of a 1 kHz pulse of 500 ms and 70 dB.
 const PULSE: f64 = 8.0772;
 
-/// Time over which a tone ends, and the pulse begins too \[s\]. A tone that is cut off excites all bands.
+/// Time over which a tone fades out, and the pulse also fades in \[s\]. A tone that is cut off would excite all bands.
 const FADE: f64 = 0.005;
 
 /// Silence before and after a varying tone \[s\].
@@ -58,7 +58,7 @@ fn allowed(case: Case, quantity: String, reference: f64, computed: f64) -> Row {
     row.within((0.05 * reference).max(0.1)).decimals(4)
 }
 
-/// A tone \[Pa\] of this frequency \[Hz\] and duration \[s\], whose level \[dB\] and envelope depend on time.
+/// A tone \[Pa\] with this frequency \[Hz\] and duration \[s\], whose level \[dB\] and envelope depend on time.
 fn tone(hz: f64, seconds: f64, level: impl Fn(f64) -> f64, envelope: impl Fn(f64) -> f64) -> Vec<f64> {
     let sample = |i: usize| {
         let time = i as f64 / SAMPLE_RATE;
@@ -73,7 +73,7 @@ fn rise(time: f64) -> f64 {
     0.5 * (1.0 - (PI * (time / FADE).clamp(0.0, 1.0)).cos())
 }
 
-/// A signal between silences.
+/// A signal with silence before and after it.
 fn framed(signal: Vec<f64>) -> Vec<f64> {
     let silence = |seconds: f64| vec![0.0; (seconds * SAMPLE_RATE) as usize];
     [silence(BEFORE), signal, silence(AFTER)].concat()

@@ -1,7 +1,7 @@
-//! Benchmarks that this project did not write: closed forms, standards and public measurements beside computed values.
+//! Benchmarks from other sources, closed forms, standards and public measurements, next to computed values.
 //!
 //! `nailnoise verify` computes them on the user's machine and the tests compute them in CI. Each row names its source.
-//! What disagrees is stated in `docs/limits.md` with its number and marked in the row; no parameter was fitted to
+//! Disagreements are stated with their values in `docs/limits.md` and marked in the row; no parameter was fitted to
 //! agree.
 
 mod cycle;
@@ -31,7 +31,7 @@ pub use table::{Shown, markdown, summary};
 pub struct Section {
     /// Its name.
     pub field: &'static str,
-    /// Its rows, those of one case together.
+    /// Its rows; those of one case are together.
     pub rows: Vec<Row>,
 }
 
@@ -74,7 +74,7 @@ const FIELDS: [Field; 4] = [
 /// Computes all benchmarks in parallel.
 ///
 /// # Errors
-/// A numerical failure of a case.
+/// If a case fails numerically.
 pub fn verify() -> Result<Vec<Section>, Error> {
     let section = |field: &Field| {
         let parts = field.parts.par_iter().map(|rows| rows());

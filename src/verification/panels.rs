@@ -1,4 +1,4 @@
-//! Surfaces of boundary elements with known exterior fields.
+//! Boundary-element surfaces with known exterior fields.
 
 use std::collections::HashMap;
 use std::f64::consts::{PI, TAU};

@@ -1,4 +1,4 @@
-//! NAFEMS plates by 20-node solid elements.
+//! NAFEMS plates with 20-node solid elements.
 
 use std::f64::consts::{PI, TAU};
 
@@ -39,22 +39,22 @@ const SERIES: Case = Case {
     source: "Navier: (pi/a)² (m² + n²) (D/rho h)^(1/2); series of six odd modes under uniform pressure; closed form",
 };
 
-/// Young's modulus \[Pa\], Poisson's ratio, density \[kg/m³\] and side \[m\] of all plates; thickness of the thin ones
-/// \[m\].
+/// Young's modulus \[Pa\], Poisson's ratio, density \[kg/m³\] and side length \[m\] of all plates; thickness of the
+/// thin ones \[m\].
 const E: f64 = 200e9;
 const NU: f64 = 0.3;
 const RHO: f64 = 8000.0;
 const SIDE: f64 = 10.0;
 const THIN: f64 = 0.05;
 
-/// Elements along each side of a thin plate.
+/// Number of elements along each side of a thin plate.
 const DIVISIONS: usize = 24;
 
-/// Differences \[Hz\] from the reference of modes 5 and 6, which lies 2.1 % above thin-plate theory, see
+/// Differences \[Hz\] from the reference for modes 5 and 6, which is 2.1 % above thin-plate theory, see
 /// `docs/limits.md`.
 const ABOVE_THEORY: [f64; 2] = [-0.25, 0.0];
 
-/// Difference \[MPa\] from the reference of the harmonic peak stress, which contradicts the reference of the peak
+/// Difference \[MPa\] from the reference for the harmonic peak stress, which contradicts the reference for the peak
 /// deflection, see `docs/limits.md`.
 const STRESS_ABOVE: [f64; 2] = [1.6, 2.4];
 
@@ -76,7 +76,7 @@ fn solve(mesh: &Mesh, constraints: &Constraints, top_hz: f64) -> Result<ModalBas
     Ok(modes(&system, &ModalSettings::below(top_hz), &|_, _| ())?)
 }
 
-/// The elastic modes beside reference frequencies.
+/// The elastic modes, compared with reference frequencies.
 pub(super) fn frequencies(case: Case, basis: &ModalBasis, reference: &[f64], part: f64) -> Vec<Row> {
     let rigid = basis.rigid.iter().filter(|rigid| **rigid).count();
     let computed = basis.hz[rigid..].iter().copied().chain(std::iter::repeat(f64::NAN));
@@ -120,12 +120,12 @@ pub(super) fn thick() -> Result<Vec<Row>, Error> {
     Ok(frequencies(FV52, &basis, &target, 1e-2))
 }
 
-/// Whether a point lies on an edge of constant x, and of constant y.
+/// Whether a point is on an edge of constant x, and on one of constant y.
 fn on_edge(p: &Point3<f64>) -> [bool; 2] {
     [p.x, p.y].map(|c| c.min(SIDE - c) < 1e-9)
 }
 
-/// A simply supported plate: edges hold the deflection and the displacement along them.
+/// A simply supported plate: the deflection and the displacement along the edges are constrained.
 fn supported_plate() -> Result<(Mesh, ModalBasis), Error> {
     let mesh = plate(THIN, DIVISIONS)?;
     let mut constraints = Constraints::free();
@@ -147,7 +147,7 @@ fn navier_omega([m, n]: [f64; 2]) -> f64 {
     (PI / SIDE).powi(2) * (m * m + n * n) * (stiffness / (RHO * THIN)).sqrt()
 }
 
-/// What a mode adds to the deflection \[m\] or the stress \[Pa\] of the centre under uniform pressure.
+/// Contribution of a mode to the deflection \[m\] or stress \[Pa\] at the centre under uniform pressure.
 #[derive(Clone, Copy)]
 struct Share {
     /// Angular natural frequency \[rad/s\].
@@ -163,7 +163,7 @@ impl Share {
         Complex::from(self.at_rest) / Complex::new(1.0 - ratio * ratio, 2.0 * DAMPING * ratio)
     }
 
-    /// Response at a time after the load begins \[s\].
+    /// Response at a time after the start of the load \[s\].
     fn step(self, time: f64) -> f64 {
         let root = (1.0 - DAMPING * DAMPING).sqrt();
         let phase = self.omega * root * time;
@@ -172,14 +172,14 @@ impl Share {
     }
 }
 
-/// Stress along x on top of the plate per deflection of mode (m, n) at the centre \[Pa/m\]:
-/// 6 D (pi/a)² (m² + nu n²)/h².
+/// Stress along x at the top of the plate per deflection of mode (m, n) at the centre \[Pa/m\]: 6 D (pi/a)² (m² + nu
+/// n²)/h².
 fn navier_stress([m, n]: [f64; 2]) -> f64 {
     E * THIN / (2.0 * (1.0 - NU * NU)) * (PI / SIDE).powi(2) * (m * m + NU * n * n)
 }
 
-/// Navier's modes (m, n) below 35 Hz that a uniform pressure drives, 16 p sin sin/(pi² m n rho h omega²), each times a
-/// factor of the mode: one for the deflection.
+/// Navier's modes (m, n) below 35 Hz that a uniform pressure excites, 16 p sin sin/(pi² m n rho h omega²), multiplied
+/// by a factor for each mode: one for the deflection.
 fn navier(factor: impl Fn([f64; 2]) -> f64) -> Vec<Share> {
     let mode = |[m, n]: [f64; 2]| {
         let omega = navier_omega([m, n]);
@@ -196,7 +196,7 @@ fn navier(factor: impl Fn([f64; 2]) -> f64) -> Vec<Share> {
         .into()
 }
 
-/// Largest response after the load begins, within a second.
+/// Largest response within a second after the start of the load.
 fn step_peak(shares: &[Share]) -> f64 {
     let at = |i: usize| shares.iter().map(|share| share.step(1e-3 * i as f64)).sum::<f64>();
     (0..1000).map(at).fold(0.0, f64::max)
@@ -288,7 +288,7 @@ pub(super) fn supported() -> Result<Vec<Row>, Error> {
     Ok(rows)
 }
 
-/// Largest deflection of the centre after a step of the load, by the response in time \[m\].
+/// Largest deflection of the centre after a step of the load, from the time-domain response \[m\].
 fn integrated(shares: &[Share], load: &DVector<f64>, centre: &DVector<f64>) -> Result<f64, Error> {
     let body = ModalBody {
         name: "plate".to_owned(),

@@ -34,11 +34,11 @@ const PISTON: Case = Case {
     source: "1 - J_1(2 ka)/ka, closed form",
 };
 
-/// Latitudes and longitudes of the sphere of panels; the cap ends at a latitude.
+/// Number of latitudes and longitudes of the panelled sphere; the cap ends at a latitude.
 const RINGS: usize = 15;
 const AROUND: usize = 20;
 
-/// Rings of panels in the cap.
+/// Number of panel rings in the cap.
 const CAP_RINGS: usize = 3;
 
 /// Specific resistances Re(-j h_n/h_n') = 1/(x² |h_n'|²) of a sphere, orders 0 to `highest`, with the spherical Hankel
@@ -68,10 +68,10 @@ fn legendre(c: f64, highest: usize) -> Vec<f64> {
     p
 }
 
-/// Radiation resistance over rho c 4 pi a² of a cap that moves radially, up to the colatitude `edge`:
-/// sum U_n² Re z_n/(2n + 1), U_0 = (1 - cos)/2, U_n = (P_{n-1} - P_{n+1})/2 at the edge.
+/// Radiation resistance, divided by rho c 4 pi a², of a cap that moves radially up to the colatitude `edge`: sum U_n²
+/// Re z_n/(2n + 1), U_0 = (1 - cos)/2, U_n = (P_{n-1} - P_{n+1})/2 at the edge.
 fn cap_series(x: f64, edge: f64) -> f64 {
-    // Beyond x the resistance falls faster than any power of the order.
+    // Above x, the resistance decreases faster than any power of the order.
     let highest = 40;
     let p = legendre(edge.cos(), highest + 1);
     let u = |n: usize| {
@@ -91,7 +91,7 @@ pub(super) fn spheres() -> Result<Vec<Row>, Error> {
     let air = Air::default();
     let edge = PI * CAP_RINGS as f64 / RINGS as f64;
     let boundary = Boundary::new(sphere(RINGS, AROUND), None)?;
-    // Panels come ring by ring from the pole.
+    // Panels are numbered ring by ring, starting at the pole.
     let velocities = boundary.project(3, |panel, _, point, v| {
         let cap = f64::from(u8::from(panel < CAP_RINGS * AROUND));
         v.copy_from_slice(&[1.0, point.area_vector().normalize().z, cap]);
@@ -99,7 +99,7 @@ pub(super) fn spheres() -> Result<Vec<Row>, Error> {
     let exterior = Exterior::new(boundary, &air).with_panels_per_wavelength(1.0)?;
     let whole = air.impedance() * 4.0 * PI;
     let mut rows = Vec::new();
-    // pi is a resonance of the inside.
+    // pi is a resonance of the interior.
     for (x, name) in [(0.2, "0.2"), (1.0, "1"), (PI, "pi"), (5.0, "5")] {
         let found = exterior.resistance(x * air.sound_speed / TAU, &velocities)?.far_field;
         let exact = resistances(x, 1);
@@ -116,7 +116,7 @@ pub(super) fn spheres() -> Result<Vec<Row>, Error> {
     Ok(rows)
 }
 
-/// Resistance of a free rigid disc over rho c pi a².
+/// Resistance of a free rigid disc, divided by rho c pi a².
 fn disc_resistance(plate: &Plate, patterns: &Patterns, ka: f64, air: &Air) -> Result<f64, Error> {
     let z = plate.impedance(ka * air.sound_speed / TAU, patterns)?;
     Ok(z[(0, 0)].re / (air.impedance() * PI))
@@ -168,7 +168,7 @@ pub(super) fn flat() -> Result<Vec<Row>, Error> {
     Ok(rows)
 }
 
-/// A unit disc in the plane z = 0: points of Gauss in the radius, equal steps around.
+/// A unit disc in the plane z = 0: Gauss points along the radius, equal steps in azimuth.
 fn piston(rings: usize, around: usize) -> Result<RadiatingSurface, Error> {
     let (mut points, mut areas) = (Vec::new(), Vec::new());
     for (x, weight) in gauss_legendre(rings) {

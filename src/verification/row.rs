@@ -1,6 +1,6 @@
 use serde::Serialize;
 
-/// A benchmark: its name and where its reference values come from.
+/// A benchmark: its name and the origin of its reference values.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 pub struct Case {
     /// Name of the benchmark.
@@ -11,7 +11,7 @@ pub struct Case {
 }
 
 impl Case {
-    /// A row of this case; a difference is not yet allowed.
+    /// A row of this case, without a tolerance yet.
     pub fn row(self, quantity: impl Into<String>, reference: f64, computed: f64) -> Row {
         Row {
             case: self,
@@ -37,9 +37,9 @@ pub struct Row {
     pub reference: f64,
     /// The computed value.
     pub computed: f64,
-    /// Least and greatest value allowed; infinite, in JSON null, if there is no limit.
+    /// Smallest and largest permitted value; infinite (null in JSON) if there is no limit.
     pub limits: [f64; 2],
-    /// Range of a known disagreement, computed less reference, that `docs/limits.md` states.
+    /// Range of a known disagreement (computed minus reference), as stated in `docs/limits.md`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub documented: Option<[f64; 2]>,
     /// Decimals shown.
@@ -47,27 +47,27 @@ pub struct Row {
     pub decimals: usize,
 }
 
-/// How a computed value compares with its reference.
+/// Result of comparing a computed value with its reference.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Verdict {
-    /// Within the limits.
+    /// Inside the limits.
     Agrees,
-    /// Outside the limits by as much as `docs/limits.md` states.
+    /// Outside the limits, but as stated in `docs/limits.md`.
     Documented,
     /// Outside the limits.
     Fails,
 }
 
 impl Row {
-    /// Allows a difference to either side.
+    /// Permits a difference to either side.
     #[must_use]
     pub fn within(self, tolerance: f64) -> Self {
         let limits = [self.reference - tolerance, self.reference + tolerance];
         Self { limits, ..self }
     }
 
-    /// Allows a part of the reference to either side.
+    /// Permits a fraction of the reference to either side.
     #[must_use]
     pub fn within_part(self, part: f64) -> Self {
         let tolerance = part * self.reference.abs();
@@ -80,7 +80,7 @@ impl Row {
         Self { limits, ..self }
     }
 
-    /// Accepts a disagreement in the range that `docs/limits.md` states, computed less reference.
+    /// Accepts a disagreement in the range stated in `docs/limits.md`, computed minus reference.
     #[must_use]
     pub fn documented(self, range: [f64; 2]) -> Self {
         Self {
@@ -95,8 +95,8 @@ impl Row {
         Self { decimals, ..self }
     }
 
-    /// Part of the tolerance used on the side of the deviation, 1 at its limit. Where the reference is itself the lower
-    /// limit, a least attenuation in decibels: the energy that passes over the energy that may.
+    /// Fraction of the tolerance used on the side of the deviation; 1 at its limit. If the reference is itself the
+    /// lower limit (a minimum attenuation in decibels), the transmitted energy divided by the permitted energy.
     pub fn share(&self) -> f64 {
         let [low, high] = self.limits;
         let deviation = self.computed - self.reference;
@@ -119,18 +119,18 @@ impl Row {
         }
     }
 
-    /// A value of this row with its decimals; negative zero as zero.
+    /// A value of this row with its decimals; negative zero is shown as zero.
     pub fn number(&self, value: f64) -> String {
         let text = format!("{value:.0$}", self.decimals);
         let zero = text.chars().all(|c| "-0.".contains(c));
         if zero { text.replace('-', "") } else { text }
     }
 
-    /// The limits, as `+-x` about the reference if they are symmetric, else as `a to b`.
+    /// The limits, as `+-x` about the reference if they are symmetric, otherwise as `a to b`.
     pub fn tolerance(&self) -> String {
         let [low, high] = self.limits;
         let (below, above) = (self.reference - low, high - self.reference);
-        // The difference of two sums is rounded to some parts in 1e12 of the reference.
+        // The difference of two sums has rounding errors of some 1e-12 of the reference.
         let rounding = 1e-12 * self.reference.abs() + 1e-9 * above;
         if below.is_finite() && (below - above).abs() <= rounding {
             let text = self.number(above);
@@ -148,7 +148,7 @@ impl Row {
         format!("{} to {}", one(low, "-inf"), one(high, "inf"))
     }
 
-    /// The share of the tolerance used, in words: `12 %`, or where `docs/limits.md` states the disagreement, `stated`.
+    /// The fraction of the tolerance used, such as `12 %`; `stated` if the disagreement is in `docs/limits.md`.
     pub fn used(&self) -> String {
         match self.verdict() {
             Verdict::Agrees => format!("{:.0} %", 100.0 * self.share().abs()),

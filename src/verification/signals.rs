@@ -1,4 +1,4 @@
-//! Bands, weightings and levels against the tables of IEC 61672-1 and IEC 61260-1.
+//! Bands, weightings and levels compared with the tables of IEC 61672-1 and IEC 61260-1.
 
 use std::f64::consts::PI;
 
@@ -87,7 +87,7 @@ const TABLE_3: [[f64; 5]; 34] = [
     [20_000.0, -9.3, -11.2, INF, 3.0],
 ];
 
-/// The table applies to the exact frequencies 1000 x 10^{k/10} behind the nominal ones.
+/// The table applies to the exact frequencies 1000 x 10^{k/10}, not to the nominal ones.
 fn weightings() -> Vec<Row> {
     let mut rows = Vec::new();
     for (i, [nominal, a, c, lower, upper]) in TABLE_3.into_iter().enumerate() {
@@ -124,14 +124,14 @@ const TABLE_4: [[f64; 4]; 12] = [
 
 const DT: f64 = 1.0 / 96_000.0;
 
-/// A sine of amplitude 1 Pa that starts and ends at zero crossings.
+/// A sine with an amplitude of 1 Pa that starts and ends at zero crossings.
 fn burst(hz: f64, seconds: f64) -> Vec<f64> {
     (0..(seconds / DT).round() as usize)
         .map(|i| (2.0 * PI * hz * i as f64 * DT).sin())
         .collect()
 }
 
-/// Level of the steady sine of amplitude 1 Pa.
+/// Level of a steady sine with an amplitude of 1 Pa.
 fn steady(hz: f64, weighting: Weighting) -> f64 {
     10.0 * (0.5 / REFERENCE_PRESSURE.powi(2)).log10() + weighting.db(hz)
 }
@@ -168,7 +168,8 @@ fn events() -> Result<Vec<Row>, Error> {
     Ok(rows)
 }
 
-/// IEC 61260-1:2014, table F.1: exponent x of the breakpoint G^x of an octave filter, and its place for a third octave.
+/// IEC 61260-1:2014, table F.1: exponent x of the breakpoint G^x of an octave filter, and the position of this
+/// breakpoint for a third-octave filter.
 const TABLE_F1: [[f64; 2]; 8] = [
     [0.125, 1.02667],
     [0.25, 1.05575],
@@ -180,7 +181,7 @@ const TABLE_F1: [[f64; 2]; 8] = [
     [4.0, 5.39195],
 ];
 
-/// IEC 61260-1:2014, table 1: the same exponents with the least and greatest relative attenuation of class 1.
+/// IEC 61260-1:2014, table 1: the same exponents with the minimum and maximum relative attenuation of class 1.
 const TABLE_1: [[f64; 3]; 9] = [
     [0.0, -0.4, 0.4],
     [0.125, -0.4, 0.5],
@@ -193,7 +194,7 @@ const TABLE_1: [[f64; 3]; 9] = [
     [4.0, 70.0, INF],
 ];
 
-/// Place of the breakpoint G^x for a third-octave filter (formula 9).
+/// Position of the breakpoint G^x for a third-octave filter (formula 9).
 fn breakpoint(x: f64) -> f64 {
     let g = 10f64.powf(0.3);
     1.0 + (g.powf(1.0 / 6.0) - 1.0) / (g.powf(0.5) - 1.0) * (g.powf(x) - 1.0)
@@ -232,7 +233,7 @@ fn bands() -> Vec<Row> {
     rows
 }
 
-/// Every band's attenuation at the breakpoints, the worst of both sides and all bands.
+/// Every band's attenuation at the breakpoints; the worst of both sides and all bands.
 fn filters() -> Vec<Row> {
     let mut rows = Vec::new();
     for [x, least, greatest] in TABLE_1 {
@@ -242,7 +243,7 @@ fn filters() -> Vec<Row> {
             .flat_map(|band| [omega, 1.0 / omega].map(|o| BandFilter { band }.attenuation_db(o * band.hz)))
             .collect();
         let (low, high) = attenuations.iter().fold((INF, -INF), |(l, h), &a| (a.min(l), a.max(h)));
-        // Inside the band no attenuation is aimed at; at its edge the aim is the middle between the limits.
+        // Inside the band, the expected attenuation is zero; at its edge, it is the mean of the limits.
         let expected = match x {
             x if x < 0.5 => 0.0,
             0.5 => 0.5 * (least + greatest),
@@ -274,7 +275,7 @@ fn filters() -> Vec<Row> {
                 .decimals(6),
         );
     }
-    // Effective bandwidth over ln(f_2/f_1), which white noise per octave passes through.
+    // Effective bandwidth divided by ln(f_2/f_1), for white noise per octave.
     let band = Band::new(0);
     let filter = BandFilter { band };
     let steps = 400_000;
@@ -294,11 +295,11 @@ fn filters() -> Vec<Row> {
     rows
 }
 
-/// Integration between the exact edges, through tones a hundredth of a band inside and outside them.
+/// Integration between the exact band edges, tested with tones a hundredth of a band inside and outside them.
 fn integration() -> Result<Vec<Row>, Error> {
     const RANGE_HZ: [f64; 2] = [20.0, 20_000.0];
     let band = Band::new(0);
-    // Share of the energy of a tone that falls into the band.
+    // Fraction of a tone's energy in the band.
     let passed = |hz: f64| -> Result<f64, Error> {
         let (frequency, density) = (vec![hz - 0.01, hz, hz + 0.01], vec![0.0, 100.0, 0.0]);
         let spectrum = SourceSpectrum::new("tone", "given", frequency, density, RANGE_HZ)?;

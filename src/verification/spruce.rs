@@ -1,4 +1,4 @@
-//! Two cantilevered plates of spruce, measured and computed by another code.
+//! Two cantilevered spruce plates, compared with measurements and another code.
 
 use nailnoise_fem::{Constraints, Material, ModalBasis, ModalSettings, Orthotropic, assemble, modes};
 use nailnoise_meshes::{Block, block};
@@ -21,7 +21,7 @@ const GUESSED: Case = Case {
     source: "measured, with the moduli from which the identification begins (the same repository)",
 };
 
-/// Differences \[Hz\] of the bending modes of the plate of 3 mm from both references, see `docs/limits.md`.
+/// Differences \[Hz\] between the bending modes of the 3 mm plate and both references, see `docs/limits.md`.
 const STIFFER: [f64; 2] = [0.0, 17.0];
 
 /// A plate whose grain runs along x, clamped at x = 0.
@@ -30,15 +30,15 @@ struct Cantilever {
     size: [f64; 3],
     /// \[kg/m³\].
     density: f64,
-    /// Along and across the grain, in shear \[Pa\].
+    /// Moduli along and across the grain, and in shear \[Pa\].
     moduli: [f64; 3],
     /// Contraction across the grain under tension along it.
     poisson: f64,
 }
 
 impl Cantilever {
-    /// Modes below a frequency. Moduli through the thickness are not published and do not matter for a thin plate: they
-    /// are those across the grain, as if the wood were transversely isotropic.
+    /// Modes below a frequency. Moduli through the thickness are not published and have little effect on a thin plate;
+    /// they are set to those across the grain, as if the wood were transversely isotropic.
     fn modes(&self, top_hz: f64) -> Result<ModalBasis, Error> {
         let mesh = block(&Block {
             size: self.size,

@@ -1,4 +1,4 @@
-//! Thin-walled and layered structures by 20-node solid elements.
+//! Thin-walled and layered structures with 20-node solid elements.
 
 use std::f64::consts::FRAC_PI_2;
 
@@ -42,8 +42,8 @@ fn is_zero(c: f64) -> bool {
     c.abs() < 1e-9
 }
 
-/// A membrane 10 m long, 5 m high at its root and 1 m at its tip, 0.05 m thick. Half its thickness is meshed, above the
-/// midplane, which stays plane.
+/// A membrane 10 m long, 5 m high at its root and 1 m at its tip, 0.05 m thick. The half above the midplane is meshed;
+/// the midplane stays plane.
 pub(super) fn membrane() -> Result<Vec<Row>, Error> {
     let [length, root, tip, thickness] = [10.0, 5.0, 1.0, 0.05];
     let mut mesh = block(&Block {
@@ -120,7 +120,7 @@ pub(super) fn cylinder() -> Result<Vec<Row>, Error> {
     Ok(vec![torsion.within_part(1e-3), two_waves.within_part(2e-2)])
 }
 
-/// Lines of a grid across cells between walls of a thickness about equidistant middles; `parts` elements a cell.
+/// Grid lines across cells whose walls of a given thickness have equidistant centres; `parts` elements per cell.
 fn lines(cells: usize, pitch: f64, wall: f64, parts: usize) -> Vec<f64> {
     let clear = pitch - wall;
     let cell = |c: usize| {
@@ -133,13 +133,13 @@ fn lines(cells: usize, pitch: f64, wall: f64, parts: usize) -> Vec<f64> {
     lines
 }
 
-/// Two square cells of 1.27 m side by side, 2.54 m long, walls of 12.7 mm, clamped at one end.
+/// Two adjacent square cells of 1.27 m, 2.54 m long, with walls of 12.7 mm, clamped at one end.
 pub(super) fn double_cell_box() -> Result<Vec<Row>, Error> {
     let [pitch, length, wall] = [1.27, 2.54, 0.0127];
     let parts = 10;
     let along = (0..=16).map(|i| length * f64::from(i) / 16.0).collect();
     let grid = Grid::new(along, lines(2, pitch, wall, parts), lines(1, pitch, wall, parts))?;
-    // A wall lies before, between and behind the cells.
+    // A wall is before, between and after the cells.
     let in_wall = |index: usize| index.is_multiple_of(parts + 1);
     let mesh = grid.mesh(
         &["box"],
@@ -155,10 +155,10 @@ pub(super) fn double_cell_box() -> Result<Vec<Row>, Error> {
     Ok(frequencies(BOX, &basis, &[20.28, 25.43], 2e-2))
 }
 
-/// Angles of the plies of one half of the laminate, from its face \[degrees\].
+/// Angles of the plies in one half of the laminate, starting at its face \[degrees\].
 const PLIES: [f64; 10] = [22.5, -22.5, 0.0, 0.0, -22.5, 0.0, 0.0, 22.5, 0.0, 0.0];
 
-/// A layer of elements a ply, transversely isotropic about its fibres.
+/// One layer of elements per ply, transversely isotropic about its fibres.
 pub(super) fn composite() -> Result<Vec<Row>, Error> {
     let [length, width, thickness] = [228.6e-3, 76.2e-3, 2.54e-3];
     let mut mesh: Mesh = block(&Block {

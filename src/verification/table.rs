@@ -5,16 +5,16 @@ use super::row::Row;
 /// Rows of a case above which [`summary`] shows only the worst.
 const SHOWN: usize = 9;
 
-/// A row to show, and how many rows of its case it stands for.
+/// A row to show, and the number of rows of its case that it represents.
 #[derive(Debug, Clone, Copy)]
 pub struct Shown<'a> {
     /// The row.
     pub row: &'a Row,
-    /// Number of rows of the case if this is the worst of them, else 1.
+    /// Number of rows of the case if this is the worst of them, otherwise 1.
     pub of: usize,
 }
 
-/// All rows of short cases; of a long case the one that uses most of its tolerance.
+/// All rows of short cases; for a long case, the row that uses most of its tolerance.
 pub fn summary(rows: &[Row]) -> Vec<Shown<'_>> {
     let mut shown = Vec::new();
     for case in rows.chunk_by(|a, b| a.case == b.case) {
@@ -29,7 +29,7 @@ pub fn summary(rows: &[Row]) -> Vec<Shown<'_>> {
     shown
 }
 
-/// Rows as a table of Markdown with the name and source of each case in its first row.
+/// Rows as a Markdown table, with the name and source of each case in its first row.
 pub fn markdown(shown: &[Shown<'_>]) -> String {
     let mut text = String::from("| case, source | quantity | reference | computed | difference | tolerance | used |\n");
     text.push_str("|---|---|---|---|---|---|---|\n");

@@ -16,7 +16,7 @@ const COMPUTED: Case = Case {
     source: "the same cases with the printed F_P 0.98, another implementation (CalebBell/fluids)",
 };
 
-/// A column of table A.1 with the values that the other implementation finds.
+/// A column of table A.1, with the values computed by the other implementation.
 struct Worked {
     mass_flow: f64,
     outlet_pressure: f64,

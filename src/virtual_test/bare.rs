@@ -1,4 +1,4 @@
-//! Levels of the sources of recorded shots before they are wrapped: what a measurement of the recordings should find.
+//! Levels of the unwrapped sources in recorded shots: the values that a measurement of the recordings should find.
 
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -12,26 +12,26 @@ use crate::measurement::repeats::RepeatedLevel;
 use crate::measurement::result::MeasuredBand;
 use crate::measurement::wrapping::{Configuration, Role};
 
-/// A source as the array would measure it alone, mean over the shots of the configuration that measures it.
+/// A source as measured by the array alone, averaged over the shots of the configuration that measures it.
 #[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct BareSource {
     /// Its name.
     pub source: &'static str,
-    /// Shots.
+    /// Number of shots.
     pub shots: usize,
     /// A-weighted single-event sound power level \[dB re 1 pW s\].
     pub lwa_db: Option<f64>,
-    /// The same by one-third octave.
+    /// The same in one-third octaves.
     pub bands: Vec<MeasuredBand>,
 }
 
-/// Collects the energies of the sources, shot by shot.
+/// Collects the energies of the sources for each shot.
 pub struct BareLevels<'a> {
     arrangement: &'a Arrangement,
     room: f64,
     transform: OneSecond,
     bands: Bands,
-    /// A-weighted energies of the range and by band, one pair a shot, in the order of [`Role::ALL`].
+    /// A-weighted energies over the range and by band, one pair per shot, in the order of [`Role::ALL`].
     energies: [Vec<(f64, Vec<f64>)>; 3],
 }
 
@@ -39,7 +39,7 @@ impl<'a> BareLevels<'a> {
     /// For the shots of a test.
     ///
     /// # Errors
-    /// Those of the room's correction.
+    /// The errors of the room correction.
     pub fn new(test: &'a VirtualTest<'_>) -> Result<Self, Error> {
         let transform = OneSecond::new(test.synthesis.rate);
         Ok(Self {
@@ -51,7 +51,7 @@ impl<'a> BareLevels<'a> {
         })
     }
 
-    /// Adds the shot of a configuration, which counts to the source that it measures.
+    /// Adds the shot of a configuration, for the source that this configuration measures.
     pub fn add(&mut self, configuration: Configuration, shot: &BareShot) {
         if let Some(place) = configuration.source().map(|role| role as usize) {
             let density = mean_density(&shot.sources[place], &self.transform);

@@ -1,4 +1,4 @@
-//! The wrapping test in energies alone: what an infinite number of repeats without scatter would give.
+//! The wrapping test computed with energies: the result of an infinite number of repeats without scatter.
 
 use nailnoise_acoustics::signals::{REFERENCE_PRESSURE, Weighting};
 use schemars::JsonSchema;
@@ -10,27 +10,27 @@ use crate::measurement::arrangement::Arrangement;
 use crate::measurement::lines::{Bands, LENGTH, OneSecond};
 use crate::measurement::wrapping::{Wrapping, configurations, separated, sources};
 
-/// Range of the background noise, of equal energy in each third octave \[Hz\].
+/// Range of the background noise, which has equal energy in each third octave \[Hz\].
 pub(super) const BACKGROUND_HZ: [f64; 2] = [20.0, 20e3];
 
-/// Levels of a wrapping test by energies \[dB re 1 pW s, A-weighted\]; `None` where nothing is left.
+/// Levels of a wrapping test from energies \[dB re 1 pW s, A-weighted\]; `None` if no energy remains.
 #[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct ExactTest {
-    /// Workpiece, exhaust and body as the array measures them bare.
+    /// Unwrapped workpiece, exhaust and body, as measured by the array.
     pub sources_db: [Option<f64>; 3],
     /// The five configurations as recorded.
     pub configurations_db: [Option<f64>; 5],
-    /// Workpiece, exhaust and body by subtraction of the residual: X_5, X_3, X_4.
+    /// Workpiece, exhaust and body after subtraction of the residual: X_5, X_3, X_4.
     pub separated_db: [Option<f64>; 3],
     /// Upper bound of the workpiece.
     pub bound_db: Option<f64>,
-    /// The total less the level of the three sources.
+    /// The total minus the level of the three sources.
     pub closure_db: Option<f64>,
-    /// Sources of least squares from all configurations, given the losses of the wraps.
+    /// Least-squares estimate of the sources from all configurations, given the losses of the wraps.
     pub unmixed_db: [Option<f64>; 3],
     /// Level of the background alone.
     pub background_db: Option<f64>,
-    /// By one-third octave.
+    /// Levels in one-third octaves.
     pub bands: Vec<ExactBand>,
 }
 
@@ -39,21 +39,21 @@ pub struct ExactTest {
 pub struct ExactBand {
     /// Nominal mid-band frequency \[Hz\].
     pub hz: f64,
-    /// As [`ExactTest::sources_db`].
+    /// Same as [`ExactTest::sources_db`].
     pub sources_db: [Option<f64>; 3],
-    /// As [`ExactTest::configurations_db`].
+    /// Same as [`ExactTest::configurations_db`].
     pub configurations_db: [Option<f64>; 5],
-    /// As [`ExactTest::separated_db`].
+    /// Same as [`ExactTest::separated_db`].
     pub separated_db: [Option<f64>; 3],
-    /// As [`ExactTest::bound_db`].
+    /// Same as [`ExactTest::bound_db`].
     pub bound_db: Option<f64>,
 }
 
-/// Coefficient c of the density c/f of steady background noise with an A-weighted level \[dB re 20 uPa\] \[Pa2\]: the
-/// density of its mean square is c/f, that of its exposure over T seconds c T/f.
+/// Coefficient c of steady background noise with an A-weighted level \[dB re 20 uPa\] \[Pa2\]: the density of its mean
+/// square is c/f, and that of its exposure over T seconds is c T/f.
 pub fn background_density(level: f64) -> f64 {
     let [low, high] = BACKGROUND_HZ;
-    // Trapezia over the logarithm of frequency, in which the density is constant.
+    // Number of steps of the trapezoidal rule over the logarithm of frequency, over which the density is constant.
     const STEPS: usize = 2000;
     let step = (high / low).ln() / STEPS as f64;
     let weight = |i: usize| Weighting::A.energy_factor(low * (step * i as f64).exp());
@@ -64,10 +64,10 @@ pub fn background_density(level: f64) -> f64 {
 }
 
 /// The test of sources with these densities at the lines of one second \[Pa2 s/Hz\], recorded at `rate` \[1/s\], with
-/// steady background noise of an A-weighted level \[dB\], 0 for none.
+/// steady background noise of an A-weighted level \[dB\]; 0 for none.
 ///
 /// # Errors
-/// Those of the room's correction.
+/// The errors of the room correction.
 pub fn exact(
     arrangement: &Arrangement,
     rate: f64,

@@ -1,30 +1,30 @@
-//! Causal filters of a given magnitude.
+//! Causal filters with a given magnitude.
 
 use nailnoise_acoustics::signals::fourier::RealTransform;
 use nalgebra::Complex;
 
-/// A filter on the lines of a transform of fixed length.
+/// A filter given at the lines of a transform of fixed length.
 pub(super) struct MinimumPhase {
     transform: RealTransform,
     response: Vec<Complex<f64>>,
 }
 
-/// Least magnitude, so that its logarithm exists: -200 dB.
+/// Minimum magnitude, so that its logarithm exists: -200 dB.
 const LEAST: f64 = 1e-10;
 
 impl MinimumPhase {
-    /// The filter of least phase with the amplitude `magnitude(hz)`, for records of `samples` at `rate` \[1/s\]. The
+    /// The minimum-phase filter with the magnitude `magnitude(hz)`, for records of `samples` at `rate` \[1/s\]. The
     /// transform is padded to twice the record.
     ///
-    /// The phase is the Hilbert transform of the logarithm of the magnitude, by its cepstrum: the causal half is
-    /// doubled (Oppenheim and Schafer, Discrete-Time Signal Processing, 3rd ed., 12.5).
+    /// The phase is the Hilbert transform of the logarithm of the magnitude, computed from its cepstrum by doubling the
+    /// causal half (Oppenheim and Schafer, Discrete-Time Signal Processing, 3rd ed., 12.5).
     pub(super) fn new(samples: usize, rate: f64, magnitude: impl Fn(f64) -> f64) -> Self {
         let length = (2 * samples).next_power_of_two();
         let df = rate / length as f64;
         let transform = RealTransform::new(length);
         let log = |k: usize| Complex::from(magnitude(k as f64 * df).max(LEAST).ln());
         let mut cepstrum = transform.signal((0..=length / 2).map(log).collect());
-        // The length is even: lag 0 and the middle are their own mirror images.
+        // The length is even, so lag 0 and the middle are their own mirror images.
         cepstrum[1..length / 2].iter_mut().for_each(|value| *value *= 2.0);
         cepstrum[length / 2 + 1..].fill(0.0);
         let response = transform.lines(&cepstrum).into_iter().map(Complex::exp).collect();
@@ -59,7 +59,7 @@ mod tests {
         assert!(halved.iter().zip(&impulse()).all(|(a, b)| (a - 0.5 * b).abs() < 1e-12));
     }
 
-    /// A low-pass of first order has minimum phase: its impulse response is w e^(-w t).
+    /// A first-order low-pass has minimum phase: its impulse response is w e^(-w t).
     #[test]
     fn a_low_pass_of_first_order_is_causal_and_decays() {
         let filter = MinimumPhase::new(4096, RATE, |hz| 1.0 / (1.0 + (hz / 500.0).powi(2)).sqrt());

@@ -1,8 +1,9 @@
-//! Virtual wrapping tests: what the microphones and sensors of EN 12549 would record of a design, wrap by wrap.
+//! Virtual wrapping tests: the signals that the microphones and sensors of EN 12549 would record for a design in each
+//! configuration.
 //!
-//! Each shot of each configuration is a shot of its own: supply pressure and the wood's resistance scatter, jets and
-//! background have new noise, the trigger comes at another instant. The sources' pressures pass the wraps by filters of
-//! minimum phase and add. [`exact`] does the same with energies, without recordings.
+//! Each shot of each configuration is separate: supply pressure and the wood's resistance scatter, jets and background
+//! have new noise, and the trigger is pulled at a different instant. The pressures of the sources pass through
+//! minimum-phase filters for the wraps and are added. [`exact`] does the same with energies, without recordings.
 
 pub mod bare;
 pub mod comparison;
@@ -36,11 +37,11 @@ use minimum_phase::MinimumPhase;
 use resampling::Resampling;
 use sources::Synthesis;
 
-/// Frequencies between which the losses of wraps and of the muffler rise \[Hz\].
+/// Frequencies between which the losses of wraps and of the muffler increase \[Hz\].
 const WRAP_HZ: [f64; 2] = [125.0, 4000.0];
 const MUFFLER_HZ: [f64; 2] = [50.0, 400.0];
 
-/// Time over which the end of a sensor's record falls to zero \[s\].
+/// Time over which the end of a sensor's record fades to zero \[s\].
 const FADE: f64 = 5e-3;
 
 /// The wraps of a design.
@@ -62,7 +63,7 @@ pub fn wrapping(design: &Design) -> Wrapping {
 /// Microphones and channels of a design's virtual test.
 ///
 /// # Errors
-/// [`Error::NoTestSetup`] for a support that the standard does not have; those of the air.
+/// [`Error::NoTestSetup`] for a support that the standard does not have; the errors of the air.
 pub fn arrangement(design: &Design) -> Result<Arrangement, Error> {
     let setup = supports::of(design).test_setup().ok_or_else(|| Error::NoTestSetup {
         design: design.name().to_owned(),
@@ -90,7 +91,7 @@ pub fn arrangement(design: &Design) -> Result<Arrangement, Error> {
     })
 }
 
-/// A sensor's record with an end that falls to zero, where its body still moves a little.
+/// A sensor's record whose end fades to zero, if its body still moves slightly.
 fn faded(record: &[f64], interval: f64) -> Vec<f64> {
     let count = ((FADE / interval).round() as usize).min(record.len());
     let first = record.len() - count;
@@ -100,7 +101,7 @@ fn faded(record: &[f64], interval: f64) -> Vec<f64> {
     faded
 }
 
-/// Adds signals to a sum, microphone by microphone; a shorter signal ends in silence.
+/// Adds signals to a sum for each microphone; a shorter signal ends in silence.
 fn add_signals(sum: &mut Vec<Vec<f64>>, signals: Vec<Vec<f64>>) {
     sum.resize(sum.len().max(signals.len()), Vec::new());
     for (sum, signal) in sum.iter_mut().zip(signals) {
@@ -109,7 +110,7 @@ fn add_signals(sum: &mut Vec<Vec<f64>>, signals: Vec<Vec<f64>>) {
     }
 }
 
-/// A shot of a virtual test before it is wrapped.
+/// A shot of a virtual test before wraps are applied.
 pub struct BareShot {
     /// The cycle.
     pub cycle: Arc<ShotRecord>,
@@ -125,7 +126,7 @@ pub struct BareShot {
 pub struct VirtualTest<'a> {
     design: &'a Design,
     graph: &'a Graph,
-    /// What holds bodies and radiation matrices for all shots.
+    /// Keeps bodies and radiation matrices for all shots.
     _base: Chain,
     /// Microphones and channels.
     pub arrangement: Arrangement,
@@ -135,10 +136,10 @@ pub struct VirtualTest<'a> {
 }
 
 impl<'a> VirtualTest<'a> {
-    /// A test of a design with these wraps; all scatter and noise follow from `seed`.
+    /// A test of a design with these wraps; all scatter and noise depends on `seed`.
     ///
     /// # Errors
-    /// As [`arrangement`]; values of the design from which no inputs can be made.
+    /// Same as [`arrangement`], or if values of the design yield no valid inputs.
     pub fn new(graph: &'a Graph, design: &'a Design, wrapping: Wrapping, seed: u64) -> Result<Self, Error> {
         let arrangement = arrangement(design)?;
         let rate = design.test.sampling_rate;
@@ -157,12 +158,12 @@ impl<'a> VirtualTest<'a> {
         })
     }
 
-    /// Number of a shot of its own noise.
+    /// Number of the noise sequence of a shot.
     fn stream(configuration: Configuration, repeat: usize) -> u64 {
         (1000 * configuration.number() + repeat) as u64
     }
 
-    /// The design of one shot: supply pressure and resistance scatter, the wrap's mass where it takes part.
+    /// The design of one shot: supply pressure and resistance scatter, and the mass of the wrap is added if it is used.
     fn scattered(&self, configuration: Configuration, repeat: usize) -> Result<Design, Error> {
         let stream = Self::stream(configuration, repeat);
         let (test, mut design) = (&self.design.test, self.design.clone());
@@ -197,15 +198,15 @@ impl<'a> VirtualTest<'a> {
     /// The shot of the design itself, without scatter.
     ///
     /// # Errors
-    /// Those of the chain.
+    /// The errors of the chain.
     pub fn own(&self) -> Result<BareShot, Error> {
         self.shot(self.design, 0)
     }
 
-    /// One shot of a configuration, its sources bare.
+    /// One shot of a configuration, with unwrapped sources.
     ///
     /// # Errors
-    /// Those of the chain.
+    /// The errors of the chain.
     pub fn bare(&self, configuration: Configuration, repeat: usize) -> Result<BareShot, Error> {
         self.shot(
             &self.scattered(configuration, repeat)?,
@@ -234,7 +235,8 @@ impl<'a> VirtualTest<'a> {
         outputs.extend([&chain.sensors as &dyn Input<Error>, &chain.transducers]);
         self.graph.prepare(&outputs).map_err(|error| located(design, error))?;
         let count = chain.sources.len() as u64;
-        // Numbers of the noise of a shot: those of the sources, then those of parts by the source to which they count.
+        // Numbers of the noise of a shot: those of the sources, then those of parts by the source to which they are
+        // assigned.
         let stream = (2 * count + 2).max(8) * stream;
         let mut sources: [Vec<Vec<f64>>; 3] = Default::default();
         let mut add = |role: Role, heard: &Heard, number: u64| {
@@ -247,7 +249,7 @@ impl<'a> VirtualTest<'a> {
         for (number, (source, sound)) in (1..).zip(&sounds) {
             add(source.role(), &sound.heard.own, number);
         }
-        // A part that counts to another source is known over a range of its own.
+        // A part that is assigned to another source has its own frequency range.
         for moved in sounds.iter().filter_map(|(_, sound)| sound.heard.moved.as_ref()) {
             let places = (1..).zip(&sounds);
             for (number, (source, _)) in places.filter(|(_, (source, _))| source.name() == moved.to) {
@@ -262,13 +264,13 @@ impl<'a> VirtualTest<'a> {
         })
     }
 
-    /// What the channels record of a shot in a configuration.
+    /// The signals that the channels record of a shot in a configuration.
     pub fn record(&self, bare: &BareShot, configuration: Configuration, repeat: usize) -> Shot {
         let stream = Self::stream(configuration, repeat);
         let test = &self.design.test;
         let rate = self.synthesis.rate;
         let trigger = test.trigger_delay * nailnoise_acoustics::random::uniform(self.seed, stream, 99);
-        // The trigger falls on a sample, as the signals of the sources begin with it.
+        // The trigger coincides with a sample, because the signals of the sources start with it.
         let start = ((BEFORE + trigger) * rate).round() as usize;
         let samples = (test.record_length * rate).round() as usize;
         let wraps = self.filters(bare);
@@ -318,7 +320,7 @@ impl<'a> VirtualTest<'a> {
         })
     }
 
-    /// The signal of a source as a configuration lets it through.
+    /// The signal of a source after the wraps of a configuration.
     fn passed(&self, signal: &[f64], (source, wrap): (Role, &MinimumPhase), configuration: Configuration) -> Vec<f64> {
         let scaled = |share: f64| signal.iter().map(|p| share.sqrt() * p).collect();
         match (source, configuration) {
@@ -326,7 +328,7 @@ impl<'a> VirtualTest<'a> {
             (Role::Workpiece, Configuration::Workpiece) => scaled(self.wrapping.workpiece_mask),
             (Role::Exhaust, Configuration::Exhaust) => scaled(self.wrapping.exhaust_mask),
             (Role::Body, Configuration::Body) => signal.to_vec(),
-            // Wraps that let nothing through have no phase.
+            // Wraps that transmit nothing have no phase.
             (source, _) if self.wrapping.at(1000.0).of_source(source) == 0.0 => Vec::new(),
             _ => wrap.apply(signal),
         }
@@ -355,7 +357,7 @@ impl<'a> VirtualTest<'a> {
         )
     }
 
-    /// Densities of the sources of a shot at the lines of one second, mean over the microphones \[Pa2 s/Hz\].
+    /// Densities of the sources of a shot at the lines of one second, averaged over the microphones \[Pa2 s/Hz\].
     pub fn densities(&self, bare: &BareShot) -> [Vec<f64>; 3] {
         let transform = crate::measurement::lines::OneSecond::new(self.synthesis.rate);
         bare.sources

@@ -1,10 +1,10 @@
-//! Signals at another sampling rate.
+//! Converts signals to another sampling rate.
 
 use nailnoise_acoustics::signals::ChirpTransform;
 use nailnoise_acoustics::signals::fourier::RealTransform;
 use nalgebra::Complex;
 
-/// A plan that brings band-limited records of one length from one rate to another, from their first sample on.
+/// A plan that converts band-limited records of one length from one rate to another, starting at their first sample.
 ///
 /// The spectrum up to half the lower rate is summed at the new instants. The record is padded to twice its length, so
 /// that its end does not reach its beginning.
@@ -16,7 +16,7 @@ pub(super) struct Resampling {
 }
 
 impl Resampling {
-    /// For records of `count` samples at `from` \[1/s\], to `samples` samples at `to` \[1/s\].
+    /// For records of `count` samples at `from` \[1/s\], converted to `samples` samples at `to` \[1/s\].
     pub(super) fn new((count, from): (usize, f64), (samples, to): (usize, f64)) -> Self {
         let length = (2 * count.max(4)).next_power_of_two();
         let df = from / length as f64;
@@ -35,7 +35,7 @@ impl Resampling {
         let mut lines = self.forward.lines(record);
         lines.truncate(self.kept);
         lines.iter_mut().for_each(|x| *x /= self.from);
-        // The sum counts each line twice, for its negative frequency; that of 0 Hz is its own.
+        // The sum counts each line twice, to include its negative frequency; the line at 0 Hz has none.
         if let Some(mean) = lines.first_mut() {
             *mean *= Complex::from(0.5);
         }

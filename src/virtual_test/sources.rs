@@ -1,4 +1,4 @@
-//! Sound pressure of each source at the microphones of a virtual test, over the whole range of its levels.
+//! Sound pressure of each source at the microphones of a virtual test, over the complete range of its levels.
 
 use nalgebra::Complex;
 use rayon::prelude::*;
@@ -8,10 +8,10 @@ use crate::measurement::lines::{Bands, OneSecond};
 use crate::stages::microphones::{AtMicrophones, Continuation, SAMPLE_RATE};
 use crate::stages::sound::SoundSource;
 
-/// Room after the end of a shot's signals for what filters and travel times delay \[s\].
+/// Time after the end of a shot's signals for the delays of filters and propagation \[s\].
 const TAIL: f64 = 0.05;
 
-/// What makes signals at the microphones of one test.
+/// Makes signals at the microphones of one test.
 pub(super) struct Synthesis {
     /// Sampling rate of the recordings \[1/s\].
     pub(super) rate: f64,
@@ -24,11 +24,11 @@ pub(super) struct Synthesis {
 impl Synthesis {
     /// Pressures of a source at each microphone from the trigger on \[Pa\].
     ///
-    /// Up to the end of the range in which the source's pressures are known, these are the run's signals; above it
-    /// noise continues them, as it does the run's files. Bands are not scaled to the expected energies: each shot has
-    /// its own draw.
+    /// Up to the end of the range in which the source's pressures are known, these are the run's signals; above it,
+    /// noise continues them as in the files of the run. Bands are not scaled to the expected energies, because each
+    /// shot has its own draw.
     pub(super) fn signals(&self, source: &SoundSource, received: &AtMicrophones, noise: (u64, u64)) -> Vec<Vec<f64>> {
-        // The operator's ear, behind the microphones, is no channel.
+        // The operator's ear, which follows the microphones, has no channel.
         let known = received.signals.get(..self.travel.len()).unwrap_or_default();
         let length = known.first().map_or(0, Vec::len);
         let old = f64::from(SAMPLE_RATE);
@@ -45,7 +45,7 @@ impl Synthesis {
     }
 }
 
-/// Densities of the exposure of a source, mean over the microphones \[Pa2 s/Hz\], at the lines of one second.
+/// Densities of the exposure of a source, averaged over the microphones \[Pa2 s/Hz\], at the lines of one second.
 pub(super) fn mean_density(signals: &[Vec<f64>], transform: &OneSecond) -> Vec<f64> {
     let mut sum = vec![0.0; transform.samples() / 2 + 1];
     let of = |signal: &Vec<f64>| transform.lines(&signal[..signal.len().min(transform.samples())]);

@@ -1,4 +1,4 @@
-//! Current content of the page, shared by the command that computes and the connections that wait for news.
+//! Current content of the page, shared by the command that computes and the connections that wait for changes.
 
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
@@ -24,25 +24,25 @@ pub struct Board {
 /// Content of the page.
 #[derive(Debug, Clone, Default)]
 pub(super) struct State {
-    /// Counts everything that changes.
+    /// Increases with every change.
     pub(super) version: u64,
-    /// The work in progress; none when idle.
+    /// The work in progress; `None` when idle.
     pub(super) doing: Option<String>,
-    /// The last run that succeeded.
+    /// The last successful run.
     pub(super) last: Option<Arc<FinishedRun>>,
-    /// The one before it.
+    /// The run before it.
     pub(super) before: Option<Arc<FinishedRun>>,
-    /// The run that others are compared with.
+    /// The run with which others are compared.
     pub(super) pinned: Option<Arc<FinishedRun>>,
-    /// Why there is no result of the last saved version.
+    /// Reason why there is no result for the last saved version.
     pub(super) failure: Option<String>,
     /// Warnings for the user about the design of the last run.
     pub(super) warnings: Vec<String>,
-    /// The report of the last run, and how many there have been.
+    /// The report of the last run, and the number of reports so far.
     pub(super) report: Option<(u32, Arc<str>)>,
     /// The keys that the page can move.
     pub(super) sliders: Vec<Slider>,
-    /// What decided which keys these are.
+    /// Basis on which these keys were chosen.
     pub(super) basis: String,
     /// Values that the page gave, the last one for each key.
     pub(super) moved: Vec<(String, Assignment)>,
@@ -68,7 +68,7 @@ impl Board {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Changes the content of the page, and notifies all who wait.
+    /// Changes the content of the page, and notifies all waiting connections.
     fn change(&self, change: impl FnOnce(&mut State)) {
         let mut state = self.state();
         change(&mut state);
@@ -76,17 +76,17 @@ impl Board {
         self.news.notify_all();
     }
 
-    /// Something is being computed.
+    /// Sets the work in progress.
     pub fn begin(&self, what: &str) {
         self.change(|state| state.doing = Some(what.to_owned()));
     }
 
-    /// Nothing is being computed any more.
+    /// Ends the work in progress.
     pub fn rest(&self) {
         self.change(|state| state.doing = None);
     }
 
-    /// A run has succeeded; returns the changes since the one before it and since the pinned one.
+    /// Shows a successful run; returns the changes since the one before it and since the pinned one.
     pub fn show(&self, shot: FinishedRun, warnings: Vec<String>, report: String) -> [Option<Differences>; 2] {
         let shot = Arc::new(shot);
         self.change(|state| {
@@ -98,7 +98,7 @@ impl Board {
         self.state().differences()
     }
 
-    /// The report of the last run is complete: the intervals of its levels are known.
+    /// Sets the complete report of the last run, with the intervals of its levels.
     pub fn complete(&self, report: String) {
         self.change(|state| {
             let number = state.report.as_ref().map_or(0, |(number, _)| *number);
@@ -106,12 +106,12 @@ impl Board {
         });
     }
 
-    /// The saved version yields an error; the last result stays.
+    /// Reports an error in the saved version; the last result is kept.
     pub fn fail(&self, message: String) {
         self.change(|state| (state.doing, state.failure) = (None, Some(message)));
     }
 
-    /// Compares later runs with the last one, or no longer.
+    /// Starts or stops comparing later runs with the last one.
     pub fn pin(&self, pin: bool) {
         self.change(|state| state.pinned = state.last.clone().filter(|_| pin));
     }
@@ -147,14 +147,14 @@ impl Board {
         });
     }
 
-    /// How often the page gave a value, and all values over those of the file.
+    /// Number of changes made on the page so far, and all values that override those of the file.
     pub fn moved(&self) -> (u64, Vec<Assignment>) {
         let state = self.state();
         let moved = state.moved.iter().map(|(_, assignment)| assignment.clone());
         (state.moves, self.set.iter().cloned().chain(moved).collect())
     }
 
-    /// How often the page gave a value.
+    /// Number of changes made on the page so far.
     pub fn moves(&self) -> u64 {
         self.state().moves
     }
@@ -164,7 +164,7 @@ impl Board {
         !self.state().sliders.is_empty()
     }
 
-    /// Saves the design with the values that the page gave beside the design file.
+    /// Saves the design with the values set on the page, next to the design file.
     pub(super) fn save(&self) {
         let (_, values) = self.moved();
         let told = match save(&self.design, &values) {
@@ -174,7 +174,7 @@ impl Board {
         self.change(|state| state.saved = Some(told));
     }
 
-    /// The state when it is no longer of this version, or after a while.
+    /// The state as soon as its version differs from this one, or after a maximum time.
     pub(super) fn wait(&self, version: u64, most: Duration) -> State {
         let same = |state: &mut State| state.version == version;
         let waited = self.news.wait_timeout_while(self.state(), most, same);
@@ -186,14 +186,14 @@ impl Board {
         self.state().clone()
     }
 
-    /// Lets all who wait look again.
+    /// Wakes all waiting connections.
     pub(super) fn wake(&self) {
         self.change(|_| {});
     }
 }
 
 impl State {
-    /// Changes from the run before to the last one, and from the pinned one.
+    /// Changes from the previous run to the last one, and from the pinned one.
     pub(super) fn differences(&self) -> [Option<Differences>; 2] {
         let pinned = self.pinned.as_ref();
         [self.before.as_ref(), pinned].map(|other| Some(self.last.as_ref()?.differences(other?)))

@@ -1,9 +1,9 @@
-//! When the files of a design change: by their content, read again and again.
+//! Detects changes of a design's files by reading their content repeatedly.
 //!
-//! Contents do not depend on how an editor saves: in place, by a new file of the same name, or by removing the old one
-//! first. They are read instead of the system's events (crate `notify`), which are per folder, do not come from network
-//! file systems and from outside of a container, and after which the contents would still have to be read. A design is
-//! a handful of small files, which are read in less than a millisecond.
+//! Comparing contents is independent of how an editor saves: in place, by a new file with the same name, or by removing
+//! the old one first. The system's events (crate `notify`) are not used: they apply to folders, are not sent by network
+//! file systems or from outside a container, and the contents would still have to be read after them. A design is a
+//! handful of small files, which can be read in less than a millisecond.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -15,19 +15,19 @@ use nailnoise_documents::read_regular;
 use crate::design::{Assignment, dependencies};
 use crate::store::{Checksum, checksum};
 
-/// Between two looks.
+/// Time between two checks.
 const PAUSE: Duration = Duration::from_millis(40);
 
-/// How long files must stay unchanged before they count as saved.
+/// Time for which files must stay unchanged before they count as saved.
 const QUIET: Duration = Duration::from_millis(60);
 
-/// How long a file may be missing between its removal and its successor before it counts as removed.
+/// Time for which a file may be missing between its removal and its successor before it counts as removed.
 const MISSING: Duration = Duration::from_millis(500);
 
-/// How long an unending change is waited for.
+/// Maximum time to wait for the end of a continuing change.
 const LONGEST: Duration = Duration::from_secs(2);
 
-/// Files up to this size are read, larger ones (meshes) are known by time and size \[byte\].
+/// Files up to this size are read; larger ones (meshes) are identified by time and size \[byte\].
 const READ: u64 = 1 << 20;
 
 /// State of a file.
@@ -49,7 +49,7 @@ impl Stamp {
     }
 }
 
-/// The files of a design at one moment.
+/// The files of a design at one instant.
 #[derive(Debug, Clone)]
 pub struct Watched {
     files: Vec<PathBuf>,
@@ -57,7 +57,7 @@ pub struct Watched {
 }
 
 impl Watched {
-    /// The current files of a design. Content that is read later is this or newer: a change is never missed.
+    /// The current files of a design. Content that is read later is the same or newer, so that no change is missed.
     pub fn new(design: &Path, assignments: &[Assignment]) -> Self {
         let mut files = dependencies(design, assignments);
         loop {
@@ -83,7 +83,7 @@ impl Watched {
         }
     }
 
-    /// Waits until the files stay unchanged: a file that is being written is not read in part.
+    /// Waits until the files stay unchanged, so that a file is not read while it is being written.
     pub fn settle(&self) {
         let since = Instant::now();
         let mut found = stamps(&self.files);
@@ -110,7 +110,7 @@ mod tests {
     use super::*;
     use std::io::Write as _;
 
-    /// A folder with a design over a base.
+    /// A folder with a design and its base.
     fn folder(name: &str) -> PathBuf {
         let folder = std::env::temp_dir().join(format!("nailnoise-watched-{}-{name}", std::process::id()));
         let _ = fs::remove_dir_all(&folder);
@@ -127,7 +127,7 @@ mod tests {
         fs::write(path, text).expect("a file for the test");
     }
 
-    /// Whether the action of a test on a folder is a change.
+    /// Whether the action of a test on a folder is detected as a change.
     #[track_caller]
     fn is_seen(name: &str, change: impl FnOnce(&Path)) {
         let folder = folder(name);
@@ -155,7 +155,7 @@ mod tests {
         });
     }
 
-    /// Same length, same time of modification.
+    /// Same length, same modification time.
     #[test]
     fn a_change_that_keeps_time_and_length_is_seen() {
         is_seen("time", |folder| {

@@ -1,4 +1,4 @@
-//! A design that runs again when it is saved, with its report on a page that follows: the parts of `nailnoise watch`.
+//! Runs a design again when it is saved and shows its report on a page that updates: the parts of `nailnoise watch`.
 //!
 //! [`Watched`] lists the files of the design and waits for their changes, [`Board`] has the content of the page, and
 //! [`Server`] serves it to browsers on this machine. [`Slider`]s of the page change values over those of the

@@ -11,10 +11,10 @@ use crate::wording;
 pub(super) const STYLE: &str = include_str!("watch.css");
 pub(super) const SCRIPT: &str = include_str!("watch.js");
 
-/// Changed values that are named; a base that is exchanged changes dozens.
+/// Maximum number of changed values that are named; exchanging a base changes dozens.
 const NAMED: usize = 4;
 
-/// The page as it opens; its script then follows the [events](event).
+/// The page as opened; its script then follows the [events](event).
 pub(super) fn page(board: &Board) -> String {
     let state = board.now();
     html! {
@@ -47,7 +47,7 @@ pub(super) fn page(board: &Board) -> String {
     .into_string()
 }
 
-/// Content that the script puts in its places, as one line of JSON.
+/// Content that the script inserts into the page, as one line of JSON.
 pub(super) fn event(name: &str, state: &State) -> String {
     let level = state.last.as_ref().and_then(|last| last.level("total"));
     let missed = state.last.as_ref().and_then(|last| last.headline.as_ref());
@@ -88,7 +88,7 @@ fn bar(state: &State) -> Markup {
     names.sort_unstable();
     names.insert(0, "total");
     let [before, pinned] = state.differences();
-    // The pinned run may be the one before, or this one.
+    // The pinned run may be the previous one, or this one.
     let pinned = pinned.filter(|pinned| pinned.from != last.number);
     let before = before.filter(|before| pinned.as_ref().is_none_or(|pinned| pinned.from != before.from));
     let compared = [before.as_ref(), pinned.as_ref()];
@@ -174,7 +174,7 @@ fn row(what: &str, differences: &Differences, behind: &str, names: &[&str]) -> M
             |db| wording::change(db).replace('-', "\u{2212}"),
         )
     };
-    // A difference of shots that end differently is neither better nor worse.
+    // A difference between shots with different outcomes is neither better nor worse.
     let sign = |name: &str| match change(name).chars().next().filter(|_| differences.unlike.is_none()) {
         Some('+') => "n louder",
         Some('\u{2212}') => "n quieter",

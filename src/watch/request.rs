@@ -1,8 +1,8 @@
-//! The request of a browser, and whether it is permitted.
+//! A browser's request, and the decision whether it is permitted.
 //!
-//! Any page that a user opens may send requests to this machine. A request is therefore served only with the token,
-//! which only the command shows to its user. It must also have the address of this server as host, which excludes a
-//! foreign name that points here, and an origin that is this server or none.
+//! Any page that a user opens may send requests to this machine. A request is therefore served only if it contains the
+//! token, which the command shows only to its user. Its host must also be the address of this server, which excludes
+//! foreign names that resolve to it, and its origin must be this server or missing.
 
 use std::io::{self, ErrorKind, Read};
 use std::net::SocketAddr;
@@ -12,10 +12,10 @@ use rand::rngs::SysRng;
 
 use crate::wording::hexadecimal;
 
-/// Longest head of a request \[byte\].
+/// Maximum length of a request's head \[byte\].
 const LONGEST: usize = 16 << 10;
 
-/// Most headers of a request.
+/// Maximum number of headers in a request.
 const HEADERS: usize = 64;
 
 /// The head of a request.
@@ -27,10 +27,10 @@ pub(super) struct Request {
 }
 
 impl Request {
-    /// Reads a head; none if the connection ends before.
+    /// Reads a head; `None` if the connection ends before it is complete.
     ///
     /// # Errors
-    /// Those of the connection; [`ErrorKind::InvalidData`] if the head is not that of HTTP 1, or too long.
+    /// The errors of the connection; [`ErrorKind::InvalidData`] if the head is not HTTP 1 or is too long.
     pub(super) fn read(from: &mut impl Read) -> io::Result<Option<Self>> {
         let (mut bytes, mut part) = (Vec::new(), [0; 2048]);
         loop {
@@ -48,7 +48,7 @@ impl Request {
         }
     }
 
-    /// The head in bytes that begin with one; none if it is incomplete.
+    /// Parses the head at the start of the bytes; `None` if it is incomplete.
     fn parse(bytes: &[u8]) -> io::Result<Option<Self>> {
         let mut headers = [httparse::EMPTY_HEADER; HEADERS];
         let mut request = httparse::Request::new(&mut headers);
@@ -82,7 +82,7 @@ impl Request {
         let own_origin = self
             .header("origin")
             .all(|origin| origin.strip_prefix("http://") == Some(host));
-        // The browser's statement on the requesting page; `none` is the user.
+        // The browser states which site requests the page; `none` means the user.
         let own_site = self
             .header("sec-fetch-site")
             .all(|site| ["same-origin", "none"].contains(&site));
@@ -91,7 +91,7 @@ impl Request {
     }
 }
 
-/// Whether two texts are the same, in a time that does not reveal how much of them is.
+/// Whether two texts are equal, in a time that does not reveal how many characters agree.
 fn same(given: &str, token: &str) -> bool {
     let differences = given.bytes().zip(token.bytes()).fold(0, |all, (a, b)| all | (a ^ b));
     given.len() == token.len() && differences == 0
@@ -100,7 +100,7 @@ fn same(given: &str, token: &str) -> bool {
 /// A token that cannot be guessed: 128 bits of the system's random numbers.
 ///
 /// # Errors
-/// If the system has none.
+/// If the system provides none.
 pub(super) fn token() -> io::Result<String> {
     let mut bytes = [0u8; 16];
     SysRng.try_fill_bytes(&mut bytes).map_err(io::Error::other)?;

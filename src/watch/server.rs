@@ -1,5 +1,5 @@
-//! The server of the page: on this machine unless the user names an address, for a handful of windows, without
-//! third-party content.
+//! Serves the page, on this machine unless the user names an address, to a handful of windows, without third-party
+//! content.
 //!
 //! It responds to each request on a separate thread and connection, and serves a handful of addresses. A client
 //! that has not shown the token yet is a stranger. Strangers have a limit on the number and the time of connections,
@@ -18,35 +18,36 @@ use super::board::Board;
 use super::page;
 use super::request::{Request, token};
 
-/// How long the head of a request may take, from the first byte to the last.
+/// Maximum time for receiving the head of a request.
 const TO_ASK: Duration = Duration::from_secs(5);
 
-/// How long a browser may take to receive a response, or a piece of news.
+/// Maximum time for a browser to receive a response or an event.
 const TO_RECEIVE: Duration = Duration::from_secs(20);
 
-/// Between two signs of life to a window that waits for news.
+/// Interval of the signals that keep the connection to a waiting window open.
 const SIGN: Duration = Duration::from_secs(5);
 
-/// Connections with the token at a time.
+/// Maximum number of simultaneous connections with the token.
 const WINDOWS: usize = 64;
 
-/// Connections at a time whose token is not known yet.
+/// Maximum number of simultaneous connections whose token is not yet known.
 const STRANGERS: usize = 64;
 
-/// Every response: nothing is cached, no other site learns the address, nothing is shown within a foreign page.
+/// Headers of every response: nothing is cached, no other site learns the address, and no foreign page may embed the
+/// content.
 const ALWAYS: &str = "Cache-Control: no-store\r\nReferrer-Policy: no-referrer\r\nX-Content-Type-Options: nosniff\r\n\
                       Cross-Origin-Resource-Policy: same-origin\r\nCross-Origin-Opener-Policy: \
                       same-origin\r\nConnection: close\r\n";
 
-/// Permissions of the page around the report: contact this server, and run its script.
+/// Permissions of the page around the report: contact this server and run its script.
 const OUTER: &str = "default-src 'none'; script-src 'self'; style-src 'self'; connect-src 'self'; frame-src 'self'; \
                      img-src data:; base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
 
-/// Permissions of the report: draw, and request nothing.
+/// Permissions of the report: draw, but request nothing.
 const INNER: &str = "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; \
                      img-src data:; media-src data:; base-uri 'none'; form-action 'none'; frame-ancestors 'self'";
 
-/// A server, which ends when it is dropped.
+/// A server that ends when it is dropped.
 pub struct Server {
     host: SocketAddr,
     token: Arc<str>,
@@ -59,29 +60,29 @@ struct Shared {
     ends: AtomicBool,
     /// Connections with the token.
     windows: AtomicUsize,
-    /// The other ones, the oldest first.
+    /// The other connections, oldest first.
     strangers: Mutex<Vec<Arc<TcpStream>>>,
 }
 
 impl Shared {
-    /// Counts a new connection, at the cost of the oldest stranger if there are too many.
+    /// Counts a new connection; if there are too many, the oldest stranger's is closed.
     fn receive(&self, stream: &Arc<TcpStream>) {
         let mut strangers = self.strangers.lock().unwrap_or_else(PoisonError::into_inner);
         strangers.push(Arc::clone(stream));
         if strangers.len() > STRANGERS {
-            // Its thread finds the connection closed.
+            // Its thread detects that the connection is closed.
             let _ = strangers.remove(0).shutdown(Shutdown::Both);
         }
     }
 
-    /// Counts a connection as a stranger no longer.
+    /// Stops counting a connection as a stranger's.
     fn dismiss(&self, stream: &Arc<TcpStream>) {
         let mut strangers = self.strangers.lock().unwrap_or_else(PoisonError::into_inner);
         strangers.retain(|own| !Arc::ptr_eq(own, stream));
     }
 }
 
-/// A connection for work with a time limit, however many pieces it comes in.
+/// A connection with a time limit for the complete operation, however many pieces it consists of.
 struct Timed<'a> {
     stream: &'a TcpStream,
     until: Instant,
@@ -124,7 +125,7 @@ impl Server {
     /// Serves a board at an address, or on the loopback interface only. The system chooses a port that is 0.
     ///
     /// # Errors
-    /// Those of the system.
+    /// The errors of the system.
     pub fn start(board: Arc<Board>, listen: Option<SocketAddr>) -> io::Result<Self> {
         let listener = TcpListener::bind(listen.unwrap_or_else(|| (Ipv4Addr::LOCALHOST, 0).into()))?;
         let (host, token) = (listener.local_addr()?, Arc::<str>::from(token()?));
@@ -172,14 +173,14 @@ impl Drop for Server {
     }
 }
 
-/// Answers connections, each on a thread, until the server ends; the threads have ended then, too.
+/// Answers each connection on a thread until the server ends; all threads have ended when it returns.
 fn accept(listener: &TcpListener, shared: &Shared, host: SocketAddr, token: &str) {
     std::thread::scope(|scope| {
         for stream in listener.incoming() {
             if shared.ends.load(Ordering::SeqCst) {
                 return;
             }
-            // A connection that has gone before it was accepted, or a moment without file handles.
+            // The client disconnected before it was accepted, or file handles ran out temporarily.
             let Ok(stream) = stream else {
                 std::thread::sleep(Duration::from_millis(10));
                 continue;
@@ -188,7 +189,7 @@ fn accept(listener: &TcpListener, shared: &Shared, host: SocketAddr, token: &str
             shared.receive(&stream);
             let own = Arc::clone(&stream);
             let answering = Builder::new().spawn_scoped(scope, move || {
-                // A browser that has gone is not an error.
+                // It is not an error if the browser has disconnected.
                 let _ = answer(&own, shared, host, token);
                 shared.dismiss(&own);
                 let _ = own.shutdown(Shutdown::Both);
@@ -233,7 +234,7 @@ fn answer(stream: &Arc<TcpStream>, shared: &Shared, host: SocketAddr, token: &st
     answered
 }
 
-/// Answers a request with the token. HEAD gets the head of the response to GET.
+/// Answers a request with the token. HEAD returns the head of the response to GET.
 fn admitted(stream: &TcpStream, shared: &Shared, (method, path): (&str, &str)) -> io::Result<()> {
     let board = &shared.board;
     let head_alone = method == "HEAD";

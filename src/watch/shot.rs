@@ -1,4 +1,4 @@
-//! Result of one run of a design, as far as it is compared with others.
+//! Result of one run of a design, with the values needed for comparison.
 
 use std::sync::Arc;
 
@@ -9,17 +9,17 @@ use crate::stages::headline::{Headline, unlike};
 /// A finished run.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FinishedRun {
-    /// Its number, from 1.
+    /// Its number, starting at 1.
     pub number: u32,
-    /// How long it took \[s\].
+    /// Its duration \[s\].
     pub seconds: f64,
     /// Every key with its value in a readable unit.
     pub values: Vec<(String, String)>,
-    /// A-weighted levels of the total and of the sources in the order of the ranking \[dB re 1 pW s\]; none if silent.
+    /// A-weighted levels of the total and of the sources in ranking order \[dB re 1 pW s\]; `None` if silent.
     pub levels: Vec<(String, Option<f64>)>,
-    /// Checks that failed.
+    /// Failed checks.
     pub failed: Vec<String>,
-    /// The headline of a shot that does not drive.
+    /// The headline of a shot that does not drive its nail.
     pub headline: Option<Headline>,
     /// Sound of all sources in front of the device; none if there is none.
     pub sound: Option<Arc<Sound>>,
@@ -57,14 +57,14 @@ impl FinishedRun {
         self.levels.iter().find(|(own, _)| own == name)?.1
     }
 
-    /// Differences of this run from an earlier one.
+    /// Differences between an earlier run and this one.
     pub fn differences(&self, before: &Self) -> Differences {
         let value = |shot: &Self, key: &str| {
             let own = shot.values.iter().find(|(own, _)| own == key);
             own.map(|(_, value)| value.clone())
         };
         let new = self.values.iter().map(|(key, _)| key);
-        // Members of lists may go.
+        // Members of lists may be removed.
         let gone = before
             .values
             .iter()
@@ -94,11 +94,11 @@ impl FinishedRun {
 pub struct Differences {
     /// Number of the earlier run.
     pub from: u32,
-    /// Why the levels must not be compared, if the shots do not end alike.
+    /// Reason why the levels must not be compared, if the shots have different outcomes.
     pub unlike: Option<String>,
-    /// Keys with their values before and now.
+    /// Keys with their previous and current values.
     pub values: Vec<(String, String, String)>,
-    /// Changes of the levels of the total and of the sources \[dB\]; none if one of the two is silent.
+    /// Changes of the levels of the total and of the sources \[dB\]; `None` if either is silent.
     pub levels: Vec<(String, Option<f64>)>,
 }
 

@@ -1,4 +1,4 @@
-//! Sliders of the page: keys of the design with a range, and the values that the page gives them.
+//! Sliders of the page: keys of the design with a range, and the values set on the page.
 
 use std::fs::File;
 use std::io::{self, ErrorKind, Write as _};
@@ -9,10 +9,10 @@ use serde::Serialize;
 
 use crate::design::{Assignment, Design, Value};
 
-/// Sliders on the page at most.
+/// Maximum number of sliders on the page.
 const MOST: usize = 8;
 
-/// Designs that are saved beside each other at most.
+/// Maximum number of saved designs in the same folder.
 const SAVED: u32 = 10_000;
 
 /// A key that the page can move within its range.
@@ -44,7 +44,7 @@ impl Slider {
             };
             let (factor, unit) = Dimension::of_unit(&entry.unit).ok()?.readable();
             let [low, high] = range.map(|end| end * factor);
-            // A value outside of its range is an end of the slider.
+            // A value outside its range is shown at the end of the slider.
             let value = value * factor;
             Some(Self {
                 key,
@@ -57,7 +57,7 @@ impl Slider {
         keys.filter_map(slider).take(MOST).collect()
     }
 
-    /// The assignment of a value within the range; none for another value.
+    /// The assignment of a value within the range; `None` for other values.
     pub(super) fn assign(&self, value: f64) -> Option<Assignment> {
         let [low, high] = self.range;
         // The page rounds the ends.
@@ -70,10 +70,11 @@ impl Slider {
     }
 }
 
-/// Writes a design with these values over the design file `over`, beside it and under a free name; the file.
+/// Writes a design with these values, based on the design file `over`, to a free name in the same folder; returns the
+/// file.
 ///
 /// # Errors
-/// Those of the system.
+/// The errors of the system.
 pub(super) fn save(over: &Path, values: &[Assignment]) -> io::Result<PathBuf> {
     let base = over.file_name().unwrap_or_default().to_string_lossy();
     let stem = over.file_stem().unwrap_or_default().to_string_lossy();

@@ -9,7 +9,7 @@ use std::time::{Duration, Instant};
 
 use crate::common::{ROOT, SMALL, command, folder, messages, nailnoise, over};
 
-/// Every file under a folder with its content.
+/// Every file in a folder, with its contents.
 fn files(folder: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
     let mut found = BTreeMap::new();
     for entry in fs::read_dir(folder).unwrap() {

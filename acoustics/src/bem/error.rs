@@ -103,7 +103,7 @@ pub enum BemError {
         per_wavelength: f64,
         /// Required panels per wavelength.
         needed: f64,
-        /// Highest frequency the mesh resolves \[Hz\].
+        /// Highest frequency resolved by the mesh \[Hz\].
         highest: f64,
     },
     /// The compressed equations did not converge.

@@ -86,12 +86,12 @@ impl FilledFitting {
         (cosine + Complex::<f64>::i() * end * sine).inv()
     }
 
-    /// Highest frequency of plane waves \[Hz\].
+    /// Upper frequency limit of plane waves \[Hz\].
     pub fn plane_wave_limit(&self) -> f64 {
         plane_wave_limit(self.pipe.diameter, self.gas.sound_speed)
     }
 
-    /// Energy G(f) over that of the monopole without the fitting.
+    /// Energy G(f) relative to that of the monopole without the fitting.
     ///
     /// # Errors
     /// A frequency that is not positive.
@@ -99,16 +99,16 @@ impl FilledFitting {
         self.response(hz).map(|response| response.norm_sqr())
     }
 
-    /// Factor on the signal of the monopole; its square is G.
+    /// Factor on the monopole's signal; its square is G.
     ///
     /// # Errors
-    /// As [`gain`](Self::gain).
+    /// Same as [`gain`](Self::gain).
     pub fn response(&self, hz: f64) -> Result<Complex<f64>, InputError> {
         positive("frequency [Hz]", hz)?;
         let k = 2.0 * PI * hz / self.gas.sound_speed;
         let limit = self.plane_wave_limit();
         let above = Complex::from_polar(1.0, -k * self.pipe.length);
-        // 0 where only plane waves run, 1 at the first cross mode and above it.
+        // 0 in the plane-wave range, 1 at and above the first cross mode.
         let share = (1.0 + (hz / limit).log2() / TRANSITION).clamp(0.0, 1.0);
         if share >= 1.0 {
             return Ok(above);

@@ -34,7 +34,7 @@ impl ExhaustNoise {
     /// resolution of a frame, about 100 Hz, contain only the unsteady outflow, which is a deterministic signal.
     ///
     /// # Errors
-    /// Those of [`ExhaustNoise::at`], or if the sampling rate is not positive.
+    /// The errors of [`ExhaustNoise::at`], or if the sampling rate is not positive.
     pub fn sound_at(
         &self,
         outlet: &Outlet,

@@ -28,7 +28,7 @@ impl PartOfSurface {
     /// followed by each mode with only the part in motion.
     ///
     /// # Errors
-    /// Those of [`radiated_energy`]; also if the number of modes is not half that of `radiation`.
+    /// The errors of [`radiated_energy`]; also if the number of modes is not half that of `radiation`.
     pub fn new(
         source: impl Into<String>,
         radiation: &dyn ModalRadiation,

@@ -142,7 +142,7 @@ impl SampledRadiation {
     /// Individual entries of weak modes near a narrow resonance of the air may have a larger error.
     ///
     /// # Errors
-    /// Those of [`Self::new`] and of `solve`.
+    /// The errors of [`Self::new`] and of `solve`.
     pub fn of_parities(
         method: &str,
         modes: &[usize],

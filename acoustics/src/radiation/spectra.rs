@@ -92,7 +92,7 @@ impl ModalSpectra {
     /// `block` modes at a time.
     ///
     /// # Errors
-    /// Those of [`Self::from_accelerations`] and of `records`.
+    /// The errors of [`Self::from_accelerations`] and of `records`.
     pub fn from_blocks<E: From<AcousticsError> + Send>(
         modes: usize,
         block: usize,

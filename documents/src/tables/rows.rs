@@ -97,7 +97,7 @@ impl Table {
     /// Calls `row` with the line number and the fields of each row that is not blank.
     ///
     /// # Errors
-    /// Those of `row`; [`TableFault::Line`] for a row with more or fewer fields than there are headings.
+    /// The errors of `row`; [`TableFault::Line`] for a row with more or fewer fields than there are headings.
     pub fn rows(
         &self,
         mut row: impl FnMut(usize, &csv::StringRecord) -> Result<(), TableFault>,

@@ -50,9 +50,9 @@ pub struct Bar {
     pub displacement: Vec<f64>,
     /// Velocities \[m/s\].
     pub velocity: Vec<f64>,
-    /// Loads on the nodes in the present step, without those of springs and contact \[N\].
+    /// Loads on the nodes in the current step, without those of springs and contact \[N\].
     pub load: Vec<f64>,
-    /// Work of the loads so far \[J\].
+    /// Work done by the loads so far \[J\].
     pub work: f64,
 }
 
@@ -83,8 +83,8 @@ impl Bar {
         self.mass.iter().zip(&self.velocity).map(|(m, v)| m * v).sum()
     }
 
-    /// Energy half a step ago \[J\]. That of the springs is the product of their elongations before and after the step
-    /// of `dt` \[s\]; its sum with the kinetic energy is a constant of the scheme without loads.
+    /// Energy half a step ago \[J\]. The strain energy is the product of the springs' elongations before and after the
+    /// step of `dt` \[s\]; without loads, its sum with the kinetic energy is constant in this scheme.
     pub fn energy(&self, dt: f64) -> f64 {
         let kinetic: f64 = self.mass.iter().zip(&self.velocity).map(|(m, v)| m * v * v).sum();
         let elongation = |i: usize| self.displacement[i + 1] - self.displacement[i];
@@ -95,7 +95,7 @@ impl Bar {
         0.5 * (kinetic + self.stiffness * springs)
     }
 
-    /// Moves the velocities on by `dt` \[s\] under springs and loads.
+    /// Advances the velocities by `dt` \[s\] under springs and loads.
     fn kick(&mut self, dt: f64) {
         let mut tension = 0.0;
         for i in 0..self.mass.len() {
@@ -118,7 +118,7 @@ impl Bar {
         self.velocity[node] += change;
     }
 
-    /// Moves the displacements on by `dt` \[s\].
+    /// Advances the displacements by `dt` \[s\].
     fn drift(&mut self, dt: f64) {
         for (u, v) in self.displacement.iter_mut().zip(&self.velocity) {
             *u += dt * v;
@@ -126,19 +126,19 @@ impl Bar {
     }
 }
 
-/// Unilateral contact of the last node of one bar with the first node of another. It keeps the gap from closing beyond
-/// zero within a step and transmits compression only.
+/// Unilateral contact of the last node of one bar with the first node of another. It prevents the gap from becoming
+/// negative within a step and transmits only compression.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct EndContact {
     /// Gap between the ends in the undeformed position \[m\].
     pub gap: f64,
     /// Force in the last step \[N\], not negative.
     pub force: f64,
-    /// Energy that the inelastic impacts of the two end masses took so far \[J\]. It vanishes as the elements shrink.
+    /// Energy lost in inelastic impacts of the two end masses so far \[J\]. It vanishes as the elements become smaller.
     pub loss: f64,
 }
 
-/// Advances both bars by `dt` \[s\] under their loads and the contact between them, the first bar behind the second.
+/// Advances both bars by `dt` \[s\] under their loads and the contact between them; the first bar pushes the second.
 pub fn advance(first: &mut Bar, second: &mut Bar, contact: &mut EndContact, dt: f64) {
     let end = first.last();
     let before = first.velocity[end] - second.velocity[0];

@@ -9,14 +9,14 @@
 /// slipping:  f = +-limit,     w' = (f - k w)/Z
 /// ```
 ///
-/// v is the nail's speed in the wood, w the displacement of the wood's surface at the nail. Waves leave through Z; while
-/// the nail slips, it feels the yield force alone.
+/// v is the nail's speed relative to the wood, and w the displacement of the wood's surface at the nail. Waves are
+/// radiated through Z; while the nail slips, only the yield force acts on it.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub(super) struct Grip {
     w: f64,
 }
 
-/// Properties of a grip in the present step.
+/// Properties of a grip in the current step.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct GripLaw {
     /// Yield force \[N\].
@@ -28,7 +28,7 @@ pub(super) struct GripLaw {
 }
 
 impl Grip {
-    /// Force \[N\] against a motion at the speed `v` \[m/s\] over a step of `dt` \[s\].
+    /// Force \[N\] that opposes a motion at the speed `v` \[m/s\] over a step of `dt` \[s\].
     pub(super) fn force(&mut self, law: &GripLaw, v: f64, dt: f64) -> f64 {
         if law.limit <= 0.0 {
             self.w = 0.0;
@@ -72,7 +72,7 @@ mod tests {
         for _ in 0..10_000 {
             grip.force(&LAW, 1.0, 1e-6);
         }
-        // At the limit the wood's surface rests at limit/k = 0.1 mm.
+        // At the limit, the wood's surface comes to rest at limit/k = 0.1 mm.
         assert!((grip.w - 1e-4).abs() < 1e-9, "{}", grip.w);
         for _ in 0..1000 {
             grip.force(&LAW, -0.05, 1e-6);

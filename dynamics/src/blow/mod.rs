@@ -1,9 +1,9 @@
 //! The blow of the rod on the nail as waves in elastic bars.
 //!
-//! The cycle knows one moving mass. Beside it, rod and nail are elastic bars from the impact until shortly after the
-//! nail stops: the piston is a mass at the rod's upper end, on which the cycle's forces of gas, friction and bumper
-//! act; rod and nail touch without pulling; the wood grips the nail's elements, its tip and its head. The limits of
-//! the grips add up to the resistance of the cycle's law at the nail's local speed.
+//! The cycle has a single moving mass. In addition, rod and nail are modelled as elastic bars from the impact until
+//! shortly after the nail stops. The piston is a mass at the upper end of the rod, on which the cycle's forces of gas,
+//! friction and bumper act. Rod and nail touch without tension, and the wood grips the nail's elements, its tip and its
+//! head. The limits of the grips sum to the resistance of the cycle's law at the nail's local speed.
 //!
 //! ```text
 //! along the shank:  limit f_shank dx,   Z = 2 pi r rho c_s dx                 (M. Novak, Can. Geotech. J. 11, 574, 1974)
@@ -26,13 +26,13 @@ use nailnoise_quantities::Check;
 
 use crate::{CycleRecord, Geometry, Parameters};
 
-/// Elements along the nail; with steel, a step of 0.5 us for a 12d nail.
+/// Number of elements along the nail; with steel, the step is 0.5 us for a 12d nail.
 const NAIL_ELEMENTS: usize = 32;
 
-/// c dt/h of the nail's elements. The springs of the wood lower the limit of stability, 1, by less than 1e-3.
+/// c dt/h of the nail's elements. The springs of the wood lower the stability limit of 1 by less than 1e-3.
 const COURANT: f64 = 0.98;
 
-/// Time after the nail's stop for which the bars are followed \[s\].
+/// Time for which the bars are followed after the nail stops \[s\].
 const AFTER_STOP: f64 = 1.5e-3;
 
 /// 3.4/(1 - nu) of a disc on an elastic half-space, for a Poisson's ratio of 0.4.
@@ -41,7 +41,7 @@ const LYSMER: f64 = 3.4 / 0.6;
 /// Largest relative error of momentum and energy.
 const BALANCE: f64 = 1e-6;
 
-/// Part of a piston's mass that its rod may have.
+/// Maximum mass of the rod relative to the piston's mass.
 const LARGEST_ROD: f64 = 0.9;
 
 /// The bars of a blow.
@@ -53,7 +53,7 @@ pub struct Bars {
     pub nail: Rod,
     /// Speed of shear waves in the wood \[m/s\].
     pub shear_speed: f64,
-    /// Elements along the nail.
+    /// Number of elements along the nail.
     pub elements: usize,
 }
 
@@ -67,7 +67,7 @@ impl Bars {
             density: p.nail.density,
         };
         let rod = steel(p.piston.rod_length, p.piston.rod_diameter);
-        // A rod that would be heavier than the piston that the cycle knows is shortened to the mass that it can have.
+        // A rod heavier than the cycle's piston allows is shortened to the permitted mass.
         let longest = rod.length * LARGEST_ROD * p.piston.mass / rod.mass();
         let diameter = p.nail.diameter * f64::from(p.nail.legs).sqrt();
         Self {
@@ -85,14 +85,14 @@ impl Bars {
 /// Forces of an elastic blow, at the samples of the cycle.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Blow {
-    /// Force of the nail on the wood \[N\], the mean over the interval around each sample; that of the cycle outside the
-    /// time of the blow.
+    /// Force of the nail on the wood \[N\], averaged over the interval around each sample; outside the time of the
+    /// blow, that of the cycle.
     pub on_wood: Vec<f64>,
     /// Force between rod and nail \[N\].
     pub rod_on_nail: Vec<f64>,
     /// First and last sample of the blow.
     pub samples: [usize; 2],
-    /// Impulse on the wood until the nail stops, elastic and in the cycle \[N s\].
+    /// Impulse on the wood until the nail stops \[N s\], elastic and in the cycle.
     pub impulses: [f64; 2],
     /// Number of contacts of rod and nail.
     pub contacts: usize,
@@ -100,7 +100,7 @@ pub struct Blow {
     pub checks: Vec<Check>,
 }
 
-/// Computes the blow of a shot from its cycle; none if the rod never strikes the nail or the nail does not stop.
+/// Computes the blow of a shot from its cycle; `None` if the rod never strikes the nail or the nail does not stop.
 pub fn elastic_blow(p: &Parameters, record: &CycleRecord) -> Option<Blow> {
     with_bars(&Bars::new(p), p, record)
 }
@@ -137,14 +137,14 @@ pub fn with_bars(bars: &Bars, p: &Parameters, record: &CycleRecord) -> Option<Bl
     })
 }
 
-/// Means over a time.
+/// Averages over a period of time.
 struct Means {
     duration: f64,
     on_wood: f64,
     rod_on_nail: f64,
 }
 
-/// The bars in motion.
+/// The moving bars.
 struct Run<'a> {
     p: &'a Parameters,
     record: &'a CycleRecord,
@@ -155,7 +155,7 @@ struct Run<'a> {
     piston: Bar,
     nail: Bar,
     contact: EndContact,
-    /// Those along the shank, then that of the tip and that of the head.
+    /// The grips along the shank, then those of the tip and the head.
     grips: Vec<Grip>,
     /// Depth of the tip in the wood at the start \[m\].
     depth: f64,
@@ -205,7 +205,7 @@ impl<'a> Run<'a> {
         }
     }
 
-    /// Steps to a time and returns the means over the way.
+    /// Steps to a time and returns the averages over this period.
     fn until(&mut self, end: f64) -> Means {
         let (from, mut wood, mut rod) = (self.time, 0.0, 0.0);
         while self.time < end {
@@ -221,7 +221,7 @@ impl<'a> Run<'a> {
         }
     }
 
-    /// One step; the force on the wood.
+    /// Advances by one step and returns the force on the wood.
     fn step(&mut self) -> f64 {
         let at = Sampled::new(self.record, self.time);
         let forces = &self.record.forces;
@@ -265,7 +265,8 @@ impl<'a> Run<'a> {
         if total <= 0.0 {
             return 0.0;
         }
-        // Embedded lengths of the nodes; the tip's node has half an element above it, the head's half below.
+        // Embedded lengths of the nodes; the tip's node has half an element above it, and the head's node half an
+        // element below.
         let embedded = |node: usize| {
             let above = if node == tip { 0.0 } else { 0.5 * element };
             let below = if node == 0 { 0.0 } else { 0.5 * element };

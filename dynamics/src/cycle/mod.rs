@@ -57,7 +57,7 @@ pub fn simulate(parameters: &Parameters, settings: &Settings) -> Result<CycleRec
 /// The record's workpiece is then the surface under the nose, and its support that of the structure.
 ///
 /// # Errors
-/// Those of [`simulate`], [`CycleError::Coupling`], and those of the structure.
+/// The errors of [`simulate`], [`CycleError::Coupling`], and those of the structure.
 pub fn simulate_on<W: Workpiece>(
     parameters: &Parameters,
     settings: &Settings,

@@ -97,7 +97,7 @@ pub struct Drive {
 /// Drives the nail of a machine, with samples at intervals of `interval` \[s\].
 ///
 /// # Errors
-/// [`MachineError`] where the nail does not stop, leaves the block, or a law is not valid.
+/// [`MachineError`] if the nail does not stop, leaves the block, or a law is not valid.
 pub fn drive(machine: &Machine, fit: Option<&FittedLaw>, shot: Shot, interval: f64) -> Result<Drive, MachineError> {
     let (nail, wood, projectile) = (&machine.nail, &machine.wood, &machine.projectile);
     let gravity = machine.ambient.gravity;

@@ -93,7 +93,7 @@ pub fn plan(energy: f64, masses: &[f64]) -> Result<Vec<Row>, PlanError> {
 /// the nail reaches its full depth at no such speed.
 ///
 /// # Errors
-/// As [`drive`], but for a nail that goes through the block.
+/// Same as [`drive`], but for a nail that goes through the block.
 pub fn speed_for_mean(machine: &Machine, fit: Option<&FittedLaw>, mean: f64) -> Result<Option<f64>, MachineError> {
     let found = |speed: f64| -> Result<Option<f64>, MachineError> {
         let shot = Shot { speed, deviation: 0.0 };

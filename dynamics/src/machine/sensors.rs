@@ -15,7 +15,7 @@ pub struct Readings {
     pub time: Vec<f64>,
     /// Depth by laser \[m\].
     pub depth: Vec<f64>,
-    /// Force of the cell \[N\].
+    /// Force measured by the cell \[N\].
     pub force: Vec<f64>,
 }
 

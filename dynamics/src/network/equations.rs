@@ -108,7 +108,7 @@ impl Op for Equations<'_> {
 /// The right-hand side.
 pub(crate) struct Rates<'a, 'p>(&'a Equations<'p>);
 
-/// The initial state; it is never used, because every segment starts from its own state.
+/// The initial state; unused, because every segment starts from its own state.
 pub(crate) struct Initial<'a, 'p>(&'a Equations<'p>);
 
 macro_rules! same_shape {

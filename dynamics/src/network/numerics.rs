@@ -4,14 +4,14 @@ use super::error::RunError;
 use crate::Method;
 use serde::Serialize;
 
-/// How an assembly is integrated and sampled.
+/// Settings for integrating and sampling an assembly.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Numerics {
     /// Integration method.
     pub method: Method,
-    /// Tolerance of the integration as a part of the characteristic size of each state \[-\].
+    /// Integration tolerance as a fraction of the characteristic size of each state \[-\].
     pub relative_tolerance: f64,
-    /// Interval of the samples \[s\]; none for events and ledger only.
+    /// Sampling interval \[s\]; none to compute only events and ledger.
     pub sample_interval: Option<f64>,
 }
 

@@ -173,7 +173,7 @@ pub fn assemble(mesh: &Mesh, materials: &[Material], constraints: &Constraints) 
 /// Assembles K and M of `mesh` with its attachments.
 ///
 /// # Errors
-/// Those of [`assemble`]. [`FemError::Mesh`] if a group is unknown or a slave node is too far from its master.
+/// The errors of [`assemble`]. [`FemError::Mesh`] if a group is unknown or a slave node is too far from its master.
 /// [`FemError::TiedTwice`], [`FemError::TieCycle`], [`FemError::HeldAndTied`], [`FemError::Patch`],
 /// [`FemError::Inertia`], [`FemError::Spring`] or [`FemError::NotPositive`].
 pub fn assemble_with(
@@ -191,7 +191,7 @@ pub fn assemble_with(
 /// an order or permute K and M.
 ///
 /// # Errors
-/// Those of [`assemble_with`]; [`FemError::Order`] if the order is for different nodes.
+/// The errors of [`assemble_with`]; [`FemError::Order`] if the order is for different nodes.
 pub fn assemble_in_order(
     mesh: &Mesh,
     materials: &[Material],
@@ -208,7 +208,7 @@ pub fn assemble_in_order(
 /// stiffnesses.
 ///
 /// # Errors
-/// Those of [`assemble_with`], except those concerning materials and elements.
+/// The errors of [`assemble_with`], except those concerning materials and elements.
 pub fn elimination_order(
     mesh: &Mesh,
     constraints: &Constraints,

@@ -31,7 +31,7 @@ use super::recordings::{Fault, Shot, Signals, Source, crossing, dead, read_shot}
 /// Number of the configuration in which everything is wrapped.
 const RESIDUAL: usize = 2;
 
-/// What the workpiece stands on.
+/// Support of the workpiece.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Setup {
@@ -100,7 +100,7 @@ pub struct Configuration {
 pub struct Manifest {
     /// The file.
     pub path: PathBuf,
-    /// What the workpiece stands on.
+    /// Support of the workpiece.
     pub setup: Setup,
     /// Centre of the machine, z up \[m\].
     pub centre: [f64; 3],

@@ -51,7 +51,7 @@ pub struct Measured {
 /// the total number. `keep` is called with the corrected signals of each shot of a source.
 ///
 /// # Errors
-/// Those of the recordings, of `keep` and of [`process`].
+/// The errors of the recordings, of `keep` and of [`process`].
 pub fn process_recordings<E: From<MeasurementError>>(
     manifest: &Manifest,
     arrangement: &Arrangement,
@@ -83,7 +83,7 @@ pub fn process_recordings<E: From<MeasurementError>>(
 /// of each shot of a source.
 ///
 /// # Errors
-/// Those of `shot` and `keep`; [`MeasurementError::Shot`] for markers in the wrong order.
+/// The errors of `shot` and `keep`; [`MeasurementError::Shot`] for markers in the wrong order.
 pub fn process<E: From<MeasurementError>>(
     arrangement: &Arrangement,
     processing: Processing,

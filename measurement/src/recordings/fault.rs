@@ -14,7 +14,7 @@ pub enum Fault {
         /// What is wrong.
         problem: String,
     },
-    /// A file of another format.
+    /// The file has another format.
     #[error("the file is {}", .0.name)]
     Foreign(Foreign),
     /// A WAV file has compressed samples.
@@ -58,7 +58,7 @@ pub enum Fault {
         samples: usize,
         /// Number of channels requested.
         channels: usize,
-        /// Memory that they need \[GB\].
+        /// Memory required \[GB\].
         gigabytes: f64,
         /// Memory that they may use \[GB\].
         allowed: f64,

@@ -58,7 +58,7 @@ pub(super) struct LocalNode {
     pub(super) displacement: u64,
     pub(super) position: Point3<f64>,
     pub(super) dataset: u64,
-    /// Line of the file, from 1.
+    /// Line in the file, starting at 1.
     pub(super) line: usize,
 }
 

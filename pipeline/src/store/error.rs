@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use miette::Diagnostic;
 use thiserror::Error;
 
-/// Why there is no cache.
+/// Errors that prevent the use of a cache.
 #[derive(Debug, Error, Diagnostic)]
 #[non_exhaustive]
 pub enum StoreError {

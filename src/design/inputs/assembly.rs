@@ -210,7 +210,7 @@ pub(crate) fn absent_sources(engine: &Engine) -> Vec<String> {
     notes
 }
 
-/// Values of all keys of a design, with `support.stiffness` and `support.damping` of the support in use.
+/// Values of all keys of a design, with `support.stiffness` and `support.damping` set to those of the chosen support.
 pub(crate) fn keys(design: &Design) -> Result<BTreeMap<String, KeyValue>, Error> {
     let mut keys = BTreeMap::new();
     design.visit("", &mut |path, spec, value| {

@@ -79,7 +79,7 @@ fn limits(design: &Design, kind: BodyKind) -> (f64, f64) {
 /// with the program.
 ///
 /// # Errors
-/// Same as [`body`].
+/// Same as `body`.
 pub fn geometry(design: &Design, kind: BodyKind, remesh: bool) -> Result<Geometry, Error> {
     match kind {
         BodyKind::Workpiece => workpiece(design),

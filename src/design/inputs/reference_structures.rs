@@ -1,12 +1,12 @@
 //! Reference bodies: the shape of a design's bodies with the materials, the nail and its place, the tool's walls,
 //! lumped masses and places of loads of the N80CB.
 //!
-//! The radiation of boundary elements is solved for the modes of these bodies, and stored. Assumption: on the outer
-//! surface the modes of any body of this shape combine from them. How well is stated for every design. If it is not
-//! good enough, a second structure of other materials, for the tool also of other walls, is added to them ([`varied`]);
-//! if the walls of the two differ, from the start ([`ReferenceStructures::walls_differ`]). If both together are not
-//! good enough either, the radiation is solved for the design's modes. For a design with the N80CB's own materials the
-//! standard bodies are its bodies, and nothing is assumed.
+//! The boundary-element equations are solved for the modes of these bodies, and the solution is stored. Assumption: on
+//! the outer surface, the modes of any body of this shape are combinations of them. The error is stated for every
+//! design. If it is not good enough, a second structure of other materials, for the tool also of other walls, is added
+//! to them ([`varied`]); if the walls of the two differ, from the start ([`ReferenceStructures::walls_differ`]). If
+//! both together are not good enough either, the radiation is solved for the design's modes. For a design with the
+//! N80CB's own materials the standard bodies are its bodies, and nothing is assumed.
 
 use std::sync::OnceLock;
 
@@ -205,11 +205,11 @@ impl ReferenceStructures {
     }
 }
 
-/// Reference bodies of these kinds; none if a body is meshed for its material, so that another material has another
-/// surface.
+/// Reference bodies of these kinds; `None` if the mesh of a body depends on its material, so that another material
+/// gives another surface.
 ///
 /// # Errors
-/// Those of the bodies' materials and mesh files.
+/// The errors of the bodies' materials and mesh files.
 pub(crate) fn references(design: &Design, kinds: &[BodyKind]) -> Result<Option<ReferenceStructures>, Error> {
     let Some(shipped) = shipped_design() else {
         return Ok(None);

@@ -20,7 +20,7 @@ pub(crate) fn shot(design: &Design, engine: &Engine) -> Result<ShotInputs, Error
     let added_sand = added_sand.map(|sand| (sand.mass, supports::underside(design)));
     Ok(ShotInputs {
         added_sand,
-        gravity: engine.gravity(),
+        gravity: design.ambient.gravity,
         fastener: fastener(design, engine),
         supports: springs(design)?,
         step: design.analysis.time_step,
@@ -56,7 +56,7 @@ fn fastener(design: &Design, engine: &Engine) -> Option<DrivenFastener> {
     })
 }
 
-/// Inputs of the response of the tool, except its body and the cycle.
+/// Inputs of the response of the tool, without its body and the cycle.
 pub(crate) fn tool(design: &Design, engine: &Engine) -> ToolShot {
     let contacts = match engine {
         Engine::Keys(cycle) => {

@@ -49,7 +49,7 @@ pub(crate) trait Source: Sync {
     /// Adds its stages to those of a shot.
     ///
     /// # Errors
-    /// Values of the design that do not yield inputs.
+    /// If the values of the design do not yield valid inputs.
     fn add(&self, shot: &ShotStages<'_>) -> Result<SourceStages, Error>;
 }
 

@@ -66,7 +66,7 @@ impl Geometry {
     /// Makes the mesh with its materials, supports and attachments.
     ///
     /// # Errors
-    /// Those of mesh, gmsh and parts; [`BodyError::TooHeavy`] for lumped masses.
+    /// The errors of mesh, gmsh and parts; [`BodyError::TooHeavy`] for lumped masses.
     pub fn mesh(&self) -> Result<Meshed, Error> {
         let named = self.meshing().compute(&Progress::silent())?;
         self.properties.attached(named, self.mesh.fit())

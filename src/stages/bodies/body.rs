@@ -25,7 +25,7 @@ pub struct ModalModel {
     pub model: Stored<Model>,
     /// Its modes.
     pub modes: Stored<WholeModes>,
-    /// Frequency up to which the result includes its motion \[Hz\].
+    /// Highest frequency at which the result includes its motion \[Hz\].
     pub top_hz: f64,
     /// Frequency below which the set of modes is complete \[Hz\].
     pub below_hz: f64,

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use miette::Diagnostic;
 use thiserror::Error;
 
-/// Why a body of the model cannot be used.
+/// Reason why a body of the model cannot be used.
 #[derive(Debug, Error, Diagnostic)]
 #[non_exhaustive]
 pub enum BodyError {
@@ -15,7 +15,7 @@ pub enum BodyError {
     UnknownPart {
         /// Name of the part.
         part: String,
-        /// The names there may be.
+        /// The permitted names.
         known: String,
     },
     /// A spring is not on its body.
@@ -36,7 +36,7 @@ pub enum BodyError {
         /// Mass of the cycle's tool \[kg\].
         tool: f64,
     },
-    /// The meshed tool has another mass than the tool of the cycle.
+    /// The meshed tool does not have the mass of the cycle's tool.
     #[error("the tool body weighs {found:.3} kg, the tool of the cycle `tool.mass` = {tool:.3} kg")]
     #[diagnostic(help(
         "set `body.lumped = true` for what the mesh lacks of the mass, or set `tool.mass = \"{found:.3} kg\"`"
@@ -63,10 +63,10 @@ pub enum BodyError {
         group: &'static str,
         /// Mass that it would carry \[kg\].
         mass: f64,
-        /// The names there are.
+        /// Existing names.
         known: String,
     },
-    /// The mesh of the tool body does not name where a force of the shot acts.
+    /// The mesh of the tool body has no named surface where a force of the shot acts.
     #[error("the mesh of the tool body has no surface \"{group}\" for {what}; it has: {known}")]
     #[diagnostic(help(
         "name that surface (gmsh: Physical Surface(\"{group}\") = ...), give its place in the design ([surfaces.NAME] \
@@ -79,10 +79,10 @@ pub enum BodyError {
         group: &'static str,
         /// The load that acts there.
         what: &'static str,
-        /// The names there are.
+        /// Existing names.
         known: String,
     },
-    /// A surface of the tool body is not where the design has a force.
+    /// A surface of the tool body is not where the design applies a force.
     #[error("no part of the surface \"{group}\" of the tool body is where {what} act")]
     #[diagnostic(help(
         "put the axis of the cylinder on x = y = 0, or correct `head_valve.inner_diameter` and \
@@ -95,13 +95,13 @@ pub enum BodyError {
         /// The load that acts there.
         what: &'static str,
     },
-    /// A place of the design is on no face of its body.
+    /// A place of the design is not on any face of its body.
     #[error("no face with that outward direction lies at the position of the surface \"{entry}\"")]
     #[diagnostic(help("move its x, y and z onto the face; along_x, along_y and along_z point out of the body there"))]
     SurfaceOutside {
         /// Its name in the design.
         entry: String,
-        /// Distance of the nearest face that looks its way \[m\]; none if there is none.
+        /// Distance to the nearest face with the given orientation \[m\]; `None` if there is none.
         distance: Option<f64>,
     },
     /// A cap that cannot be separated from the rest of the body.
@@ -109,7 +109,7 @@ pub enum BodyError {
     NoCapSurface {
         /// Name of the surface in the file of a body; none for the parametric one.
         surface: Option<&'static str>,
-        /// Panels of the cap, and of all of the outline.
+        /// Number of panels on the cap and on the complete outline.
         panels: [usize; 2],
     },
     /// A surface within the tool that is open to the outside.
@@ -119,7 +119,7 @@ pub enum BodyError {
         /// Name of the surface.
         surface: String,
     },
-    /// Pieces of a body that nothing joins.
+    /// Pieces of a body without a connection.
     #[error(
         "the {body} falls into {pieces} pieces that nothing joins or holds; the smallest has {:.2} cm3 around ({:.1}, \
          {:.1}, \
@@ -134,7 +134,7 @@ pub enum BodyError {
         body: &'static str,
         /// Number of pieces.
         pieces: usize,
-        /// Volume of the smallest \[m3\].
+        /// Volume of the smallest piece \[m3\].
         volume: f64,
         /// Its centroid \[m\].
         centre: [f64; 3],
@@ -149,7 +149,7 @@ pub enum BodyError {
     NotTied {
         /// The body.
         body: &'static str,
-        /// Why.
+        /// The cause.
         cause: nailnoise_fem::FemError,
     },
     /// A file that is read in a wrong unit.
@@ -160,9 +160,9 @@ pub enum BodyError {
         path: PathBuf,
         /// The part that it represents.
         what: &'static str,
-        /// How long it is and with which unit.
+        /// Its length, with the unit.
         found: String,
-        /// How long it may be.
+        /// The permitted length.
         expected: String,
         /// The unit to give.
         remedy: String,
@@ -177,7 +177,7 @@ pub enum BodyError {
         /// Its distance from the body \[m\].
         distance: f64,
     },
-    /// A mesh of block or table whose sides are not those that radiate.
+    /// The sides of a mesh of block or table differ from those that radiate.
     #[error(
         "block and table radiate as boxes of the design's dimensions; the sides of `workpiece.mesh` or \
          `support.worktable.mesh` are others"
@@ -192,7 +192,7 @@ pub enum BodyError {
         #[source]
         cause: nailnoise_acoustics::AcousticsError,
     },
-    /// A microphone or the operator's ear that is too close to a body for the pressure there.
+    /// A microphone or the operator's ear is too close to a body for the pressure there to be computed.
     #[error("a microphone or the operator's ear is too close to a body")]
     #[diagnostic(help(
         "move the ear (`acoustics.ear_along`, `acoustics.ear_across`, `acoustics.ear_height`); the other microphones \
@@ -200,11 +200,11 @@ pub enum BodyError {
          nail's place and the tool's height"
     ))]
     MicrophoneNearSurface {
-        /// Its place and its distance.
+        /// The place and its distance.
         #[source]
         cause: nailnoise_acoustics::ReceiverError,
     },
-    /// Modes that the cache lost came out otherwise when they were computed once more.
+    /// Modes that the cache had lost differ after being computed again.
     #[error("the modes of the {body} are not those to which the cache keeps motions and radiation")]
     #[diagnostic(help(
         "they come from another machine or were damaged: empty it with `nailnoise cache clear` and run again"
@@ -213,13 +213,13 @@ pub enum BodyError {
         /// The body.
         body: &'static str,
     },
-    /// A geometry without a design does not have a frequency.
+    /// A geometry without a design has no frequency.
     #[error("a geometry alone does not tell how fine its mesh must be")]
     #[diagnostic(help(
         "give the largest element side, as --size \"10 mm\", or name the file in a design (`body.mesh`)"
     ))]
     NoSize,
-    /// A unit for a file that states its own.
+    /// A unit given for a file that states its own.
     #[error(
         "{} states the unit of its lengths, and {given_in} gives {given} for one unit", path.display()
     )]
@@ -236,7 +236,7 @@ pub enum BodyError {
         /// The option or key that gives it.
         given_in: &'static str,
     },
-    /// A solid of a file that is not a solid geometry.
+    /// A solid was requested of a file that is not a solid geometry.
     #[error("{} is no solid geometry, so that --solid has nothing to choose from", path.display())]
     #[diagnostic(help(
         "give a solid geometry (.step, .stp, .brep, .igs) in the place of a design or a mesh; `mesh FILE --solid \

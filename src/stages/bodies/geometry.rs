@@ -77,7 +77,7 @@ pub struct Properties {
 pub enum MeshSource {
     /// A block on the plane z = 0.
     Block {
-        /// Lengths along x, y and z \[m\].
+        /// Side lengths along x, y and z \[m\].
         size: [f64; 3],
         /// Longest element side \[m\].
         element: f64,

@@ -182,7 +182,7 @@ impl MeshFile {
     /// Reads a mesh, or has gmsh mesh a solid geometry.
     ///
     /// # Errors
-    /// Those of reading and meshing, [`BodyError::Extent`] for a body that is far too large or too small.
+    /// The errors of reading and meshing, [`BodyError::Extent`] for a body that is far too large or too small.
     pub fn import(&self) -> Result<Imported, Error> {
         let Some(element) = self.element else {
             let imported = msh::read(&self.path, self.unit)?;
@@ -220,7 +220,7 @@ impl MeshFile {
         &self.path
     }
 
-    /// Longest element side of a solid geometry \[m\]; none for a mesh.
+    /// Longest element side of a solid geometry \[m\]; `None` for a mesh.
     pub fn element_size(&self) -> Option<f64> {
         self.element
     }

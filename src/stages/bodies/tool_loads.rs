@@ -52,8 +52,8 @@ type AxialLoad<'a> = (&'static str, &'static str, &'a dyn Fn(&Point3<f64>) -> bo
 /// volume for the pressures \[m2\].
 ///
 /// # Errors
-/// [`BodyError::NoLoadSurface`] for each surface that is not there, [`BodyError::NoneOfSurface`] for one that is not
-/// where the design has the force.
+/// [`BodyError::NoLoadSurface`] for each missing surface, [`BodyError::NoneOfSurface`] for one that is not where the
+/// design applies the force.
 pub(crate) fn load_vectors(places: &ToolPlaces, mesh: &Mesh) -> Result<Vec<LoadVector>, Error> {
     let surface = Surface::of(mesh);
     let [inner, outer] = places.valve.map(|diameter| 0.5 * diameter);

@@ -1,7 +1,7 @@
 //! The nailing cycle with its lumped workpiece.
 //!
-//! Two engines compute it: that of the tool which the keys of a design describe ([`Cycle`]), and the network of a
-//! design's assembly ([`AssembledCycle`]). Both make a [`ShotRecord`], and the chain reads nothing else.
+//! It is computed by one of two engines: that of the tool described by a design's keys ([`Cycle`]), and the network of
+//! a design's assembly ([`AssembledCycle`]). Both produce a [`ShotRecord`], which is all that the chain uses.
 
 mod of_assembly;
 mod of_keys;
@@ -18,8 +18,8 @@ pub(crate) use of_assembly::{TOOL, WORKPIECE};
 pub use of_keys::event_times;
 pub use shot::{BORE, EngineRecord, EventTimes, OnWorkpiece, RETURN_WALL, ShotRecord, SummaryFigures};
 
-/// One nailing cycle of the tool of a design's keys: chamber pressures, motions, events, contact forces and exhaust
-/// flow.
+/// One nailing cycle of the tool described by a design's keys: chamber pressures, motions, events, contact forces and
+/// exhaust flow.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Cycle {
     /// Geometry, gas, contacts and wood.
@@ -32,12 +32,12 @@ impl Cycle {
     /// Computes the record.
     ///
     /// # Errors
-    /// [`Error::Cycle`] where the tool cannot be computed.
+    /// [`Error::Cycle`] if the tool cannot be computed.
     pub fn record(&self) -> Result<CycleRecord, Error> {
         Ok(simulate(&self.parameters, &self.settings)?)
     }
 
-    /// The same with the forms that the thesis printed.
+    /// The same cycle with the forms as printed in the thesis.
     #[must_use]
     pub fn published(self, preset: Preset) -> Self {
         Self {
@@ -59,14 +59,14 @@ pub struct AssembledCycle {
 /// The engine that computes the cycle of a design, with its inputs.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub enum Engine {
-    /// That of the tool of the keys.
+    /// The tool described by keys.
     Keys(Box<Cycle>),
     /// The network of an assembly.
     Assembly(Box<AssembledCycle>),
 }
 
 impl Engine {
-    /// Acceleration of gravity \[m/s2\].
+    /// Acceleration due to gravity \[m/s2\].
     pub fn gravity(&self) -> f64 {
         match self {
             Self::Keys(cycle) => cycle.parameters.ambient.gravity,
@@ -74,7 +74,7 @@ impl Engine {
         }
     }
 
-    /// The same with another interval of the samples \[s\].
+    /// The same with another sampling interval \[s\].
     #[must_use]
     pub fn sampled(mut self, interval: f64) -> Self {
         match &mut self {
@@ -87,7 +87,7 @@ impl Engine {
     /// Computes the cycle.
     ///
     /// # Errors
-    /// [`Error::Cycle`], [`Error::Network`] where the tool cannot be computed.
+    /// [`Error::Cycle`] or [`Error::Network`] if the tool cannot be computed.
     pub fn shot(&self) -> Result<ShotRecord, Error> {
         match self {
             Self::Keys(cycle) => Ok(ShotRecord::of_keys(&cycle.parameters, cycle.record()?)),
@@ -112,14 +112,15 @@ impl Stage for Engine {
     }
 }
 
-/// A published form of the model, which replaces the forms that the design chooses.
+/// A published form of the model, which replaces the forms chosen by the design.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Preset {
-    /// Every form as published: gas, valve, nail, impact, contacts, intake, trigger channel and refill; without the
-    /// leak and the damping that the thesis does not have, and with the seat diameter its valve balance needs.
+    /// Every form as published: gas, valve, nail, impact, contacts, intake, trigger channel and refill. Leak and
+    /// damping, which the thesis does not have, are excluded, and the seat diameter is the one that its valve balance
+    /// needs.
     PublishedAll,
-    /// The published nail only: elastic penetration, and no impact of the rod on the nail.
+    /// Only the published nail: elastic penetration, and no impact of the rod on the nail.
     PublishedNailOnly,
 }
 

@@ -1,7 +1,8 @@
 //! The shot of a tool that is described as an assembly.
 //!
-//! The housing is the body `tool`, the workpiece the body `workpiece`. Loads that the assembly names on the workpiece
-//! are `seat` and `nail`; without them the contacts and fasteners between the workpiece and other bodies are.
+//! The housing is the body `tool`, the workpiece the body `workpiece`. Loads on the workpiece are those that the
+//! assembly names `seat` and `nail`; by default, they are the contacts and fasteners between the workpiece and other
+//! bodies.
 
 use std::collections::BTreeMap;
 
@@ -111,8 +112,8 @@ impl<'a> Histories<'a> {
         all.filter(move |own| own.into == body).map(|own| own.name.as_str())
     }
 
-    /// Force of other bodies on a body through contacts, springs and friction, down; supports on the ground are not
-    /// among them.
+    /// Force of other bodies on a body through contacts, springs and friction, positive downwards; supports on the
+    /// ground are excluded.
     fn contacts_on(&self, body: usize) -> Vec<f64> {
         let (a, against) = (self.assembly, |base: Base| base == Base::Body(body));
         let apart = |base: Base| base != Base::Ground;
@@ -143,8 +144,8 @@ impl<'a> Histories<'a> {
         sum
     }
 
-    /// Corrections for bodies that strike stops of the housing, at the stop that each body is nearer to. A body that
-    /// drives a fastener is left out: the blow on its fastener changes its velocity, too.
+    /// Corrections for bodies that strike stops of the housing, at the stop closer to each body. A body that drives a
+    /// fastener is excluded, because the impact on its fastener also changes its velocity.
     fn impulse_corrections(&self) -> Vec<LoadHistory> {
         let (a, Some(tool)) = (self.assembly, self.body(TOOL)) else {
             return Vec::new();

@@ -1,4 +1,4 @@
-//! The shot of the tool that a design's keys describe.
+//! The shot of the tool described by a design's keys.
 //!
 //! Gas pressures p are gauge pressures. A uniform pressure exerts no net force on the cycle's rod, piston and head
 //! valve, because A_1 = A_2 + A_r and A_h1 = A_h2 + A_h3, so that the ambient pressure cancels. Along the axis,
@@ -14,8 +14,8 @@
 //! handle                  F_hm, evenly
 //! ```
 //!
-//! and weight: their sum is the force on the tool in the cycle's equation of motion. In addition, gas presses on walls
-//! without moving the tool: p_1 and p_2 on the bore on both sides of the piston, p_ext within the handle and around the
+//! and weight: their sum is the force on the tool in the cycle's equation of motion. Gas also presses on walls without
+//! moving the tool: p_1 and p_2 on the bore on both sides of the piston, p_ext inside the handle and around the
 //! cylinder above the check-ring holes (the jacket), p_r around it below them, and the plenum's pressure in the cap.
 
 use nailnoise_dynamics::network::{EventTime, FlowHistory, LoadHistory, PressureHistory};
@@ -153,7 +153,7 @@ fn loads(parameters: &Parameters, record: &CycleRecord) -> Vec<LoadHistory> {
     ]
 }
 
-/// The correction at the stop that the head valve is nearer to.
+/// The correction at the stop closer to the head valve.
 fn impulse_corrections(parameters: &Parameters, record: &CycleRecord) -> Vec<LoadHistory> {
     let sampled: Vec<f64> = (0..record.len())
         .map(|n| record.forces.cap[n] + record.forces.seat[n])
@@ -174,11 +174,11 @@ fn impulse_corrections(parameters: &Parameters, record: &CycleRecord) -> Vec<Loa
     vec![load("cap", at(true)), load("rim", at(false))]
 }
 
-/// Mean force of a body on its stiff stops around each sample, less the `sampled` one, down \[N\].
+/// Mean force of a body on its stiff stops around each sample, minus the `sampled` force, positive downwards \[N\].
 ///
 /// The body may leave a stiff stop within less than a sampling interval. Between two samples at an interval h, its
-/// momentum changes by M (v' - v). Gas, spring, friction and weight, M a + F, change it by their mean, for they are
-/// smooth; the rest is the impulse of the stops. Half of it counts at either sample.
+/// momentum changes by M (v' - v). The mean of the smooth forces, gas, spring, friction and weight (M a + F), accounts
+/// for part of the change; the rest is the impulse of the stops. Half of it is assigned to each of the two samples.
 pub(super) fn impulse_correction(
     mass: f64,
     body: &nailnoise_dynamics::Body,
@@ -193,7 +193,7 @@ pub(super) fn impulse_correction(
         forces[n - 1] += 0.5 * force;
         forces[n] += 0.5 * force;
     }
-    // Half an interval is missing at either end, while the body rests.
+    // Half an interval is missing at each end, where the body is at rest.
     if let Some(last) = sampled.len().checked_sub(1) {
         for end in [0, last] {
             forces[end] += 0.5 * sampled[end];

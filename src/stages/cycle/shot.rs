@@ -1,4 +1,4 @@
-//! The shot: what sources, bodies and results read of a cycle, whichever engine computed it.
+//! The shot: the results of a cycle that sources, bodies and results use, from either engine.
 
 use std::collections::BTreeMap;
 
@@ -14,7 +14,7 @@ pub const BORE: &str = "bore";
 /// Wall of the return volume.
 pub const RETURN_WALL: &str = "return";
 
-/// A cycle as the chain reads it.
+/// A cycle in the form used by the chain.
 ///
 /// Every history has [`len`](Self::len) samples at t = 0, dt, 2 dt, ... Positions, velocities and forces point down,
 /// towards the workpiece.
@@ -35,15 +35,15 @@ pub struct ShotRecord {
     /// Flow through each opening to the atmosphere that makes noise. The tool of the keys has the exhaust holes, then
     /// the vent of the trigger valve.
     pub openings: Vec<FlowHistory>,
-    /// Motion of the tool's housing; none for a tool without one.
+    /// Motion of the tool's housing; `None` for a tool without one.
     pub tool: Option<Body>,
     /// Forces on surfaces of the housing.
     pub loads: Vec<LoadHistory>,
-    /// Means of stiff contact forces around each sample, less the sampled forces, on surfaces of the housing.
+    /// Means of stiff contact forces around each sample, minus the sampled forces, on surfaces of the housing.
     pub impulse_corrections: Vec<LoadHistory>,
     /// Absolute pressures on walls of the housing that leave no net force.
     pub pressures: Vec<PressureHistory>,
-    /// Motion of the workpiece and the forces on it; none for a tool that works on none.
+    /// Motion of the workpiece and the forces on it; `None` for a tool without one.
     pub workpiece: Option<OnWorkpiece>,
     /// Checks of the cycle, each with its limit.
     pub checks: Vec<Check>,
@@ -58,7 +58,7 @@ pub struct OnWorkpiece {
     pub motion: Body,
     /// Force at the nose, guard included \[N\].
     pub seat: Vec<f64>,
-    /// Force of the nose alone \[N\].
+    /// Force of the nose without the guard \[N\].
     pub nose: Vec<f64>,
     /// Force of the fastener \[N\].
     pub fastener: Vec<f64>,
@@ -69,9 +69,9 @@ pub struct OnWorkpiece {
 /// The record of the engine that computed a shot.
 #[derive(Debug, Clone, PartialEq)]
 pub enum EngineRecord {
-    /// That of the tool of the keys.
+    /// Record of the tool described by keys.
     Keys(Box<CycleRecord>),
-    /// That of an assembly.
+    /// Record of an assembly.
     Assembly(Box<Record>),
 }
 
@@ -91,12 +91,12 @@ impl ShotRecord {
         index as f64 * self.sample_interval
     }
 
-    /// Time of an event \[s\]; none if it does not occur.
+    /// Time of an event \[s\]; `None` if it does not occur.
     pub fn event(&self, name: &str) -> Option<f64> {
         self.events.iter().find(|event| event.name == name)?.time
     }
 
-    /// The record of the tool of the keys; none for an assembly.
+    /// The record of the tool described by keys; `None` for an assembly.
     pub fn of_tool_of_keys(&self) -> Option<&CycleRecord> {
         match &self.record {
             EngineRecord::Keys(record) => Some(record),
@@ -129,7 +129,7 @@ impl ShotRecord {
         }
     }
 
-    /// Flow through an opening by its name.
+    /// Flow through the opening with this name.
     pub fn opening(&self, name: &str) -> Option<&FlowHistory> {
         self.openings.iter().find(|opening| opening.name == name)
     }
@@ -139,14 +139,14 @@ impl ShotRecord {
 #[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 #[serde(untagged)]
 pub enum SummaryFigures {
-    /// Those of the tool of the keys.
+    /// Figures of the tool described by keys.
     Keys(Box<Summary>),
-    /// Those of an assembly, named after its blocks: `peak_BLOCK_force`, `OPENING_mass`, `BLOCK_depth`.
+    /// Figures of an assembly, named after its blocks: `peak_BLOCK_force`, `OPENING_mass`, `BLOCK_depth`.
     Assembly(BTreeMap<String, f64>),
 }
 
 impl SummaryFigures {
-    /// A figure by its name; none where its phase does not occur.
+    /// The figure with this name; `None` if its phase does not occur.
     pub fn get(&self, name: &str) -> Option<f64> {
         match self {
             Self::Keys(summary) => serde_json::to_value(summary).ok()?.get(name)?.as_f64(),
@@ -155,7 +155,7 @@ impl SummaryFigures {
     }
 }
 
-/// Event times by name \[s\], in the order of the tool; null where one does not occur.
+/// Event times by name \[s\], in the order of the tool; null if an event does not occur.
 #[derive(Debug, Clone, PartialEq)]
 pub struct EventTimes(pub Vec<EventTime>);
 

@@ -1,4 +1,4 @@
-//! Radiation carried over from reference structures to other bodies with the same outer surface.
+//! Radiation converted from reference structures to other bodies with the same outer surface.
 //!
 //! The radiation matrix is solved for the modes of reference bodies, which have the shape of the design's bodies and
 //! fixed materials. The velocities of the design's own modes are fitted by theirs on the finest mesh
@@ -44,7 +44,7 @@ const LOSS_FACTOR: f64 = 0.02;
 const PER_OCTAVE: f64 = 6.0;
 const LOWEST_HZ: f64 = 50.0;
 
-/// How well modes of reference bodies represent the motion of the design's bodies.
+/// Quality with which modes of reference bodies represent the motion of the design's bodies.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Projection {
     /// The fit; none if the surfaces differ.
@@ -102,7 +102,7 @@ impl RadiatingShape {
         }
     }
 
-    /// Largest share of the energy that the modes of some reference structures may miss.
+    /// Maximum fraction of the energy that the modes of this number of reference structures may miss.
     pub(crate) fn limit(&self, structures: usize) -> f64 {
         match self {
             Self::Workpiece(_) => LIMIT,
@@ -191,7 +191,7 @@ fn lacking(fit: &SurfaceFit, bodies: &[&Body], top_hz: f64) -> Vec<[f64; 2]> {
 #[derive(Serialize)]
 #[serde(bound = "T: Send + Sync + 'static")]
 pub struct ReferenceResult<T> {
-    /// How well their modes represent those of the design's bodies.
+    /// Quality with which their modes represent those of the design's bodies.
     pub fit: Stored<Projection>,
     /// The known results of their modes; read only if the fit is good enough.
     pub known: Stored<T>,

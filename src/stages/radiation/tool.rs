@@ -48,7 +48,7 @@ impl CapSurface {
     /// For each panel of a boundary, whether it is part of the cap.
     ///
     /// # Errors
-    /// [`BodyError::NoCapSurface`] where none or all are.
+    /// [`BodyError::NoCapSurface`] if none or all are.
     fn panels(&self, mesh: &BoundaryMesh) -> Result<Vec<bool>, Error> {
         let inside = |panel: &Panel| match *self {
             Self::Above { height, radius } => panel.corners().iter().all(|&node| {
@@ -112,7 +112,7 @@ impl ToolRadiation {
     /// moving.
     ///
     /// # Errors
-    /// As [`Self::compute`], and [`BodyError::NoCapSurface`].
+    /// Same as [`Self::compute`], and [`BodyError::NoCapSurface`].
     pub fn compute_with_cap(
         &self,
         bodies: &[MovingSurface<'_>],
@@ -156,7 +156,7 @@ impl ToolRadiation {
     /// from the microphones, and has a cap if one is required.
     ///
     /// # Errors
-    /// As [`Self::level`], [`BodyError::NoCapSurface`], and those of the microphones.
+    /// Same as [`Self::level`], [`BodyError::NoCapSurface`], and the errors of the microphones.
     pub fn check(&self, surface: &Surface, cap: Option<&CapSurface>, places: &Places) -> Result<(), Error> {
         let modes = DMatrix::zeros(3 * surface.points.len(), 0);
         let body = MovingSurface {
@@ -189,7 +189,7 @@ impl ToolRadiation {
     /// differ.
     ///
     /// # Errors
-    /// As [`Self::level`], [`BodyError::OpenCavity`], and [`BodyError::NoCapSurface`].
+    /// Same as [`Self::level`], [`BodyError::OpenCavity`], and [`BodyError::NoCapSurface`].
     pub fn finest(
         &self,
         bodies: &[MovingSurface<'_>],

@@ -63,7 +63,7 @@ pub enum WorkpieceRadiation {
     Rayleigh(FlushTop),
 }
 
-/// Boundary elements of the workpiece, and of a table below it.
+/// Boundary-element settings of the workpiece and of a table below it.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct WorkpieceBoundaryElements {
     /// Resolution.
@@ -82,7 +82,8 @@ impl WorkpieceRadiation {
     /// distance from the microphones.
     ///
     /// # Errors
-    /// As [`WorkpieceBoundaryElements::mesh_hierarchy`]; those of the block's top in sand, and of the microphones.
+    /// Same as [`WorkpieceBoundaryElements::mesh_hierarchy`]; the errors of the block's top in sand, and of the
+    /// microphones.
     pub fn check(&self, surfaces: &[Surface], places: &Places) -> Result<(), Error> {
         let still: Vec<DMatrix<f32>> = surfaces.iter().map(|s| DMatrix::zeros(3 * s.points.len(), 0)).collect();
         let names = [WORKPIECE, WORKTABLE].into_iter();
@@ -106,7 +107,7 @@ impl WorkpieceBoundaryElements {
     /// The solution in standard air, which depends only on the wavelength.
     ///
     /// # Errors
-    /// Those of [`Self::mesh_hierarchy`] and of the boundary elements.
+    /// The errors of [`Self::mesh_hierarchy`] and of the boundary elements.
     pub fn compute(&self, bodies: &[MovingSurface<'_>], progress: &Progress) -> Result<Solution, Error> {
         let air = Air::default();
         let levels = self.mesh_hierarchy(bodies, &air)?;
@@ -158,12 +159,12 @@ impl WorkpieceBoundaryElements {
     /// The finest of these meshes.
     ///
     /// # Errors
-    /// As [`Self::mesh_hierarchy`].
+    /// Same as [`Self::mesh_hierarchy`].
     pub fn finest(&self, bodies: &[MovingSurface<'_>], air: &Air) -> Result<Option<MeshRange>, Error> {
         Ok(self.of_bodies(bodies, air, &RANGES[RANGES.len() - 1..])?.pop())
     }
 
-    /// [`Self::mesh_hierarchy`] up to these shares of the top of all ranges.
+    /// [`Self::mesh_hierarchy`] up to these fractions of the top of all ranges.
     fn of_bodies(&self, bodies: &[MovingSurface<'_>], air: &Air, shares: &[f64]) -> Result<Vec<MeshRange>, Error> {
         let of_boxes = shares.iter().map(|share| self.of_boxes(bodies, air, *share));
         match of_boxes.collect() {
@@ -320,7 +321,7 @@ impl CoveredFaces {
     /// Equivalent radiated power of a body. The walls of cavities within a body do not radiate either.
     ///
     /// # Errors
-    /// Those of the surface.
+    /// The errors of the surface.
     pub fn erp(&self, body: &MovingSurface<'_>, air: &Air) -> Result<Erp, Error> {
         let patches = &body.surface.patches;
         // The support of a body closes the bores and tubes that open downwards.

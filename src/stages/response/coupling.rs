@@ -1,9 +1,9 @@
 //! Two-way coupling: the modes of workpiece and support replace the cycle's lumped workpiece.
 //!
-//! Cycle and structure advance by the same steps. At the end of each step they agree on the forces between them and on
-//! the motion these cause, so that the support's stiffness acts back on penetration, recoil and the release of the
-//! trigger. The nail's force acts along its embedded shank, and the motion the nail feels is the mean of the wood's
-//! with the same weights: the power that leaves the cycle is the power that reaches the wood.
+//! Cycle and structure advance in the same steps. At the end of each step, the forces between them are consistent with
+//! the motion that the forces cause, so that the support's stiffness acts back on penetration, recoil and the release
+//! of the trigger. The nail's force acts along its embedded shank, and the wood's motion at the nail is the mean with
+//! the same weights, so that the power that leaves the cycle equals the power that reaches the wood.
 
 use std::sync::Arc;
 
@@ -19,49 +19,50 @@ use crate::result::Check;
 use crate::stages::bodies::STATIONS;
 use crate::stages::cycle::Cycle;
 
-/// Loads of the shot on the workpiece in the order of a body's load participations: the nail's stations from the
-/// surface down, the nose, and gravity.
+/// Loads of the shot on the workpiece, in the order of a body's load participations: the nail stations from the surface
+/// downwards, the nose, and gravity.
 pub const COUPLED_LOADS: usize = STATIONS + 2;
 pub(super) const NOSE: usize = STATIONS;
 pub(super) const GRAVITY: usize = STATIONS + 1;
 
-/// The loads without the shot.
+/// The loads without a shot.
 const WEIGHT: [f64; COUPLED_LOADS] = {
     let mut loads = [0.0; COUPLED_LOADS];
     loads[GRAVITY] = 1.0;
     loads
 };
 
-/// Largest difference of the forces on both sides, as a part of the largest force.
+/// Largest difference between the forces on both sides, relative to the largest force.
 const FORCE_LIMIT: f64 = 1e-6;
-/// Largest difference of the work on both sides, as a part of the work of gas, hand and gravity on the tool's bodies.
+/// Largest difference between the work on both sides, relative to the work of gas, hand and gravity on the tool's
+/// bodies.
 const WORK_LIMIT: f64 = 1e-4;
-/// The same as a part of the largest energy in the structure, a thousandth of the other on a rigid floor: forces that
-/// set in or jump within a step leave an error of the order of the step squared.
+/// The same relative to the largest energy in the structure, which on a rigid floor is a thousandth of the other:
+/// forces that start or jump within a step cause an error proportional to the square of the step.
 const STRUCTURE_LIMIT: f64 = 1e-3;
 
-/// A cycle and a response that agree with each other.
+/// A cycle and a response that are consistent with each other.
 pub struct Coupled {
-    /// The cycle; its workpiece is the surface under the nose, its support that of the block.
+    /// The cycle; its workpiece is the surface below the nose, its support that of the block.
     pub record: CycleRecord,
     /// Parameters of the cycle.
     pub parameters: Parameters,
     /// The response of workpiece and support.
     pub response: Arc<ModalResponse>,
-    /// Amplitudes of each body's modes in vacuum for its modes in the response, if they differ.
+    /// For each body, amplitudes of its modes in vacuum in terms of its modes in the response, if they differ.
     pub coordinates: Vec<Option<DMatrix<f64>>>,
-    /// Iterations of the coupling and the difference left.
+    /// Iterations of the coupling, and the remaining difference.
     pub work: CouplingWork,
     /// Forces and work on both sides.
     pub checks: Vec<Check>,
 }
 
-/// Computes cycle and response together, the workpiece being the first body.
+/// Computes cycle and response together; the workpiece is the first body.
 ///
 /// Each body's load participations have [`COUPLED_LOADS`] columns, down positive.
 ///
 /// # Errors
-/// Those of cycle and response, and that they do not agree.
+/// The errors of cycle and response, and an error if the two do not converge.
 pub fn couple(
     cycle: &Cycle,
     bodies: &[ModalBody],
@@ -78,7 +79,7 @@ pub fn couple(
             friction_share: parameters.friction_share,
         }),
         carrying: carrying(&bodies[0], parameters.ambient.gravity),
-        // Under its own weight, until the cycle puts the tool on it.
+        // The bodies are under their own weight until the cycle places the tool on them.
         run: Driven::new(bodies, supports, &WEIGHT, &WEIGHT, transient)?,
         at: Reading::default(),
         loads: WEIGHT,
@@ -99,8 +100,8 @@ pub fn couple(
     })
 }
 
-/// Part of each support's force on a body that acts upwards: combined effect of weight and support on the rigid
-/// motions, Phi_s^T (Phi^T M e)/g = e . n. Without gravity all of them count.
+/// Fraction of each support's force on a body that acts upwards: the combined effect of weight and support on the
+/// rigid-body motions, Phi_s^T (Phi^T M e)/g = e . n. Without gravity, every support counts fully.
 fn carrying(body: &ModalBody, gravity: f64) -> Vec<f64> {
     let weight = body.loads.column(GRAVITY);
     let upwards = |support: DVectorView<'_, f64>| {
@@ -126,7 +127,7 @@ struct Wood<'a> {
     supports: &'a [Support],
     transient: &'a Settings,
     resistance: Resistance,
-    /// Part of each support's force that carries the workpiece.
+    /// Fraction of each support's force that carries the workpiece.
     carrying: Vec<f64>,
     run: Driven<'a>,
     /// At the present sample.
@@ -153,8 +154,9 @@ impl Wood<'_> {
 
     /// The current motion of the run, with the tip at a depth.
     ///
-    /// The material around the nail moves by the mean of its stations' motions. Their weights change with depth, so the
-    /// mean is taken of the steps, not of the positions: a new station does not move the nail by joining.
+    /// The displacement of the material around the nail is the mean of its stations' displacements. Because the weights
+    /// change with depth, the mean is taken of the increments, not of the positions; so adding a station does not move
+    /// the nail.
     fn reading(&self, depth: f64) -> (Reading, WoodMotion) {
         let run = &self.run;
         let (motion, rate) = (run.motion().to_vec(), run.rate().to_vec());
@@ -229,7 +231,7 @@ impl Workpiece for Wood<'_> {
         let loads = self.loads(forces);
         self.run.accept(&loads)?;
         let (reading, motion) = self.reading(forces.depth);
-        // Forces linear, motion cubic over the step.
+        // Forces are linear and the motion is cubic over the step.
         let h = self.transient.step;
         for (l, (before, after)) in self.loads.iter().zip(&loads).enumerate().take(GRAVITY) {
             let (mean, change) = (0.5 * (before + after), after - before);

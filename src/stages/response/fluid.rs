@@ -4,8 +4,8 @@ use nailnoise_acoustics::radiation::radiator::FluidLoads;
 use nailnoise_fem::vibration::ModalBody;
 use nalgebra::DMatrix;
 
-/// A body whose modes radiation damps, in the coordinates of its modes in the air where the air's mass acts, and the
-/// amplitudes of its modes in vacuum for those (modes in vacuum x modes in air).
+/// A body with radiation damping, in the coordinates of its modes in air if the air's added mass acts; then also the
+/// amplitudes of its modes in vacuum in terms of these (modes in vacuum x modes in air).
 pub(in crate::stages) fn in_air(mut body: ModalBody, loads: &FluidLoads) -> (ModalBody, Option<DMatrix<f64>>) {
     let Some(wet) = &loads.wet else {
         let added = body.zeta.iter_mut().zip(&loads.damping);

@@ -1,8 +1,8 @@
 //! Linear motion with the complete radiation impedance of the air.
 //!
-//! A response in time has the impedance frozen at each mode's resonance, because its contact may open. If nothing
-//! opens, the effect of R and X at every frequency follows in the frequency domain
-//! ([`impedance_correction`](nailnoise_acoustics::radiation::fluid_loading::impedance_correction)) and is added.
+//! A time-domain response uses the impedance frozen at each mode's resonance, because its contact may open. If nothing
+//! opens, the effect of R and X at every frequency is computed in the frequency domain
+//! ([`impedance_correction`](nailnoise_acoustics::radiation::fluid_loading::impedance_correction)) and added.
 
 use std::ops::Range;
 use std::sync::Arc;
@@ -22,23 +22,23 @@ use crate::result::Check;
 use crate::stages::bodies::Body;
 use crate::stages::{Code, Progress, Stage, Stored, Uncached, all};
 
-/// Modes whose records are in memory together.
+/// Number of modes whose records are in memory together.
 const BLOCK: usize = 32;
 
-/// Largest residual of the equations of motion in the lines of the correction, over the largest force.
+/// Largest residual of the equations of motion in the frequency lines of the correction, relative to the largest force.
 const RESIDUAL_LIMIT: f64 = 1e-6;
 
-/// Largest imbalance over time, as a share of the energy exchanged between structure and air beyond the frozen
+/// Largest energy imbalance over time, relative to the energy exchanged between structure and air beyond the frozen
 /// impedance: a hundredth of a change of some tenths of a decibel.
 const ENERGY_LIMIT: f64 = 0.01;
 
-/// A linear response with the complete impedance in place of the frozen one.
+/// A linear response with the complete impedance instead of the frozen one.
 #[derive(Serialize)]
 #[serde(bound = "R: Send + Sync + 'static")]
 pub struct LinearResponse<R> {
     /// The response with the impedance frozen.
     pub frozen: Stored<Vibration>,
-    /// How the bodies radiate.
+    /// The radiator.
     pub radiator: Stored<R>,
     /// The bodies.
     pub bodies: Vec<Stored<Body>>,
@@ -48,14 +48,14 @@ pub struct LinearResponse<R> {
     pub fluid: Stored<Vec<FluidLoads>>,
     /// Springs and dashpots, which never open.
     pub supports: Vec<Support>,
-    /// Whether a guide restricts the rigid motion of the bodies to their descent along its axis.
+    /// Whether a guide restricts the rigid-body motion to translation along its axis.
     pub guided: bool,
 }
 
 impl<R: Radiator + 'static> Stage for LinearResponse<R> {
     type Output = Vibration;
     type Error = Error;
-    /// An intermediate of stored outputs.
+    /// An intermediate result of stored outputs.
     type Codec = Uncached;
     const NAME: &'static str = "response with the complete impedance of the air";
     const CODE: Code = CODE;
@@ -106,7 +106,7 @@ fn residual(correction: &ImpedanceCorrection) -> Check {
     )
 }
 
-/// Coordinates of each body among those of all.
+/// Range of each body's coordinates among all coordinates.
 fn places(response: &ModalResponse) -> Vec<Range<usize>> {
     let mut first = 0;
     let place = |modes: usize| {
@@ -130,7 +130,7 @@ fn motion_of(response: &ModalResponse, places: &[Range<usize>], range: Range<usi
 }
 
 impl<R: Radiator + 'static> LinearResponse<R> {
-    /// The bodies side by side, as they moved.
+    /// The modes of all bodies, with their motion.
     fn modes(&self, response: &ModalResponse, bodies: &[Arc<Body>], wet: &[&WetModes]) -> Result<FrozenModes, Error> {
         let own: usize = response.bodies().iter().map(|body| body.modes()).sum();
         let dry: usize = bodies.iter().map(|body| body.omega.len()).sum();
@@ -176,12 +176,12 @@ impl<R: Radiator + 'static> LinearResponse<R> {
         Ok(modes)
     }
 
-    /// Energy that the balance over time misses, relative to the energy exchanged with the air beyond the frozen
+    /// Energy missing from the balance over time, relative to the energy exchanged with the air beyond the frozen
     /// impedance.
     ///
     /// Let u and f_0 be the motion and the support forces of the frozen response, which has a separate balance. Let d
     /// be the added motion, x = P^T d, f_x = k x + c x', and r the force of the air beyond the frozen one. The
-    /// difference of both balances is
+    /// difference of the two balances is
     ///
     /// ```text
     /// int F . d'  =  change of energy in modes and air + int 2 zeta w (2 u' d' + d'²)
@@ -239,7 +239,7 @@ impl<R: Radiator + 'static> LinearResponse<R> {
     }
 }
 
-/// Takes from the rigid motions of a body all but the descent, as its guide does.
+/// Removes all rigid-body motions except translation along the axis, as the guide of the body does.
 fn guide(body: &Body) -> DMatrix<f64> {
     let n = body.omega.len();
     let rigid = |j: usize| body.omega[j] == 0.0;

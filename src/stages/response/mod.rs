@@ -2,7 +2,7 @@
 //!
 //! With one-way coupling, the cycle has its own lumped workpiece, and its forces on the wood drive the bodies:
 //! [`Response`]. With two-way coupling, cycle and bodies are computed together: [`CoupledResponse`]. [`CoupledCycle`],
-//! [`CoupledVibration`] and [`CouplingReport`] are the parts of its output that other stages read. If no contact can
+//! [`CoupledVibration`] and [`CouplingReport`] are the parts of its output that other stages use. If no contact can
 //! open, [`LinearResponse`] adds the effect of the complete radiation impedance.
 
 mod coupling;
@@ -41,14 +41,14 @@ const CODE: Code = code!(dynamics, meshes, fem, acoustics, stages_bodies, stages
 pub struct Vibration {
     /// Forces and motion.
     pub response: Arc<ModalResponse>,
-    /// Amplitudes of a body's modes in vacuum for its modes in the response, modes x coordinates; none if both are the
-    /// same.
+    /// For each body, amplitudes of its modes in vacuum in terms of its modes in the response, modes x coordinates;
+    /// `None` if both are the same.
     pub coordinates: Vec<Option<DMatrix<f64>>>,
     /// Checks of the response.
     pub checks: Vec<Check>,
 }
 
-/// Workpiece and support as a response reads them.
+/// Workpiece and support, as needed for a response.
 #[derive(Clone, Serialize)]
 pub struct Structure {
     /// The workpiece, and the worktable if there is one.
@@ -60,7 +60,7 @@ pub struct Structure {
 }
 
 impl Structure {
-    /// The bodies as the transient solver takes them, the workpiece first, with [`Vibration::coordinates`].
+    /// The bodies in the form that the transient solver needs, workpiece first, with [`Vibration::coordinates`].
     fn modal_bodies(&self, shot: &ShotInputs) -> Result<(Vec<ModalBody>, Vec<Option<DMatrix<f64>>>), Error> {
         let mut bodies = Vec::new();
         for (index, (body, loss_factor)) in self.bodies.iter().zip(&self.loss_factors).enumerate() {
@@ -95,7 +95,7 @@ pub struct Response {
 impl Stage for Response {
     type Output = Vibration;
     type Error = Error;
-    /// An intermediate of stored outputs.
+    /// An intermediate result of stored outputs.
     type Codec = Uncached;
     const NAME: &'static str = "response of workpiece and support";
     const CODE: Code = CODE;
@@ -119,7 +119,7 @@ impl Stage for Response {
 pub struct End {
     /// The cycle.
     pub cycle: Stored<ShotRecord>,
-    /// The longest response; that of an elastic tool if present, because its flight does not decay.
+    /// The longest response: that of an elastic tool if present, because its motion does not decay.
     pub longest: Stored<Vibration>,
 }
 

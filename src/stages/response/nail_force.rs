@@ -1,16 +1,16 @@
-//! The nail's forces on the wood, spread over stations along its axis.
+//! The forces of the nail on the wood, distributed over stations along its axis.
 //!
-//! The cycle gives one force F_pen. In the wood there are three: friction along the embedded shank, a force of the tip
-//! that wedges the fibres apart, and, once the head meets the surface, a force under the head. With z the deepest tip
-//! depth, l_n the nail's length, F_r the penetration law and k_w the stiffness under the head, the envelope is
+//! The cycle gives one force F_pen. In the wood, there are three: friction along the embedded shank, a force at the tip
+//! that wedges the fibres apart and, once the head meets the surface, a force below the head. With the deepest tip
+//! depth z, the nail's length l_n, the penetration law F_r and the stiffness k_w below the head, the envelope is
 //!
 //! ```text
 //! E(z) = F_r(z) + k_w max(0, z - l_n),     shank S(z) = phi F_r(l_n) z/l_n  (at most F_r(z)),     tip = F_r(z) - S(z)
 //! ```
 //!
-//! S is linear in depth and reaches the share phi of F_r at full depth: the published second drive into the same hole
-//! (Nili Ahmadabadi 2016, sec. 2.4.3: 81 % for a smooth 6d nail in poplar plywood). While the nail is unloaded
-//! (F_pen < E) all parts shrink in proportion.
+//! S is linear in depth and reaches the fraction phi of F_r at full depth, from the published second drive into the
+//! same hole (Nili Ahmadabadi 2016, sec. 2.4.3: 81 % for a smooth 6d nail in poplar plywood). While the nail is
+//! unloaded (F_pen < E) all parts shrink in proportion.
 //!
 //! Where the resistance depends on speed, the parts are those at the nail's speed. An elastic blow replaces the
 //! frequencies of F_pen above 2 kHz.
@@ -31,16 +31,16 @@ use crate::stages::cycle::{EngineRecord, OnWorkpiece, ShotRecord};
 /// Frequencies between which the force of an elastic blow replaces that of the cycle \[Hz\].
 const CROSSOVER: [f64; 2] = [1000.0, 2000.0];
 
-/// A fastener in the work, and the share of its resistance at full depth that is friction along the shank.
+/// A fastener in the work, with the fraction of its resistance at full depth that is friction along the shank.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct DrivenFastener {
-    /// What gives the resistance.
+    /// Law of the resistance.
     pub law: FastenerLaw,
-    /// Share of the resistance at full depth that is friction along the shank.
+    /// Fraction of the resistance at full depth that is friction along the shank.
     pub friction_share: f64,
 }
 
-/// What gives the resistance of the work to a fastener.
+/// Law of the work's resistance to a fastener.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub enum FastenerLaw {
     /// The nail of a design's keys.
@@ -70,7 +70,7 @@ pub(super) struct FastenerForces {
     pub(super) checks: Vec<Check>,
 }
 
-/// Forces of the fastener of a shot on the wood; none if the tool works on none.
+/// Forces of a shot's fastener on the wood; `None` if the tool has no workpiece.
 pub(super) fn forces(driven: &DrivenFastener, shot: &ShotRecord) -> Option<FastenerForces> {
     let on = shot.workpiece.as_ref()?;
     let resistance = Resistance::of(driven);
@@ -129,8 +129,8 @@ fn above_crossover(record: &CycleRecord, elastic: &[f64]) -> Vec<f64> {
         .collect()
 }
 
-/// Removes what lies below [`CROSSOVER`] without a shift in time; the pass band begins as a raised cosine over the
-/// logarithm of the frequency.
+/// Removes frequencies below [`CROSSOVER`] without a time shift; the pass band begins as a raised cosine over the
+/// logarithm of frequency.
 fn high_pass(signal: &mut [f64], interval: f64) {
     let transform = RealTransform::new(2 * signal.len().next_power_of_two());
     let df = 1.0 / (interval * transform.length() as f64);
@@ -174,8 +174,8 @@ impl Resistance {
         }
     }
 
-    /// Shares of the stations in F_pen with the tip of a resting fastener at a depth; all of it acts at the surface
-    /// before it is in.
+    /// Fractions of F_pen at the stations for a tip depth of a resting fastener; before the tip enters the wood, all of
+    /// it acts at the surface.
     pub(super) fn shares(&self, depth: f64) -> [f64; STATIONS] {
         let mut shares = [0.0; STATIONS];
         if depth <= 0.0 {
@@ -191,7 +191,7 @@ impl Resistance {
         shares
     }
 
-    /// Adds a force with the tip at a depth to the stations. The forces of shank, tip and head have the ratios of
+    /// Adds a force at a tip depth to the stations. The forces of shank, tip and head have the ratios of
     /// `parts`.
     fn spread(&self, parts: [f64; 3], (force, depth): (f64, f64), stations: &mut [f64]) {
         let [shank, tip, head] = parts;
@@ -208,7 +208,7 @@ impl Resistance {
     }
 }
 
-/// A uniform load from station 0 to `position` (in stations) of total 1, lumped by linear interpolation.
+/// A uniform load with total 1 from station 0 to `position` (in stations), lumped by linear interpolation.
 fn uniform(position: f64) -> impl Iterator<Item = (usize, f64)> {
     let share = move |k: usize| {
         // Integral of the hat function of station k from its foot to x, both in stations.

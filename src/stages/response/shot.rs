@@ -1,4 +1,4 @@
-//! Effects of a shot on workpiece and support: supports, loads, duration.
+//! Actions of a shot on workpiece and support: supports, loads, duration.
 
 use nailnoise_fem::vibration::{Loads, ModalBody, ModalResponse, Settings, Support, SupportLaw, respond};
 use nalgebra::{DMatrix, DVector};
@@ -23,12 +23,12 @@ pub struct OneWay {
     pub checks: Vec<Check>,
 }
 
-/// Inputs of a response, except the bodies and the cycle.
+/// Inputs of a response, without the bodies and the cycle.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ShotInputs {
     /// Acceleration of gravity \[m/s2\].
     pub gravity: f64,
-    /// The fastener in the workpiece; none for a tool that drives none.
+    /// The fastener in the workpiece; `None` for a tool that drives none.
     pub fastener: Option<DrivenFastener>,
     /// Springs and dashpots, in the order of the columns of [`Body::contacts`].
     pub supports: Vec<Support>,
@@ -36,7 +36,7 @@ pub struct ShotInputs {
     pub added_sand: Option<(f64, ContactCells)>,
     /// Step \[s\].
     pub step: f64,
-    /// Longest time simulated \[s\].
+    /// Maximum simulated time \[s\].
     pub duration: f64,
     /// Number of the start, which sets the gaps of supports that can lose contact; 0 for none.
     pub start: u32,
@@ -50,13 +50,13 @@ impl ShotInputs {
             .any(|support| support.law == SupportLaw::Unilateral)
     }
 
-    /// The same from another start.
+    /// The same shot with another start.
     #[must_use]
     pub fn with_start(&self, start: u32) -> Self {
         Self { start, ..self.clone() }
     }
 
-    /// The same on supports that cannot open.
+    /// The same shot on supports that cannot open.
     #[must_use]
     pub fn bonded(&self) -> Self {
         let bonded = |support: &Support| Support {
@@ -72,7 +72,7 @@ impl ShotInputs {
     /// Response to the forces of a cycle on the wood, times `force_scale`.
     ///
     /// # Errors
-    /// Those of the transient solver.
+    /// The errors of the transient solver.
     pub fn one_way(&self, bodies: &[ModalBody], shot: &ShotRecord, force_scale: f64) -> Result<OneWay, Error> {
         let nail = self.fastener.as_ref().and_then(|own| nail_force::forces(own, shot));
         let loads = self.loads(shot, nail.as_ref().map(|nail| &nail.stations), force_scale);
@@ -85,13 +85,13 @@ impl ShotInputs {
     /// Cycle and response together, each acting on the other.
     ///
     /// # Errors
-    /// Those of the cycle and of the transient solver, and that the two do not agree.
+    /// The errors of the cycle and of the transient solver, and an error if the two do not converge.
     pub fn two_way(&self, bodies: &[ModalBody], cycle: &Cycle) -> Result<Coupled, Error> {
         couple(cycle, bodies, &self.opened(), &self.settings())
     }
 
-    /// A body with its loss factor as the transient solver takes it. Loads of the shot act only on the workpiece,
-    /// gravity on every body.
+    /// A body with its loss factor, in the form that the transient solver needs. Loads of the shot act only on the
+    /// workpiece, gravity on every body.
     pub(super) fn modal_body(&self, body: &Body, loss_factor: f64, workpiece: bool) -> ModalBody {
         let gravity = self.gravity;
         let weight = match self.added_sand {
@@ -126,10 +126,10 @@ impl ShotInputs {
         supports
     }
 
-    /// Loads of the shot: the nail's stations, nose with guard spring, gravity.
+    /// Loads of the shot: the nail stations, nose with guard spring, gravity.
     ///
-    /// After the record the tool is off the wood and the nail at rest: the forces of the shot go to zero, gravity
-    /// stays.
+    /// After the record, the tool is off the wood and the nail at rest: the forces of the shot vanish, and only gravity
+    /// remains.
     fn loads(&self, shot: &ShotRecord, fastener: Option<&DMatrix<f64>>, force_scale: f64) -> Loads {
         let mut history = DMatrix::zeros(COUPLED_LOADS, shot.len());
         if let Some(forces) = fastener {

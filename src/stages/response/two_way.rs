@@ -27,7 +27,7 @@ pub struct CoupledResponse {
 impl Stage for CoupledResponse {
     type Output = Coupled;
     type Error = Error;
-    /// An intermediate of stored outputs.
+    /// An intermediate result of stored outputs.
     type Codec = Uncached;
     const NAME: &'static str = "nailing cycle with workpiece and support";
     const CODE: Code = CODE;
@@ -78,14 +78,14 @@ impl Stage for CoupledVibration {
     }
 }
 
-/// How cycle and structure of a coupled response found each other.
+/// Iterations and checks of a coupled response.
 #[derive(Serialize)]
 pub struct CouplingReport(pub Stored<Coupled>);
 
 /// Output of [`CouplingReport`].
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Reported {
-    /// Iterations and the difference left.
+    /// Iterations and the remaining difference.
     pub work: CouplingWork,
     /// Forces and work on both sides.
     pub checks: Vec<Check>,

@@ -6,7 +6,7 @@
 //!
 //! Forces come from the cycle with their lumped contact stiffnesses, which represent the compliance of cap and
 //! cylinder. The body deforms under these forces. This deformation does not change the forces, and no contact spring is
-//! added between cycle and body, so that the compliance is counted once. The notes of a run state the body's own
+//! added between cycle and body, so that the compliance is counted once. The notes of a run state both the body's own
 //! stiffness and the lumped one.
 
 mod forces;
@@ -38,7 +38,7 @@ const CODE: Code = code!(
     stages_tool_response
 );
 
-/// Inputs of the response of the tool, except its body and the cycle.
+/// Inputs of the response of the tool, without its body and the cycle.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ToolShot {
     /// Acceleration of gravity \[m/s2\].
@@ -49,7 +49,7 @@ pub struct ToolShot {
     pub contacts: Vec<HousingContact>,
     /// Step \[s\].
     pub step: f64,
-    /// Time simulated \[s\].
+    /// Simulated time \[s\].
     pub duration: f64,
 }
 
@@ -82,7 +82,7 @@ pub struct ToolResponse {
 impl Stage for ToolResponse {
     type Output = Vibration;
     type Error = Error;
-    /// An intermediate of stored outputs.
+    /// An intermediate result of stored outputs.
     type Codec = Uncached;
     const NAME: &'static str = "response of the tool";
     const CODE: Code = CODE;
@@ -136,30 +136,31 @@ impl Stage for ToolReport {
 /// Stiffness of the tool's body at a contact of the cycle.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Stiffness {
-    /// Where.
+    /// Place of the contact.
     pub place: Cow<'static, str>,
-    /// Static force over mean displacement there, of the free body relative to its rigid motion \[N/m\].
+    /// Ratio of static force to mean displacement there, of the free body relative to its rigid-body motion \[N/m\].
     pub body: f64,
-    /// The contact's in the cycle \[N/m\].
+    /// Stiffness of the contact in the cycle \[N/m\].
     pub contact: f64,
 }
 
-/// Largest sum of all forces less that of the cycle's equation of motion, over its largest.
+/// Largest difference between the sum of all forces and that in the cycle's equation of motion, relative to its
+/// maximum.
 const FORCE_LIMIT: f64 = 1e-9;
 
-/// Largest force that pressure on closed walls leaves along the axis, over the largest sum of all forces: the residual
-/// of a mesh's approximate cylinders.
+/// Largest axial force due to pressure on closed walls, relative to the largest sum of all forces; it results from the
+/// approximation of cylinders by the mesh.
 const STRAY_LIMIT: f64 = 1e-4;
 
-/// Largest deviation of the body's velocity from the cycle's, over its largest: forces of piston, nose and hand that
-/// jump between two samples.
+/// Largest difference between the velocities of body and cycle, relative to the maximum; it results from forces of
+/// piston, nose and hand that jump between two samples.
 const VELOCITY_LIMIT: f64 = 5e-3;
 
 impl ToolShot {
-    /// The response of the tool's body to a cycle, in the air where its loads are given.
+    /// The response of the tool's body to a cycle, in air if its fluid loads are given.
     ///
     /// # Errors
-    /// Those of the transient solver, and [`MeshError`](nailnoise_meshes::MeshError) for a body without a bore.
+    /// The errors of the transient solver, and [`MeshError`](nailnoise_meshes::MeshError) for a body without a bore.
     fn response(
         &self,
         body: &Body,
@@ -210,21 +211,21 @@ impl ToolShot {
     }
 }
 
-/// The body guided along its axis.
+/// The body, guided along its axis.
 struct Guided {
     /// Participation of all loads and of weight: modes x (loads + 1), downwards.
     loads: DMatrix<f64>,
-    /// Modal coordinates of a unit descent, zero for elastic modes \[kg^1/2\].
+    /// Modal coordinates of a unit downward displacement, zero for elastic modes \[kg^1/2\].
     descent: DVector<f64>,
     /// Its mass \[kg\].
     mass: f64,
-    /// Force along the axis that each pressure on walls leaves before it is taken out \[m2\].
+    /// Axial force due to each pressure on walls before it is removed \[m2\].
     stray: Vec<f64>,
 }
 
 impl Guided {
-    /// Retains only the descent among all rigid motions; a force of resultant R descends the body with R/M, and
-    /// pressures on closed walls have none.
+    /// Keeps only axial translation of all rigid-body motions; a resultant force R accelerates the body by R/M, and
+    /// pressures on closed walls have no resultant.
     fn new(body: &Body, gravity: f64) -> Self {
         let rigid: Vec<usize> = (0..body.omega.len()).filter(|&j| body.omega[j] == 0.0).collect();
         let mut descent = DVector::zeros(body.omega.len());
@@ -250,7 +251,7 @@ impl Guided {
         }
     }
 
-    /// Force along the axis of each load per unit.
+    /// Axial force of each load per unit.
     fn resultants(&self) -> DVector<f64> {
         self.loads.tr_mul(&self.descent)
     }
@@ -286,7 +287,7 @@ impl Guided {
         let fall = DMatrix::from_column_slice(self.descent.len(), 1, self.descent.as_slice()) / self.mass;
         let fall = coordinates.map_or_else(|| fall.clone(), |coordinates| coordinates.tr_mul(&fall));
         let velocity = response.points(0, &fall, Motion::Velocity)?;
-        // An impulse between two samples is spread over both, and the velocity over four.
+        // An impulse between two samples is spread over both, so that the velocity is smoothed over four.
         let smooth = |v: &[f64]| 0.25 * (v[0] + 2.0 * v[1] + v[2]);
         let drift = |(n, v): (usize, &[f64])| {
             let sample = ((n + 1) as f64 * record.sample_interval / response.step).round() as usize;
@@ -320,7 +321,7 @@ impl Guided {
     }
 }
 
-/// Bent as the loads at the start bend it, at rest.
+/// At rest, deformed statically by the initial loads.
 fn rest(body: &ModalBody, loads: &Loads) -> ModalState {
     let force = &body.loads * loads.history.column(0);
     let mut state = ModalState::rest(body.modes());
@@ -330,8 +331,8 @@ fn rest(body: &ModalBody, loads: &Loads) -> ModalState {
     state
 }
 
-/// The loads of a shot. After the record inner forces retain their values and the hand takes up the remainder of the
-/// others: the tool floats on; its landing is not part of the shot.
+/// The loads of a shot. After the record, internal forces keep their values, and the hand balances the others: the tool
+/// keeps floating; its landing is not part of the shot.
 fn loads(guided: &Guided, histories: DMatrix<f64>, record: &ShotRecord) -> Loads {
     let mut history = DMatrix::from_element(LOADS + 1, record.len(), 1.0);
     history.rows_mut(0, LOADS).copy_from(&histories);
@@ -344,8 +345,8 @@ fn loads(guided: &Guided, histories: DMatrix<f64>, record: &ShotRecord) -> Loads
     }
 }
 
-/// Mean displacement under a unit of a load where it acts, of the free body relative to its rigid motion \[m/N\]:
-/// sum over elastic modes, static corrections among them, of p_j^2/omega_j^2.
+/// Mean displacement where a unit load acts, of the free body relative to its rigid-body motion \[m/N\]: the sum of
+/// p_j^2/omega_j^2 over elastic modes, including static corrections.
 fn compliance(body: &Body, loads: &DMatrix<f64>, load: usize) -> f64 {
     let term = |(p, omega): (&f64, &f64)| if *omega > 0.0 { (p / omega).powi(2) } else { 0.0 };
     loads.column(load).iter().zip(&body.omega).map(term).sum()

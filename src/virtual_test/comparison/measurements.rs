@@ -1,4 +1,5 @@
-//! Measured quantities: published ones, `nailnoise-measured/1`, and those of an own test, `nailnoise-measurement/1`.
+//! Measured quantities: published ones, `nailnoise-measured/1`, and those of the user's own test,
+//! `nailnoise-measurement/1`.
 
 use std::path::Path;
 
@@ -12,10 +13,10 @@ use crate::measurement::result::{MeasurementResult, SCHEMA};
 use crate::measurement::wrapping::{Configuration, Role};
 use crate::shipped;
 
-/// The largest file that is read \[byte\].
+/// Maximum size of a file \[byte\].
 const LARGEST: u64 = 64 << 20;
 
-/// The largest magnitude of a measured value, in its unit.
+/// Maximum magnitude of a measured value, in its unit.
 const LIMIT: f64 = 1e9;
 
 /// Layout of published measurements.
@@ -26,15 +27,15 @@ const LAYOUT: &str = "nailnoise-measured/1";
 pub struct Measurements {
     /// The tool, its nails and wood.
     pub tool: String,
-    /// Where they were published, or the manifest of their recordings.
+    /// Their publication, or the manifest of their recordings.
     pub source: String,
-    /// Range of the levels \[Hz\]; none where it is not stated.
+    /// Range of the levels \[Hz\]; `None` if it is not stated.
     pub range_hz: Option<[f64; 2]>,
-    /// What was measured, and what follows from these together.
+    /// The measured quantities, and those implied by several of them.
     pub quantities: Vec<MeasuredQuantity>,
 }
 
-/// What every file of measurements states.
+/// Content common to all files of measurements.
 #[derive(Deserialize)]
 struct Layout {
     schema: String,
@@ -46,7 +47,7 @@ struct Published {
     tool: String,
     source: String,
     entries: Vec<Entry>,
-    /// What follows from these together.
+    /// Quantities implied by several of these.
     implied: Option<Implied>,
 }
 
@@ -98,15 +99,15 @@ struct ImpliedEntry {
 /// A measured quantity.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MeasuredQuantity {
-    /// Its name; of an implied quantity its words.
+    /// Its name; for an implied quantity, its description.
     pub id: String,
-    /// What it is.
+    /// Description.
     pub quantity: String,
     /// Unit.
     pub unit: String,
-    /// Where it was published.
+    /// Its publication.
     pub source: String,
-    /// What stays open.
+    /// Open questions.
     pub note: String,
     ends: [Option<f64>; 2],
     bound: bool,
@@ -114,7 +115,7 @@ pub struct MeasuredQuantity {
 }
 
 impl MeasuredQuantity {
-    /// The interval that the printed value stands for; an open end is `None`.
+    /// The interval that the printed value represents; an open end is `None`.
     pub fn interval(&self) -> [Option<f64>; 2] {
         let [low, high] = self.ends;
         [
@@ -123,7 +124,7 @@ impl MeasuredQuantity {
         ]
     }
 
-    /// Half of the last printed digit.
+    /// Half a unit of the last printed digit.
     pub fn rounding(&self) -> f64 {
         self.rounding
     }
@@ -149,11 +150,11 @@ impl MeasuredQuantity {
 }
 
 impl Measurements {
-    /// Reads a file of published measurements, or the result of `nailnoise measure`. Where there is no such file, a
-    /// name may be that of [measurements](shipped::measured) that come with the program.
+    /// Reads a file of published measurements, or the result of `nailnoise measure`. If no such file exists, a name may
+    /// be that of [measurements](shipped::measured) that come with the program.
     ///
     /// # Errors
-    /// [`MeasurementError::Unreadable`] for a file that cannot be read or holds no measurements, with the reason.
+    /// [`MeasurementError::Unreadable`] with the reason for a file that cannot be read or contains no measurements.
     pub fn read(path: &Path) -> Result<Self, MeasurementError> {
         let unreadable = |cause: String| MeasurementError::Unreadable {
             path: path.to_owned(),
@@ -189,7 +190,7 @@ impl Measurements {
         Ok(read)
     }
 
-    /// Quantities that were published, then those implied.
+    /// Published quantities, then implied ones.
     fn published(file: &Published) -> Self {
         let own = file.entries.iter().map(|entry| {
             let ends = match (&entry.value, entry.kind) {
@@ -228,8 +229,8 @@ impl Measurements {
         }
     }
 
-    /// Quantities of an own test: levels with their expanded uncertainty, the closure as it is, the block's RMS
-    /// acceleration with its scatter.
+    /// Quantities of the user's own test: levels with their expanded uncertainty, the closure without uncertainty, and
+    /// the block's RMS acceleration with its scatter.
     fn own(result: &MeasurementResult) -> Self {
         let setup = result.setup.as_str();
         let quantity = |id: String, words: &str, unit: &str, ends: [f64; 2], note: String| MeasuredQuantity {
@@ -262,7 +263,7 @@ impl Measurements {
                 .find(|own| own.source == role.name())
                 .and_then(|own| own.level)
         };
-        // The block moves alike in all configurations: their means show the scatter.
+        // The block moves in the same way in all configurations, so their means show the scatter.
         let block = Part::Block.names().into_iter().find_map(|name| {
             let sensors = result.configurations.iter().flat_map(|own| &own.accelerations);
             let levels = sensors.filter(|own| own.name == name).map(|own| [own.rms_g; 2]);

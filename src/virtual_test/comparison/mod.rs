@@ -1,8 +1,8 @@
-//! Measured beside predicted, like with like.
+//! Comparison of measured quantities with predictions of the same quantities.
 //!
-//! A wrapping test does not measure the sound power of a source, but what its microphones, wraps and subtraction make
-//! of it. The prediction goes through the same steps in energies ([`exact`](super::exact)), over draws of
-//! the design's ranges and of the wraps; the verdict is the distance of the two intervals.
+//! A wrapping test does not measure the sound power of a source but the result of its microphones, wraps and
+//! subtraction. The prediction follows the same steps with energies ([`exact`](super::exact)), over draws of the
+//! design's ranges and of the wraps; the result is the distance between the two intervals.
 
 mod measurements;
 mod predicted;
@@ -18,61 +18,61 @@ use crate::measurement::manifest::Setup;
 /// Layout of a comparison.
 pub const SCHEMA: &str = "nailnoise-measured-comparison/1";
 
-/// Measured quantities beside their predictions.
+/// Measured quantities with their predictions.
 #[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct MeasuredComparison {
     /// Layout: `nailnoise-measured-comparison/1`.
     pub schema: String,
-    /// The tool that was measured.
+    /// The measured tool.
     pub tool: String,
-    /// Where the measurements were published, or the manifest of their recordings.
+    /// Publication of the measurements, or the manifest of their recordings.
     pub source: String,
-    /// Designs behind the predictions, by what the workpiece stands on.
+    /// Designs for the predictions, by the support of the workpiece.
     pub designs: Vec<PredictedDesign>,
-    /// A row for each comparison.
+    /// One row per comparison.
     pub rows: Vec<ComparedQuantity>,
-    /// Measured quantities without a prediction, and why.
+    /// Measured quantities without a prediction, with the reason.
     pub open: Vec<String>,
 }
 
-/// A design behind predictions.
+/// A design used for predictions.
 #[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct PredictedDesign {
     /// Its name.
     pub name: String,
-    /// What the workpiece stands on.
+    /// Support of the workpiece.
     pub setup: Setup,
-    /// Draws behind the intervals.
+    /// Number of draws for the intervals.
     pub draws: usize,
-    /// Structures (block, table, tool body) that were drawn; 0 where they are those of the design.
+    /// Number of structures (block, table, tool body) drawn; 0 if they are those of the design.
     pub structures: usize,
 }
 
-/// A measured quantity beside its prediction.
+/// A measured quantity with its prediction.
 #[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct ComparedQuantity {
     /// Name in the file of measurements.
     pub id: String,
-    /// What is compared.
+    /// The quantity compared.
     pub quantity: String,
-    /// The design or designs behind the prediction.
+    /// The design or designs used for the prediction.
     pub design: String,
     /// Unit.
     pub unit: String,
-    /// Whether it is a level, and no difference of levels or other quantity.
+    /// Whether it is a level, as opposed to a difference of levels or another quantity.
     pub level: bool,
-    /// Interval of the measurement; null where it is open.
+    /// Interval of the measurement; null for an open end.
     pub measured: [Option<f64>; 2],
-    /// Prediction of the design as it is.
+    /// Prediction for the design itself.
     pub predicted: f64,
-    /// 5 and 95 % of the draws; none where nothing was drawn.
+    /// 5th and 95th percentile of the draws; null if nothing was drawn.
     pub interval: Option<[f64; 2]>,
-    /// Distance of the intervals, 0 where they overlap, positive where the prediction is higher: in dB for levels, in
-    /// the unit for others.
+    /// Distance between the intervals, 0 if they overlap, positive if the prediction is higher: in dB for levels,
+    /// otherwise in the unit of the quantity.
     pub distance: f64,
-    /// Where the measurement was published, or the manifest of its recordings.
+    /// Publication of the measurement, or the manifest of its recordings.
     pub source: String,
-    /// What stays open.
+    /// Open questions.
     pub note: String,
 }
 
@@ -118,7 +118,7 @@ fn row(
     quantity: &Quantity,
     (design, found): &(String, predicted::Found),
 ) -> ComparedQuantity {
-    // A bound on the true source can only be exceeded; the bound by the test's own steps is compared as a value.
+    // A bound on the true source can only be exceeded; the bound from the test's own steps is compared as a value.
     let mut measured = entry.interval();
     if quantity.is_bounded_above() {
         measured[0] = None;

@@ -1,4 +1,4 @@
-//! What a wrapping test of a design would give, over draws of its ranges and of its wraps.
+//! Predicted results of a wrapping test of a design, over draws of its ranges and of its wraps.
 
 use nailnoise_acoustics::random::uniform;
 
@@ -14,24 +14,24 @@ use crate::study::{Draw, Draws};
 use crate::virtual_test::exact::{ExactTest, exact};
 use crate::virtual_test::{BareShot, VirtualTest, wrapping};
 
-/// Share of the draws below and above an interval.
+/// Fraction of the draws below and above an interval.
 const TAIL: f64 = 0.05;
 
-/// Fewest draws for an interval.
+/// Minimum number of draws for an interval.
 const LEAST_DRAWS: usize = 8;
 
-/// Levels of a wrapping test \[dB\]; NaN where nothing is left.
+/// Levels of a wrapping test \[dB\]; NaN if no energy remains.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct TestLevels {
     /// The total, E_1.
     pub total: f64,
-    /// X_5, X_3, X_4: workpiece, exhaust, body less residual.
+    /// X_5, X_3, X_4: workpiece, exhaust and body minus the residual.
     pub separated: [f64; 3],
     /// The bound U.
     pub bound: f64,
     /// The closure C.
     pub closure: f64,
-    /// The workpiece bare, as the array measures it.
+    /// The unwrapped workpiece, as measured by the array.
     pub workpiece: f64,
 }
 
@@ -40,15 +40,15 @@ pub(super) struct TestLevels {
 pub struct Predicted {
     /// Name of the design.
     pub name: String,
-    /// What its workpiece stands on.
+    /// Support of its workpiece.
     pub setup: Setup,
     own: TestLevels,
     drawn: Vec<TestLevels>,
     structures: usize,
-    /// RMS acceleration of the block over 1 s \[g\], of the design and of the draws.
+    /// RMS acceleration of the block over 1 s \[g\], for the design and for the draws.
     block_rms: Option<f64>,
     drawn_block_rms: Vec<f64>,
-    /// Mean speed of the nail over its length \[m/s\], of the design and of the draws.
+    /// Mean speed of the nail over its length \[m/s\], for the design and for the draws.
     speed: Option<f64>,
     drawn_speed: Vec<f64>,
     /// Length of the nail \[m\].
@@ -58,9 +58,9 @@ pub struct Predicted {
 /// A predicted value with its interval.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Found {
-    /// Of the design as it is.
+    /// Value of the design itself.
     pub own: f64,
-    /// 5 and 95 % of the draws.
+    /// 5th and 95th percentile of the draws.
     pub interval: Option<[f64; 2]>,
 }
 
@@ -70,7 +70,7 @@ impl Predicted {
         self.drawn.len()
     }
 
-    /// Number of structures that were drawn; 0 where they are held.
+    /// Number of structures drawn; 0 if they are fixed.
     pub fn structures(&self) -> usize {
         self.structures
     }
@@ -79,32 +79,32 @@ impl Predicted {
 /// A quantity that can be predicted.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Quantity {
-    /// The bound of the workpiece by the test's own steps.
+    /// The bound of the workpiece from the test's own steps.
     Bound(Setup),
-    /// The workpiece bare, which a bound must not lie below.
+    /// The unwrapped workpiece, which is below any valid bound.
     Workpiece(Setup),
     /// The total.
     Total(Setup),
-    /// A source less residual.
+    /// A source minus the residual.
     Source(Setup, Role),
-    /// The three sources less residual together.
+    /// The sum of the three sources minus the residual.
     Sum(Setup),
-    /// Exhaust and body less residual together.
+    /// The sum of exhaust and body minus the residual.
     Others(Setup),
     /// The closure.
     Closure(Setup),
-    /// Total on the table less total in sand.
+    /// Total on the table minus total in sand.
     Fall,
     /// RMS of the block's acceleration.
     BlockRms(Setup),
     /// Mean speed of the nail.
     Speed,
-    /// Time of the nail over its length \[ms\].
+    /// Time in which the nail travels its length \[ms\].
     PenetrationTime,
 }
 
 impl Quantity {
-    /// What an entry is compared with; none where the program predicts nothing of the kind.
+    /// The quantities with which an entry is compared; empty if the program predicts nothing of this kind.
     pub fn of(entry: &MeasuredQuantity) -> Vec<Self> {
         use Setup::{Sandbox, Worktable};
         match entry.id.as_str() {
@@ -131,12 +131,12 @@ impl Quantity {
         }
     }
 
-    /// Whether the measurement bounds it from above alone.
+    /// Whether the measurement only bounds it from above.
     pub fn is_bounded_above(self) -> bool {
         matches!(self, Self::Workpiece(_))
     }
 
-    /// Whether it is the outcome of the test's own steps, so that a printed bound is compared as a value.
+    /// Whether it results from the test's own steps, so that a printed bound is compared as a value.
     pub fn is_test_outcome(self) -> bool {
         matches!(self, Self::Bound(_))
     }
@@ -149,7 +149,7 @@ impl Quantity {
         )
     }
 
-    /// What is compared with an entry.
+    /// Description of the quantity compared with an entry.
     pub fn in_words(self, entry: &MeasuredQuantity) -> String {
         match self {
             Self::Bound(_) => format!("{}: upper bound, processed like the measurement", entry.quantity),
@@ -162,7 +162,7 @@ impl Quantity {
         }
     }
 
-    /// Its prediction by each of the designs whose workpiece stands as in the test, with the names of these designs.
+    /// Its prediction by each of the designs whose workpiece is supported as in the test, with their names.
     pub fn predicted(self, all: &[Predicted]) -> Vec<(String, Found)> {
         let of = |setup: Setup| all.iter().filter(move |own| own.setup == setup);
         let each = |setup: Setup, value: &dyn Fn(&Predicted) -> Option<Found>| -> Vec<(String, Found)> {
@@ -186,7 +186,7 @@ impl Quantity {
             Self::Fall => {
                 let pairs = of(Setup::Worktable).flat_map(|table| of(Setup::Sandbox).map(move |sand| (table, sand)));
                 let fall = |(table, sand): (&Predicted, &Predicted)| {
-                    // Draws of both are common where they were drawn together.
+                    // The draws of both are common if they were drawn together.
                     let drawn = table.drawn.iter().zip(&sand.drawn);
                     let drawn = drawn.map(|(a, b)| a.total - b.total).collect();
                     let found = found(table.own.total - sand.own.total, drawn)?;
@@ -195,7 +195,7 @@ impl Quantity {
                 pairs.filter_map(fall).collect()
             }
             Self::BlockRms(setup) => each(setup, &|own| found(own.block_rms?, own.drawn_block_rms.clone())),
-            // The published speed is that of the nailer; the support hardly changes it.
+            // The published speed is that of the nailer; the support hardly affects it.
             Self::Speed | Self::PenetrationTime => {
                 let quantity = |own: &Predicted, speed: f64| match self {
                     Self::Speed => speed,
@@ -212,7 +212,7 @@ impl Quantity {
     }
 }
 
-/// A value with the interval of its draws; `None` where it does not exist.
+/// A value with the interval of its draws; `None` if it does not exist.
 fn found(own: f64, drawn: Vec<f64>) -> Option<Found> {
     if !own.is_finite() {
         return None;
@@ -229,13 +229,13 @@ fn found(own: f64, drawn: Vec<f64>) -> Option<Found> {
 }
 
 /// Predicts the wrapping test of a design. `shot` is its own shot; `drawn` are draws of its ranges, with the levels of
-/// the design itself. Draws of the wraps follow from `seed`.
+/// the design itself. Draws of the wraps depend on `seed`.
 ///
-/// A draw changes each band of a source by as much as it changes the band's radiated level: the directivity at the
+/// A draw changes each band of a source by the same amount as the band's radiated level; the directivity at the
 /// microphones is that of the design itself.
 ///
 /// # Errors
-/// Those of the energies.
+/// The errors of the energies.
 pub fn predict(
     test: &VirtualTest<'_>,
     design: &Design,
@@ -287,7 +287,7 @@ pub fn predict(
     })
 }
 
-/// Change of a band of a source of the test in a draw against the design itself \[dB\].
+/// Change of a band of a source of the test in a draw, relative to the design itself \[dB\].
 fn change(nominal: &Levels, draw: &Draw, role: usize, hz: f64) -> f64 {
     let plays = |name: &str| by_name(name).is_some_and(|source| source.role() as usize == role);
     let band = |levels: &Levels, errors: &[f64]| {
@@ -306,7 +306,7 @@ fn change(nominal: &Levels, draw: &Draw, role: usize, hz: f64) -> f64 {
     }
 }
 
-/// The wraps of a draw: every key of theirs with a range is uniform over it.
+/// The wraps of a draw: each of their keys with a range is uniform over it.
 fn drawn_wraps(design: &Design, seed: u64, draw: u64) -> Wrapping {
     let mut drawn = design.clone();
     let entries = design.entries();
@@ -319,14 +319,13 @@ fn drawn_wraps(design: &Design, seed: u64, draw: u64) -> Wrapping {
             Some((entry.key.as_str(), Value::Number(low + share * (high - low))))
         })
         .collect();
-    // Values within the ranges of a design that was read are allowed.
+    // Values within the ranges of a design that was read are valid.
     let set = drawn.set(&changes);
     debug_assert!(set.is_ok(), "{set:?}");
     wrapping(&drawn)
 }
 
-/// Levels of a test whose sources are those of `own`, band by band louder by `change(source, hz)` \[dB\], behind these
-/// wraps.
+/// Levels of a test with the sources of `own`, changed in each band by `change(source, hz)` \[dB\], with these wraps.
 fn levels_of(own: &ExactTest, wraps: &Wrapping, change: impl Fn(usize, f64) -> f64) -> TestLevels {
     let energy = |level: Option<f64>| level.map_or(0.0, |level| 10f64.powf(0.1 * level));
     let mut total = [0.0; 5];
@@ -337,7 +336,7 @@ fn levels_of(own: &ExactTest, wraps: &Wrapping, change: impl Fn(usize, f64) -> f
         let mixed = configurations(&wraps.at(band.hz).matrix(), &sources, 0.0);
         total.iter_mut().zip(mixed).for_each(|(sum, e)| *sum += e);
     }
-    // The background is that of the whole range, the same in each configuration.
+    // The background covers the complete range and is the same in each configuration.
     let background = energy(own.background_db);
     total.iter_mut().for_each(|e| *e += background);
     let parts = separated(&total);

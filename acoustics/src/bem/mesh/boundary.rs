@@ -63,7 +63,7 @@ impl Boundary {
     /// \[m\]: `mesh` is the part above them.
     ///
     /// # Errors
-    /// Those of [`Boundary::new`], and [`BemError::MirrorThroughPart`].
+    /// The errors of [`Boundary::new`], and [`BemError::MirrorThroughPart`].
     pub fn symmetric(mesh: BoundaryMesh, mirrors: [Option<f64>; 2], floor: Option<f64>) -> Result<Self, BemError> {
         Self::checked(mesh, [mirrors[0], mirrors[1], floor], true)
     }
@@ -72,7 +72,7 @@ impl Boundary {
     /// point to one side; for `mirrors`, see [`Boundary::symmetric`].
     ///
     /// # Errors
-    /// Those of [`Boundary::symmetric`], and [`BemError::NotFlat`].
+    /// The errors of [`Boundary::symmetric`], and [`BemError::NotFlat`].
     pub fn flat(mesh: BoundaryMesh, mirrors: [Option<f64>; 2]) -> Result<Self, BemError> {
         let flat = Self::checked(mesh, [mirrors[0], mirrors[1], None], false)?;
         let normal = |p: usize, xi: [f64; 2]| flat.mesh.point_at(p, xi).area_vector().normalize();

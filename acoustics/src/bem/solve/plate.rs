@@ -58,7 +58,7 @@ impl Plate {
     /// part omega times the added mass.
     ///
     /// # Errors
-    /// Those of [`Exterior::solve_parities`].
+    /// The errors of [`Exterior::solve_parities`].
     pub fn impedance(&self, hz: f64, patterns: &Patterns) -> Result<DMatrix<Complex<f64>>, BemError> {
         positive("frequency [Hz]", hz)?;
         self.surface.check_resolution(hz)?;

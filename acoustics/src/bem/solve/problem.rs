@@ -59,7 +59,7 @@ pub struct Exterior {
     coupling: f64,
     per_wavelength: f64,
     images: Vec<Image>,
-    /// Integrals of phi_i phi_j over every panel.
+    /// Integrals of phi_i phi_j over each panel.
     masses: Vec<[[f64; 4]; 4]>,
     equations: EquationSolver,
     compressed: OnceLock<CompressedSurface>,

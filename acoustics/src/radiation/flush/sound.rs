@@ -38,7 +38,7 @@ impl FlushSound {
     /// `origin` removed; `progress` is called after each frequency.
     ///
     /// # Errors
-    /// Those of [`Rayleigh::sampled`] and [`SoundAbovePlane::new`].
+    /// The errors of [`Rayleigh::sampled`] and [`SoundAbovePlane::new`].
     pub fn new(
         surface: &Rayleigh,
         sampling: &Sampling,

@@ -13,7 +13,7 @@ use crate::signals::{SourceSpectrum, Weighting, energy_level};
 pub struct RigidSphere<'a> {
     /// Its acceleration \[m/s²\].
     pub acceleration: &'a [f64],
-    /// Interval of the samples \[s\].
+    /// Sampling interval \[s\].
     pub sample_interval: f64,
     /// Its volume \[m³\].
     pub volume: f64,

@@ -32,7 +32,7 @@ impl AssemblyError {
 /// What is wrong with an assembly.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum Fault {
-    /// The file is not TOML.
+    /// The file is not valid TOML.
     #[error("{0}")]
     Syntax(String),
     /// The file of a base assembly cannot be read.
@@ -216,7 +216,7 @@ pub enum Fault {
         /// What is missing or counted twice.
         differences: Vec<String>,
     },
-    /// A spring is compressed beyond its law.
+    /// A spring is compressed beyond the range of its law.
     #[error(
         "is compressed by {:.3} mm at the stop \"{stop}\", its law is valid to {:.3} mm",
         compression * 1e3,

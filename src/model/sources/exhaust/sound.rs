@@ -68,7 +68,7 @@ pub(crate) struct Openings {
     pub(crate) air: Air,
     /// Analysed range \[Hz\].
     pub(crate) range_hz: [f64; 2],
-    /// Each opening of the tool, those that count to another source last.
+    /// Each opening of the tool, with those assigned to another source last.
     pub(crate) openings: Vec<NoisyOpening>,
 }
 
@@ -83,18 +83,18 @@ pub(crate) struct NoisyOpening {
     pub(crate) holes: Opening,
     /// Plenum, pipe and muffler of the exhaust, if it is the exhaust of the tool.
     pub(crate) exhaust: Option<ExhaustOutlet>,
-    /// Name of the source to which it counts, if not to the exhaust.
+    /// Name of the source to which it is assigned, if not the exhaust.
     pub(crate) counts_to: Option<&'static str>,
 }
 
-/// What the air of the exhaust passes at its holes.
+/// Elements that the exhaust air passes at its holes.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub(crate) struct ExhaustOutlet {
-    /// Resonance of the plenum, where it filters the unsteady outflow.
+    /// Resonance of the plenum, if it filters the unsteady outflow.
     pub(crate) plenum: Option<PlenumResonance>,
     /// Pipe on the holes.
     pub(crate) fitting: Option<PipeFitting>,
-    /// What the air passes behind the holes.
+    /// Muffler after the holes.
     pub(crate) muffler: Option<Muffler>,
 }
 
@@ -108,19 +108,19 @@ impl Openings {
 /// A muffler behind the exhaust holes.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub(crate) enum Muffler {
-    /// One of measured insertion loss, its own flow noise included. It applies to the sound of the same shot without
-    /// the muffler.
+    /// A measured insertion loss, which includes the muffler's own flow noise. It applies to the sound of the same shot
+    /// without the muffler.
     InsertionLoss(BandLosses),
     /// An expansion chamber with a tail pipe.
     Chamber {
         /// Chamber and pipe; the Mach number of its outlet follows from the cycle.
         chain: MufflerChain,
-        /// Effective area of its outlet \[m²\], where it makes a jet of its own.
+        /// Effective area of its outlet \[m²\], if the outlet has its own jet.
         outlet_area: f64,
     },
 }
 
-/// Properties of the exhaust noise that stand beside its energy.
+/// Properties of the exhaust noise in addition to its energy.
 #[derive(Debug, Clone)]
 pub(crate) struct ExhaustDetails {
     /// Unweighted level of the jets by the efficiencies of IEC 60534-8-3:2010, an independent estimate \[dB re 1 pW
@@ -128,7 +128,7 @@ pub(crate) struct ExhaustDetails {
     pub(crate) valve_noise_lw: Option<f64>,
     /// Unweighted level of the jets by the correlations used, over all frequencies \[dB re 1 pW s\].
     pub(crate) jets_lw: Option<f64>,
-    /// Mass that the jets carry over the mass of the cycle's flow, less one \[-\].
+    /// Relative difference between the mass of the jets and that of the cycle's flow \[-\].
     pub(crate) mass_gap: f64,
     /// Share of the mixing energy from jet speeds outside the correlation's range \[-\].
     pub(crate) outside_range: f64,
@@ -136,9 +136,9 @@ pub(crate) struct ExhaustDetails {
     pub(crate) merged: Option<Opening>,
     /// Checks of the cycle without a muffler whose insertion loss was measured.
     pub(crate) unmuffled_checks: Vec<Check>,
-    /// The noise of each opening: holes, muffler's outlet where there is one, trigger vent.
+    /// The noise of each opening: holes, muffler's outlet if present, trigger vent.
     pub(crate) openings: Vec<ExhaustNoise>,
-    /// Screech frequency of the holes' jets at every sample of the cycle \[Hz\]; none while they are subsonic.
+    /// Screech frequency of the holes' jets at every sample of the cycle \[Hz\]; `None` while they are subsonic.
     pub(crate) screech: Vec<Option<f64>>,
 }
 
@@ -153,7 +153,7 @@ impl ExhaustDetails {
         std::iter::once(mass).chain(self.unmuffled_checks.iter().cloned())
     }
 
-    /// How long the holes' jets are choked \[s\], and the lowest screech frequency meanwhile \[Hz\].
+    /// Time for which the holes' jets are choked \[s\], and the lowest screech frequency during this time \[Hz\].
     pub(crate) fn choked(&self, sample_interval: f64) -> Option<(f64, f64)> {
         let choked = || self.screech.iter().flatten();
         let lowest = choked().copied().reduce(f64::min)?;
@@ -166,7 +166,7 @@ impl ExhaustDetails {
 pub(crate) struct Cycles {
     /// That of the shot.
     pub(crate) shot: Stored<ShotRecord>,
-    /// That of the same shot without a muffler, where the insertion loss of the muffler was measured.
+    /// The same shot without a muffler, if the insertion loss of the muffler was measured.
     pub(crate) unmuffled: Option<Stored<ShotRecord>>,
 }
 
@@ -185,7 +185,7 @@ pub(crate) struct OutflowNoise {
 pub(crate) struct Outflow {
     /// Sound of the source.
     pub(crate) sound: Sound,
-    /// Sound of the trigger vent, and the source to which it counts, if that is another one.
+    /// Sound of the trigger vent with the source to which it is assigned, if that is not the exhaust.
     pub(crate) vent: Option<(Sound, &'static str)>,
     /// Properties in addition to the sound.
     pub(crate) details: ExhaustDetails,
@@ -211,7 +211,7 @@ impl Stage for OutflowNoise {
     }
 }
 
-/// The vent as a part that counts to another source.
+/// The vent as a part that is assigned to another source.
 fn moved<T>(part: T, to: &'static str) -> Moved<T> {
     Moved {
         to: to.into(),
@@ -306,13 +306,13 @@ impl Stage for Exhaust {
     }
 }
 
-/// The noise of all openings from the shot's flow, and that of the vent by itself where it is apart.
+/// The noise of all openings from the shot's flow, and that of the vent if it is separate.
 ///
 /// The exhaust sounds in the shot `through_holes`, all other openings in `shot`; both are the same unless the insertion
-/// loss of a muffler was measured. Such a loss is the level without the muffler less that with it, so that it applies
-/// to the holes that open into the air, in the shot without the muffler's back pressure: what back pressure and gas
-/// inside the muffler do to the jets is in the measured loss. The holes before a chamber blow into it, against its
-/// pressure and into outflow of their own stagnation temperature.
+/// loss of a muffler was measured. Such a loss is the level without the muffler minus that with it, so it applies to
+/// holes that open into the air, in the shot without the muffler's back pressure. The measured loss includes the
+/// effects of back pressure and of the gas inside the muffler on the jets. The holes before a chamber blow into it,
+/// against its pressure and into outflow of their own stagnation temperature.
 ///
 /// # Errors
 /// Openings, plenum or muffler that cannot be, air that leaves against a higher pressure.
@@ -459,7 +459,7 @@ struct JetSum {
     valve_noise: f64,
     /// Mass that leaves \[kg\].
     mass: f64,
-    /// Mass that the expanded jets carry \[kg\].
+    /// Mass of the expanded jets \[kg\].
     jet_mass: f64,
 }
 
@@ -514,8 +514,9 @@ fn vent_alone(vent: &ExhaustNoise) -> Sound {
     }
 }
 
-/// How far the A-weighted level of the exhaust is lower and higher \[dB\] if the resonances of a fitting act on the
-/// jets of the holes as they do on the unsteady outflow. Where in the fitting jets sound, and as what, is not known.
+/// Decrease and increase of the exhaust's A-weighted level \[dB\] if the resonances of a fitting act on the jets of the
+/// holes as they do on the unsteady outflow. It is not known where in the fitting jets radiate, and as what type of
+/// source.
 fn amplified_jets(
     fitting: &PipeFitting,
     holes: &ExhaustNoise,

@@ -82,7 +82,7 @@ pub(crate) struct HousingAtMicrophones {
 pub(crate) struct Elastic {
     /// The body.
     pub(crate) body: Stored<Body>,
-    /// Frequency up to which the result includes its motion \[Hz\].
+    /// Highest frequency at which the result includes its motion \[Hz\].
     pub(crate) top_hz: f64,
     /// Its motion.
     pub(crate) motion: Stored<BodyMotion>,
@@ -103,7 +103,7 @@ pub(crate) struct Elastic {
 pub(crate) struct Cap {
     /// Radiation of the housing with only the cap in motion, after each mode of the full body.
     pub(crate) radiator: Stored<ModalBem>,
-    /// Name of the source to which it counts.
+    /// Name of the source to which it is assigned.
     pub(crate) counts_to: &'static str,
 }
 

@@ -12,7 +12,7 @@ pub(crate) struct Equations<'a> {
     pub(crate) images: &'a [Image],
     pub(crate) blocks: &'a [Block],
     pub(crate) near: &'a NearField,
-    /// Integrals of phi_i phi_j over every panel.
+    /// Integrals of phi_i phi_j over each panel.
     pub(crate) masses: &'a [[[f64; 4]; 4]],
     pub(crate) wave: Wave,
 }
